@@ -30,7 +30,7 @@ from studies.study import RECORDED, Study, Summary, Tables
 
 NAMES = (  # in the order of the page
     *("convexity", "relaxation", "interior", "dissipation", "inclusion", "cone", "outcomes"),
-    *("orders", "events", "coordinates", "compliance", "neighbours", "warm", "rankings", "exactness"),
+    *("orders", "events", "substeps", "coordinates", "compliance", "neighbours", "warm", "rankings", "exactness"),
 )
 HERE = Path(__file__).parent
 FIGURES = "studies"  # the folder of the figures that studies.md shows

@@ -292,3 +292,12 @@ def test_the_error_of_a_path_follows_the_tolerance() -> None:
     moved = found["tasks"].set_index(["way", "task"])["moved"]
     assert moved["reference", "hinge"] < 1e-9 < moved["MuJoCo", "hinge"]
     assert text("exactness", found).answer.startswith("As exact as the path is wanted")
+
+
+def test_substeps_help_while_each_converges() -> None:
+    found = reduced("substeps", errors={"scenes": ("pyramid",), "budgets": (16, 64), "substeps": (1, 4, 16)})
+    errors = found["errors"].set_index(["budget", "substeps"])["error"]
+    assert errors[0].is_monotonic_decreasing, "of exact steps"
+    assert errors[64, 16] < 0.5 * errors[64, 1]
+    assert errors[16, 16] > errors[16, 4], "one sweep in a substep"
+    assert text("substeps", found).answer.startswith("Both")

@@ -1,0 +1,113 @@
+"""Substeps or iterations? The same number of sweeps, in one step of many or in many steps of few."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+import frictionbench as fb
+from frictionbench.problems import SCHEMES, FrictionProblem, Scene, simulation
+from frictionbench.reports import INK, Panel
+from frictionbench.solvers import solve
+from studies.motions import coulomb
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require
+
+STEP, DURATION = 0.01, 0.5  # s
+FINER = 2  # the reference has steps so many times smaller than the smallest substep
+SCENES: dict[str, tuple[str, dict[str, Any]]] = {
+    "pushed stack": ("stack", {"blocks": 5, "push": 1.0, "friction": 0.3}),
+    "heavy on light": ("stack", {"blocks": 5, "push": 1.0, "friction": 0.3, "mass_ratio": 100.0}),
+    "pyramid": ("pyramid", {"rows": 4, "push": 1.0, "friction": 0.3}),
+    "pile of discs": ("disc_pile", {"rows": 5, "push": 0.5, "friction": 0.3}),
+    "arch": ("arch", {"stones": 7, "push": 0.5}),
+}
+BUDGETS = (16, 64, 256)  # sweeps in STEP
+SUBSTEPS = (1, 4, 16, 64)
+GAPS = "stewart_trinkle"
+
+
+def errors(
+    scenes: Iterable[str] = tuple(SCENES), budgets: Iterable[int] = BUDGETS, substeps: Iterable[int] = SUBSTEPS
+) -> Iterator[Row]:
+    """Motions by nsgs with so many sweeps in each substep, started from the substep before, and by an exact solver."""
+    parts = tuple(substeps)
+    for name in scenes:
+        known, _ = motion(begin(name, max(parts) * FINER), coulomb)
+        for part, budget in product(parts, (0, *budgets)):
+            if budget and budget < part:
+                continue
+            stage = begin(name, part)
+            path, overlap = motion(stage, Sweeps(budget // part) if budget else coulomb)
+            yield {
+                "scene": name,
+                "substeps": part,  # in 10 ms
+                "budget": budget,  # sweeps in 10 ms; 0 for the exact solver
+                "error": float(np.linalg.norm(path - known, axis=1).max()),  # of a body's centre at the end, m
+                "overlap": overlap,  # the deepest on the way, m
+            }
+
+
+def begin(name: str, parts: int) -> Scene:
+    """A scene in substeps."""
+    scene, settings = SCENES[name]
+    return replace(fb.scene(scene, **settings, step=STEP / parts), duration=DURATION)
+
+
+def motion(stage: Scene, answer: Any) -> tuple[Array, float]:
+    """The bodies' centres at the end, and the deepest overlap on the way, m."""
+    overlap = 0.0
+    for now in simulation(stage, answer, SCHEMES[GAPS]):
+        overlap = max(overlap, stage.deepest_overlap(now.q))
+    return stage.geometry.centres(now.q), overlap
+
+
+class Sweeps:
+    """So many sweeps of nsgs, from the impulses of the problem before where it has as many contacts."""
+
+    def __init__(self, limit: int) -> None:
+        self.limit, self.before = limit, np.zeros((0, 2))
+
+    def __call__(self, problem: FrictionProblem) -> Array:
+        start = self.before if len(self.before) == problem.contacts else None
+        self.before = solve(problem, "nsgs", tol=1e-12, limit=self.limit, start=start).impulse
+        return self.before
+
+
+def summary(found: Tables) -> Summary:
+    rows = found["errors"]
+    exact, swept = rows[rows["budget"] == 0], rows[rows["budget"] > 0]
+    one = swept[swept["substeps"] == 1].set_index(["scene", "budget"])["error"]
+    best = swept.loc[swept.groupby(["scene", "budget"])["error"].idxmin()].set_index(["scene", "budget"])
+    gain = one / best["error"]
+    split = best["substeps"] > 1
+    require(split.mean() > 0.5, "substeps are of use in most cases")
+    coarse = exact[exact["substeps"] == 1].set_index("scene")["error"]
+    numbers = {
+        "cases": len(best),
+        "split": int(split.sum()),
+        "gain": f"{gain[split].median():.2g}",
+        "whole": listing([f"{scene} with {budget}" for scene, budget in best.index[~split]]),
+        "each": "; ".join(f"{scene}: {_said(own)}" for scene, own in best.reset_index().groupby("scene", sort=False)),
+        "exact": ", ".join(f"{scene} {1000 * error:.2g}" for scene, error in coarse.items()),
+    }
+    figures = {"errors": tuple(Panel(str(scene), partial(_draw, own=own)) for scene, own in rows.groupby("scene", sort=False))}
+    return Summary(numbers, figures)
+
+
+def _said(own: pd.DataFrame) -> str:
+    return ", ".join(f"{row.substeps} of {row.budget // row.substeps} ({1000 * row.error:.2g} mm)" for row in own.itertuples())
+
+
+def _draw(ax: Axes, own: pd.DataFrame) -> None:
+    for k, (budget, rows) in enumerate(own.groupby("budget")):
+        label = f"{budget} sweeps in 10 ms" if budget else "exact"
+        curve(ax, k, rows["substeps"], rows["error"], label, **({} if budget else {"color": INK, "ls": ":", "marker": ""}))
+    finish(ax, "substeps in 10 ms", "error at the end, m", "xy")
+
+
+STUDY = Study((errors,), summary)
