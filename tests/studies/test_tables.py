@@ -294,6 +294,7 @@ def test_the_error_of_a_path_follows_the_tolerance() -> None:
     assert text("exactness", found).answer.startswith("As exact as the path is wanted")
 
 
+@pytest.mark.slow  # its claims on computed tables
 def test_substeps_help_while_each_converges() -> None:
     found = reduced("substeps", errors={"scenes": ("pyramid",), "budgets": (16, 64), "substeps": (1, 4, 16)})
     errors = found["errors"].set_index(["budget", "substeps"])["error"]
