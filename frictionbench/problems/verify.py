@@ -7,10 +7,10 @@ The answer's claim decides only between verdicts on an answer that is not accura
 The residuals of the exact problem and of the model are computed separately: the first contains model error and solver error,
 the second only the solver's. Verdicts are no finer than floating-point arithmetic: see residual_floor in problems.residual.
 
-Islands are judged one by one (problems.forms.islands), each in its own unit and with its own floor. An island is unjudgeable
+Contacts are judged one by one, each in its own unit and with its own floor (problems.residual). A contact is unjudgeable
 where its floor is above the tolerance and its residual is within the floor, and where the tolerance is above LEAST_GAIN of
-the residual of no impulses, because there being within it says little; the verdict is that on all other islands if they
-are not solved, otherwise `unjudgeable`. So neither the speed nor the rounding errors of one part excuse another. A solver that
+the residual of no impulses in its island, because there being within it says little; the verdict is that on all other
+contacts if they are not solved, otherwise `unjudgeable`. So neither the speed nor the rounding errors of one part excuse another. A solver that
 stops by the norm of the whole problem leaves the slow islands of a problem less accurate by the ratio of the speeds, and its
 answer is a `near_miss` or `wrong` as for any other difference of norms: it must ask for tol times the smallest unit, or solve
 the balanced problem, as the solvers and adapters of this package do (solvers.balanced).
@@ -101,8 +101,7 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
     )
     exact, of_model, floor = (largest(part) for part in parts[:3])
     reported = claimed or answer.status is Status.ROUNDING
-    by_island = [_by_island(problem, part) for part in parts]
-    verdict, why = _verdict(by_island, claimed, reported, tol)
+    verdict, why = _verdict([*parts[:3], _of_island(problem, idle)], claimed, reported, tol)
     accepted = claimed and verdict in ACCEPTED
     with np.errstate(over="ignore", invalid="ignore"):
         defect = ledger_defect(problem, impulse)
@@ -152,11 +151,11 @@ def _model_residuals(problem: FrictionProblem, answer: Answer, model: str, exact
     return exact
 
 
-def _by_island(problem: FrictionProblem, by_contact: Array) -> Array:
-    """The largest value of each island, of values by contact (nc,)."""
+def _of_island(problem: FrictionProblem, by_contact: Array) -> Array:
+    """Of each contact (nc,), the largest value in its island."""
     worst = np.zeros(problem.islands.max(initial=-1) + 1)
     np.maximum.at(worst, problem.islands, by_contact)
-    return worst
+    return worst[problem.islands]
 
 
 def _verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
@@ -178,9 +177,10 @@ def _above(residual: float, tol: float) -> str:
 
 
 def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> tuple[Verdict, str]:
-    """The verdict and its reason, with the numbers of the islands that decide.
+    """The verdict and its reason, with the numbers of the contacts that decide.
 
-    parts: by island the residuals of the exact problem and of the model, the floor, and the residual of no impulses.
+    parts: by contact the residuals of the exact problem and of the model, the floor, and the residual of no impulses in its
+    island.
     reported: the answer says that it is as good as rounding allows.
     """
     exact, model, floor, idle = parts

@@ -229,6 +229,23 @@ def test_rounding_errors_of_one_island_do_not_excuse_another():
     assert verify(problem, claim(np.vstack([garbage, 0 * right]), Status.STALLED), LEMKE, 1e-8).verdict == "unsolved"
 
 
+def test_rounding_errors_across_an_open_contact_do_not_excuse_either_side():
+    """The open contact between both parts carries nothing: each has its own unit and its own rounding."""
+    apart = side_by_side(opposed(), block())
+    normal, tangent = apart.normal.toarray(), apart.tangent.toarray()
+    bridged = apart.replace(
+        normal=np.vstack([normal, normal[:1] - normal[2:]]),
+        tangent=np.vstack([tangent, tangent[:1] - tangent[2:]]),
+        friction=np.append(apart.friction, 0.5),
+        friction_bias=np.zeros(4),
+        bias=np.append(apart.bias, 50.0),
+    )
+    garbage, right = [[1e17, 3e16], [1e17, -3e16]], solve(block(), "lemke").impulse
+    for impulse, verdict in ((right, "unjudgeable"), (0 * right, "wrong")):
+        claimed = claim(np.vstack([garbage, impulse, [[0.0, 0.0]]]))
+        assert verify(bridged, claimed, LEMKE, 1e-8).verdict == verdict
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("size", [1e17, 1e155, 1e200, 1e300, 1.7e308])
 def test_huge_impulses_are_wrong(size, dimension):
