@@ -10,10 +10,10 @@ the second only the solver's. Verdicts are no finer than floating-point arithmet
 Contacts are judged one by one, each in its own unit and with its own floor (problems.residual). A contact is unjudgeable
 where its floor is above the tolerance and its residual is within the floor, and where the tolerance is above LEAST_GAIN of
 the residual of no impulses in its island, because there being within it says little; the verdict is that on all other
-contacts if they are not solved, otherwise `unjudgeable`. So neither the speed nor the rounding errors of one part excuse another. A solver that
-stops by the norm of the whole problem leaves the slow islands of a problem less accurate by the ratio of the speeds, and its
-answer is a `near_miss` or `wrong` as for any other difference of norms: it must ask for tol times the smallest unit, or solve
-the balanced problem, as the solvers and adapters of this package do (solvers.balanced).
+contacts if they are not solved, otherwise `unjudgeable`. So neither the speed nor the rounding errors of one part excuse
+another. A solver that stops by the norm of the whole problem leaves the slow islands of a problem less accurate by the ratio
+of the speeds, and its answer is a `near_miss` or `wrong` as for any other difference of norms: it must ask for tol times the
+smallest unit, or solve the balanced problem, as the solvers and adapters of this package do (solvers.balanced).
 
 The tolerance, and the margins of solvers. tol bounds the residual of the solver's own model in the measure of
 problems.residual, the maximum over contacts. A solver that computes this residual stops at tol. One that stops by another

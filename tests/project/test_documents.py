@@ -15,7 +15,7 @@ from tests.helpers.paths import ROOT
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 FOLDERS = ("problems", "solvers", "harness", "results", "reports", "tests", "docs", "frictionbench", "studies", "tools")
 # Written by recipes or by a user's own repository.
-EXAMPLES = re.compile(r"brick|plate|midpoint|jacobi|scipy_nnls|charts/solved|plain_json|solvers/mine")
+EXAMPLES = re.compile(r"brick|plate|pushes|midpoint|jacobi|scipy_nnls|charts/solved|plain_json|solvers/mine")
 
 
 def ids(path: Path) -> str:

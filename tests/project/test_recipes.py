@@ -29,6 +29,7 @@ SHOWS = {
     "Add a solver": ("jacobi", "solved"),
     "Add an outside solver": ("scipy_nnls", "wrong"),
     "Add a chart": ("report:", "paper:"),
+    "Add a study": ("studies.md",),
     "Add a suite": ("solved", "lemke"),
     "Add a check to the contract": ("counts its work",),
     "Add a file format": ("one.json: 1 contact", "solved"),
@@ -38,7 +39,8 @@ SHOWS = {
 @pytest.fixture(scope="module")
 def source(tmp_path_factory) -> Path:
     copy = tmp_path_factory.mktemp("source")
-    shutil.copytree(ROOT / "frictionbench", copy / "frictionbench")
+    for package in ("frictionbench", "studies"):
+        shutil.copytree(ROOT / package, copy / package)
     for folder in ("problems", "solvers", "harness", "results", "reports"):
         (copy / folder).symlink_to(f"frictionbench/{folder}")
     share_compiled(copy)
@@ -59,7 +61,7 @@ def share_compiled(copy: Path) -> None:
 
 def follow(recipe: str, copy: Path) -> str:
     """Write the files that a recipe gives, make its changes, run its commands; what the last one printed."""
-    for name, text in re.findall(r"Write `([\w/.]+)`:\n\n```python\n(.*?)```", recipe, re.S):
+    for name, text in re.findall(r"Write\s`([\w/.]+)`:\n\n```(?:python|markdown)\n(.*?)```", recipe, re.S):
         lines = [line for line in text.splitlines() if line.strip()]
         assert len(lines) <= 20, f"{name} is too long for a recipe"
         (copy / name).write_text(text, encoding="utf-8")
@@ -68,8 +70,9 @@ def follow(recipe: str, copy: Path) -> str:
             change(copy / name, hunk.splitlines())
     environment = os.environ | {"PYTHONPATH": str(copy), "COLUMNS": "200", "NUMBA_CACHE_DIR": str(copy / "compiled")}
     printed = ""
-    for command in re.findall(r"^    ((?:frictionbench|echo) .+)$", recipe, re.M):
-        call = ["-c", "from frictionbench.commands.cli import main; main()", *shlex.split(command)[1:]]
+    for command in re.findall(r"^    ((?:frictionbench|python|echo) .+)$", recipe, re.M):
+        program, *words = shlex.split(command)
+        call = words if program == "python" else ["-c", "from frictionbench.commands.cli import main; main()", *words]
         shell = {"args": command, "shell": True} if command.startswith("echo ") else {"args": [sys.executable, *call]}
         done = subprocess.run(**shell, cwd=copy, env=environment, check=False, **PIPED)
         assert done.returncode == 0, done.stderr
