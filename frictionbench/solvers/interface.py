@@ -65,7 +65,7 @@ __all__ = ["Answer", "Solved", "Solver", "SolverInfo", "Status", "available", "f
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
 LACKS = ("friction_bias", "joints", "asymmetry")  # what a solver may not support of a problem
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
-RELAXATION = {"clarabel", "osqp", "proxsuite"}  # distributions of the package's extra of this name
+RELAXATION = {"cvxpy", "clarabel", "osqp", "proxsuite", "qpsolvers"}  # distributions of the package's extra of this name
 MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
 
 
