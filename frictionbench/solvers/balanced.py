@@ -38,7 +38,7 @@ def with_balance(cls: Any, model: str) -> Any:
 
 def _form(form: Any) -> Any:
     def balanced(self: Any, problem: Any) -> Any:
-        if type(problem) is not FrictionProblem:
+        if not isinstance(problem, FrictionProblem):  # a bare LCP
             return form(self, problem)
         relaxed = self.solves_relaxation
         if (spread(problem.relaxation_units) if relaxed else problem.spread) <= UNLIKE:

@@ -384,11 +384,16 @@ def solve(
     checked = answer.status is Status.SOLVED and info.ours and not instance.knows_rounding
     if checked and isinstance(problem, FrictionProblem) and residual_with_floor(problem, answer.impulse)[1] > tol:
         answer.status = Status.ROUNDING
-    lost = answer.status in _LOST and info.ours and not info.needs
-    proof = contradiction(problem) if lost and isinstance(problem, FrictionProblem) else None
-    if proof and proof.least_residual > tol:
-        answer.status, answer.detail = Status.INFEASIBLE, str(proof)
+    if isinstance(problem, FrictionProblem) and (proof := why_lost(info, problem, answer.status, tol)):
+        answer.status, answer.detail = Status.INFEASIBLE, proof
     return answer
+
+
+def why_lost(info: SolverInfo, problem: FrictionProblem, status: Status, tol: float) -> str:
+    """The proof that no impulses reach tol, where an own solver that ended with this status was lost; otherwise empty."""
+    lost = status in _LOST and info.ours and not info.needs
+    proof = contradiction(problem) if lost else None
+    return str(proof) if proof and proof.least_residual > tol else ""
 
 
 _LOST = (Status.RAY, Status.STALLED, Status.BREAKDOWN, Status.WORK_LIMIT)  # a reason for them is looked for

@@ -20,7 +20,18 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.interface import Solved, Solver, SolverInfo, Status, find, impulses, solve, tolerance, work_limit
+from frictionbench.solvers.interface import (
+    Solved,
+    Solver,
+    SolverInfo,
+    Status,
+    find,
+    impulses,
+    solve,
+    tolerance,
+    why_lost,
+    work_limit,
+)
 
 CHUNKS = 8  # for each worker: so many that the last ones end together, so few that a thread's call costs nothing beside one
 
@@ -115,8 +126,11 @@ def solve_many(
     for k in np.flatnonzero(answers.floor > tol).tolist() if info.ours else ():
         if answers.status[k] is Status.SOLVED:
             answers.status[k] = Status.ROUNDING
-    for k in [k for k, status in enumerate(answers.status) if status is None]:
-        _solve_alone(answers, k, batch.problems[k], spec, limit, begin)
+    for k in np.flatnonzero(answers.status != Status.SOLVED).tolist():
+        if answers.status[k] is None:
+            _solve_alone(answers, k, batch.problems[k], spec, limit, begin)
+        elif why_lost(info, batch.problems[k], answers.status[k], tol):
+            answers.status[k] = Status.INFEASIBLE
     return answers
 
 

@@ -151,7 +151,7 @@ def test_dimension(dimension) -> None:
         FrictionProblem.from_delassus(np.eye(2), np.ones(2), [0.5], dimension)
 
 
-@pytest.mark.parametrize("solver", [None, 5, ["lemke"], b"lemke", object(), "", "lemke[", "lemke[restarts=-1]"])
+@pytest.mark.parametrize("solver", [5, ["lemke"], b"lemke", object(), "", "lemke[", "lemke[restarts=-1]"])
 def test_names_of_solvers(solver) -> None:
     with pytest.raises(InputError, match=r"^solver: "):
         solve(scene("stack", blocks=1).problem(), solver)

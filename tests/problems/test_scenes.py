@@ -41,7 +41,7 @@ def test_scenes_are_picklable(name: str) -> None:
 
 
 def test_unknown_names_and_values() -> None:
-    with pytest.raises(InputError, match=r"^scene: unknown scene 'heap'; known are .*stack"):
+    with pytest.raises(InputError, match=r"^scene: unknown scene 'heap'; scenes and instances are .*stack"):
         scene("heap")
     with pytest.raises(InputError, match=r"^scene: unknown scene 'stak' \(did you mean stack\?\)"):
         scene("stak")

@@ -59,4 +59,4 @@ def test_only_portfolios_nest_solvers(counted):
     for name, nested in ran.items():
         assert nested <= set(available()[name].members), name
     assert ran["interior_point"] == {"nsgs", "relaxation_ip", "proximal_newton"}
-    assert ran["hybrid"] >= {"lemke", "nsgs", "interior_point"}
+    assert ran["hybrid"] >= {"lemke", "interior_point"}

@@ -27,7 +27,8 @@ Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q
     up in piles, so that a second call is rare.
 Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
     'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and the fixed
-    points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit.
+    points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit. lcp_lemke and lcp_pivot do
+    not resolve exact ties, as the corners of a polygon on the axes make them.
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
 """
 
