@@ -117,7 +117,7 @@ def test_bad_parameter(name, parameters, field) -> None:
 def test_the_name_of_a_scene_or_an_instance_says_how_to_make_it() -> None:
     with pytest.raises(InputError, match=r"^scene: 'cubes' is an instance.*frictionbench\.problem\('cubes'\)"):
         scene("cubes")
-    with pytest.raises(InputError, match=r"^instance: 'stack' is a scene.*frictionbench\.scene\('stack'\)\.problem\(\)"):
+    with pytest.raises(InputError, match=r"^instance: 'stack' is a scene.*frictionbench\.problem\('stack'\)"):
         make_instance("stack")
     with pytest.raises(InputError, match=r"^scene: unknown scene 'cubs' \(did you mean cubes\?\)"):
         scene("cubs")
