@@ -23,7 +23,9 @@ from numba import types
 from frictionbench.problems.compiled import part
 
 SPEED = 1e10  # operations a second of large factorisations: half of what one core with AVX-512 was measured to reach
-WRITING = 1e9  # bytes a second of memory that is new to the process: as the slower of two machines was measured to reach
+# Bytes a second of memory that is new to the process, an estimate: a virtual machine wrote 0.3e9 to 5e9, the least where its
+# host had yet to provide the memory.
+WRITING = 1e9
 _HAS_CLOCK = hasattr(time, "clock_gettime")
 _MONOTONIC = int(time.CLOCK_MONOTONIC) if _HAS_CLOCK else 0
 _deadline: ContextVar[float] = ContextVar("deadline", default=np.inf)

@@ -39,7 +39,8 @@ CLUSTERS, EVERY, STEPS = 4, 5, 500
 FOLDER = Path(fb.__file__).parent
 STORE = FOLDER / "problems" / "instances" / "steps" / "robots"
 TABLE, ANSWERS = (FOLDER / "harness" / "plans" / f"robots.{suffix}" for suffix in ("tsv", "npz"))
-METHODS = ("hybrid", "nsgs", "proximal_newton")  # that have nothing in common
+# hybrid may use the steps of the other two: two methods agree independently where nsgs is one of them.
+METHODS = ("hybrid", "nsgs", "proximal_newton")
 TOL, VERIFIED = 1e-10, 1e-8
 FEATURES = ("contacts", "limits", "dry_friction", "islands", "redundancy", "condition", "mass_ratio", "sticking")
 COLUMNS = ("case", "model", "behaviour", "step", "length", "velocities", "equations", *FEATURES, "hash", "verified", "apart")
