@@ -69,6 +69,7 @@ ON_LESS = {
     "run --config": ("--scene 'stack[blocks=2]'",),
     "run smoke": ("--scene 'random_bodies[contacts=8,friction=100]'", "--tol 1e-6"),
     "run spatial": ("--scene 'sphere_pyramid[levels=1]'", "--solver nsgs", "--tol 1e-4"),
+    "run robots": ("--scene 'robot_step[case=humanoid-settle-269]'", "--solver nsgs"),
     "run batch": ("--scene 'stack[blocks=1]'", "--solver lemke"),
     "run maps": ("--scene redundant_table", "--solver lemke"),
     "run hard": ("--scene stack", "--solver lemke"),
@@ -172,7 +173,7 @@ def test_figure_of_ones_own(newcomer, monkeypatch) -> None:
     drawn: dict[str, Any] = {}
     exec(script, drawn)
     assert (newcomer / "within.pdf").stat().st_size > 1000
-    labels = [text.get_text() for text in drawn["ax"].get_legend().get_texts()]
+    labels = [text.get_text() for text in drawn["figure"].legends[0].get_texts()]
     assert labels == ["interior_point", "lemke", "nsgs"]
     lemke = drawn["ax"].lines[1]
     assert lemke.get_ydata()[-1] == 1

@@ -42,7 +42,13 @@ def repository(tmp_path_factory) -> Path:
     assert ran.returncode == 0, ran.stderr
     assert frictionbench("compare", "baselines/smoke.tsv", "runs/first", "--accept", cwd=home).returncode == 0
     made = ("-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm", "first")
-    for command in (("init", "-q", "-b", "main"), ("add", "solvers", "baselines"), made, ("branch", "origin/main")):
+    for command in (
+        ("init", "-q", "-b", "main"),
+        ("add", "solvers", "baselines"),
+        made,
+        ("branch", "origin/main"),
+        ("remote", "add", "origin", "."),
+    ):
         subprocess.run(["git", *command], cwd=home, check=True)
     command = home / ".venv" / "bin" / "frictionbench"
     command.parent.mkdir(parents=True)

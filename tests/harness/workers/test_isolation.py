@@ -182,7 +182,7 @@ def test_shared_core_is_recorded(tmp_path) -> None:
     assert (row["verdict"], row["disturbed"], row["core"]) == ("solved", True, pytest.approx(float("nan"), nan_ok=True))
     assert len(row["load"]) == 2
     page = write_report(tmp_path).read_text(encoding="utf-8")
-    assert "1 of 1 cells, of which 1 had none" in page
+    assert "Of 1 cells 1 had none while they were timed" in page
 
 
 def test_disturbed_rows_are_repeated(tmp_path) -> None:
