@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.residual import residual
+from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.solvers import Status, solve
 
 
@@ -83,3 +83,12 @@ def lemke(problem, tol=1e-8) -> np.ndarray:
     assert answer.status is Status.SOLVED
     assert residual(problem, answer.impulse) <= tol
     return answer.impulse
+
+
+def assert_solved(problem, spec, tol=1e-8, **how):
+    """The answer of a method, which claims and has a residual of its model within the tolerance."""
+    answer = solve(problem, spec, tol=tol, **how)
+    measure = relaxation_residual if spec == "relaxation_ip" else residual
+    assert answer.status in (Status.SOLVED, Status.ROUNDING)  # of extreme masses and near jams
+    assert measure(problem, answer.impulse) <= tol
+    return answer

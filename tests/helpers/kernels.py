@@ -3,8 +3,8 @@
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers import fischer_newton, proximal_newton
 from frictionbench.solvers.interior import newton, point
-from frictionbench.solvers.pivots import inverse_basis, lemke_path, lu_basis, merit_newton, natural, newton_path
-from frictionbench.solvers.sparse_lu import minimum_degree, multifrontal
+from frictionbench.solvers.pivots import lemke_path, lu_basis, merit_newton, natural, newton_path
+from frictionbench.solvers.sparse_lu import multifrontal
 from frictionbench.solvers.sweeps import gauss_seidel, laws
 
 
@@ -44,11 +44,6 @@ def longest_in_cone(*arguments):
 
 
 @kernel
-def to_geodesics(*arguments):
-    return point.to_geodesics(*arguments)
-
-
-@kernel
 def add_products(*arguments):
     return point.add_products(*arguments)
 
@@ -81,16 +76,6 @@ def follow_lemke_path(*arguments):
 @kernel
 def lemke_state(*arguments):
     return lemke_path.lemke_state(*arguments)
-
-
-@kernel
-def slack_basis(*arguments):
-    return inverse_basis.slack_basis(*arguments)
-
-
-@kernel
-def invert(*arguments):
-    return inverse_basis.invert(*arguments)
 
 
 @kernel
@@ -141,11 +126,6 @@ def solve_dense(*arguments):
 @kernel
 def fischer(*arguments):
     return fischer_newton.fischer(*arguments)
-
-
-@kernel
-def same_elements(*arguments):
-    return minimum_degree.same_elements(*arguments)
 
 
 @kernel

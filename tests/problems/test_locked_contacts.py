@@ -6,8 +6,7 @@ import pytest
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.residual import residual
 from frictionbench.problems.verify import verify
-from frictionbench.solvers import Answer, Status, available, solve
-from tests.helpers.paths import DATA
+from frictionbench.solvers import Answer, Status, solve
 
 
 def held(seed, gap=1.0):
@@ -57,15 +56,3 @@ def test_locked_contact_unit_invariance(seed):
     heavy = FrictionProblem(mass=1e9 * problem.mass, **{name: getattr(problem, name) for name in names})
     pushed = solve(problem, "lemke", tol=1e-12).impulse + np.array([[1.0, 0.0], [0.0, 0.0]])
     assert residual(heavy, 1e9 * pushed) == pytest.approx(residual(problem, pushed), rel=1e-9)
-
-
-@pytest.mark.parametrize("name", ["planar_joints_1000", "planar_joints_1022", "planar_joints_1044"])
-@pytest.mark.parametrize("method", ["interior_point", "lemke", "path_search", "nsgs"])
-def test_redundant_joints(name, method):
-    data = np.load(DATA / f"{name}.npz")
-    fields = {"mass": "M", "normal": "N", "tangent": "T", "friction": "mu", "free_velocity": "v", "bias": "b"}
-    fields |= {"friction_bias": "fb", "joints": "F", "joint_bias": "bF"}
-    problem = FrictionProblem(**{field: data[key] for field, key in fields.items()})
-    answer = solve(problem, method, tol=1e-8)
-    assert verify(problem, answer, available()[method].model, 1e-8).verdict == "solved"
-    assert answer.work.get("factorisations", 0) < 40

@@ -1,19 +1,13 @@
 """Newton's method on dense rows, the first of hybrid's methods for few contacts in space."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.recorded import own
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.problems.subproblems import side_by_side
-from frictionbench.solvers.dense.few_contacts import few_contacts, is_few
-
-DATA = Path(__file__).parents[1] / "data"
-STEPS = ("robot_redundant", "robot_limits", "robot_hand")
+from frictionbench.solvers.dense.few_contacts import few_contacts
 
 
 def robot(seed: int, joints: int = 2) -> FrictionProblem:
@@ -56,17 +50,6 @@ def test_contacts_limits_and_dry_friction_are_solved(seed: int, joints: int) -> 
     assert fb.residual(problem, cold.impulse) <= 1e-8
     warm = fb.solve(problem, "hybrid", tol=1e-7, start=cold.impulse)
     assert warm.work == {"newton sweeps": 0, "newton steps": 0, "members": 1}
-
-
-@pytest.mark.parametrize("name", STEPS)
-def test_steps_of_robots_on_which_newtons_steps_go_round_in_circles(name: str) -> None:
-    """A hopper on two feet and a limit, a dog that lies on many contacts and limits, a hand with coupled fingers."""
-    problem = own.load(DATA / f"{name}.npz")
-    assert isinstance(problem, FrictionProblem)
-    assert is_few(problem)
-    answer = fb.solve(problem, "hybrid")
-    assert fb.residual(problem, answer.impulse) <= 1e-8
-    assert answer.work["members"] == 1
 
 
 def test_without_friction_tangents_are_left_out() -> None:

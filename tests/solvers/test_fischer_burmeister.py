@@ -5,8 +5,7 @@ import pytest
 
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
-from frictionbench.problems.scenes.stacks import disc_pile, stack
-from frictionbench.solvers import Status, solve
+from frictionbench.problems.scenes.stacks import stack
 from frictionbench.solvers.interior.fischer_burmeister import fischer_burmeister
 from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.phases import Phased
@@ -61,14 +60,3 @@ def test_stops_where_the_history_is_full() -> None:
     impulse, count, history = newton(problem, limit=3)
     assert count == 3
     assert TOL < residual(problem, impulse) <= history.min() * problem.spread
-
-
-@pytest.mark.parametrize(("rows", "friction"), [(17, 0.31), (20, 0.9)], ids=["sliding", "sticking"])
-def test_piles_of_discs_that_trap_all_paths(rows, friction) -> None:
-    """The first is solved by semismooth Newton, the second, where nothing slides, by the relaxation."""
-    problem = disc_pile(rows=rows, friction=friction).problem()
-    answer = solve(problem, "interior_point")
-    assert answer.status is Status.SOLVED
-    assert residual(problem, answer.impulse) <= 1e-8
-    assert answer.work["factorisations"] < 400
-    assert answer.work["relaxation_ip factorisations"] > 0

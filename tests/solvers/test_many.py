@@ -69,24 +69,6 @@ def test_hybrid_goes_from_newtons_method_to_the_interior_point(spatial: list[Fri
     assert (found.work["interior_point iterations"] > 0).tolist() == [False, True, False]
 
 
-def starts(problems: list[FrictionProblem], exact: bool) -> list[np.ndarray]:
-    """The answers, or impulses that are none: of each third contact far too large, and open contacts between."""
-    rng = np.random.default_rng(5)
-    answers = [fb.solve(problem, "hybrid").impulse for problem in problems]
-    if exact:
-        return answers
-    return [
-        impulse * rng.choice([0.0, 1.0, 7.0], (len(impulse), 1)) + 0.1 * rng.normal(size=impulse.shape) for impulse in answers
-    ]
-
-
-@pytest.mark.parametrize("exact", [True, False])
-@pytest.mark.parametrize("spec", LOOPED)
-def test_same_from_a_start(spec: str, exact: bool, planar: list[FrictionProblem], spatial: list[FrictionProblem]) -> None:
-    problems = [*planar, *spatial]
-    assert_as_one_by_one(problems, spec, workers=3, start=starts(problems, exact))
-
-
 @pytest.mark.parametrize("spec", ["lemke", "nsgs", "interior_point"])
 def test_loops_start_at_the_answers_of_before(spec: str, planar: list[FrictionProblem]) -> None:
     cold = fb.solve_many(planar[:3], spec)
@@ -127,14 +109,6 @@ def test_anything_is_as_one_by_one(spec: str) -> None:
     start = [rng.normal(size=(problem.contacts, problem.dimension)) for problem in problems]
     for given in (None, start):
         assert_as_one_by_one(problems, spec, workers=int(rng.integers(1, 4)), start=given, limit=60)
-
-
-def test_rounding_is_told() -> None:
-    """Impulses of 1e10 against velocities of 1: rounding alone may exceed the tolerance."""
-    W = [[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 1.0 + 1e-9, 0.0], [0.0, 1.0, 0.0, 1.0 + 1e-9]]
-    problem = FrictionProblem.from_delassus(W, [-1.0, 0.0, -2.0, 0.0], [0.5, 0.5], 2)
-    answer = fb.solve(problem, "lemke", tol=1e-15)
-    assert fb.solve_many([problem], "lemke", tol=1e-15).status[0] is answer.status
 
 
 class Plugin:

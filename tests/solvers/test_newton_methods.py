@@ -1,20 +1,16 @@
 """Newton's method on Fischer-Burmeister and min-map equations: guaranteed cases, failures and their status."""
 
-from itertools import combinations
-
 import numpy as np
 import pytest
 
-from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
-from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.fischer_newton import jacobian
 from frictionbench.solvers.minmap_newton import iterate_minmap
 from frictionbench.solvers.pivots.merit_newton import NEWTON, SOLVED, STALLED, new_descent
-from tests.helpers.friction_problems import block, nothing, spatial
-from tests.helpers.kernels import fischer, solve_dense
+from tests.helpers.kernels import fischer
 
 BOTH = ["fischer_newton", "minmap_newton"]
 
@@ -29,19 +25,6 @@ def index(problem) -> float:
     """a - mu |b| of a single contact."""
     W = problem.W.toarray()
     return W[0, 0] - problem.friction[0] * abs(W[0, 1])
-
-
-def least_minor(M) -> float:
-    n = len(M)
-    return min(np.linalg.det(M[np.ix_(s, s)]) for k in range(1, n + 1) for s in combinations(range(n), k))
-
-
-def test_one_contact_p0_threshold() -> None:
-    random = np.random.default_rng(0)
-    problems = [contact(random) for _ in range(200)]
-    p0 = [least_minor(p.lcp().dense) >= -1e-9 for p in problems]
-    assert p0 == [index(p) >= 0 for p in problems]
-    assert 50 < sum(p0) < 150
 
 
 @pytest.mark.parametrize("spec", ["fischer_newton", "fischer_newton[regularisation=0]"])
@@ -67,7 +50,6 @@ def test_fischer_local_minimum_beyond_p0(spec) -> None:
 @pytest.mark.parametrize("a", [1.1, 2.0, 10.0])
 def test_line_search_avoids_min_map_cycle(a) -> None:
     M, q = np.array([[1, 0, a], [a, 1, 0], [0, a, 1]]), np.ones(3)
-    assert least_minor(M) > 0
     start = np.array([-1.0, 0, 0])
     plain, searching = (new_descent(np.ones(3), 1e-10, 200, 15) for _ in range(2))
     end, k, period = iterate_minmap(M, q, start, plain, 0.0, False)
@@ -89,16 +71,15 @@ def test_min_map_cycles_on_p0_contact() -> None:
     assert solve(problem, "minmap_newton").status is Status.SOLVED
 
 
-@pytest.mark.parametrize("spec", [*BOTH, "minmap_newton[globalised=false]", "fischer_newton[regularisation=0]"])
-def test_claims_are_correct(spec) -> None:
+def solved(spec) -> int:
+    """How many random problems are, each of which is claimed and no other."""
+    count = 0
     for seed in range(60):
         problem = random_problem(seed, contacts=1 + seed % 30)
         answer = solve(problem, spec)
         assert (answer.status is Status.SOLVED) == (residual(problem, answer.impulse) <= 1e-8)
-
-
-def solved(spec) -> int:
-    return sum(solve(random_problem(seed, contacts=1 + seed % 30), spec).status is Status.SOLVED for seed in range(60))
+        count += answer.status is Status.SOLVED
+    return count
 
 
 @pytest.mark.parametrize(("spec", "least"), [("fischer_newton", 54), ("minmap_newton", 48)])
@@ -108,39 +89,6 @@ def test_most_random_problems_are_solved(spec, least) -> None:
 
 def test_regularisation_for_redundant_contacts() -> None:
     assert solved("fischer_newton[regularisation=0]") < solved("fischer_newton") - 15
-
-
-@pytest.mark.parametrize("spec", BOTH)
-def test_scenes(spec) -> None:
-    for problem in (
-        block(),
-        block(speed=0.01),
-        block(friction=0.0),
-        scene("stack", blocks=4).problem(),
-        scene("pyramid", rows=3).problem(),
-    ):
-        answer = solve(problem, spec)
-        assert answer.status is Status.SOLVED
-        assert residual(problem, answer.impulse) <= 1e-8
-
-
-@pytest.mark.parametrize("spec", BOTH)
-def test_spatial_problems_and_bare_lcps(spec) -> None:
-    for seed in range(5):
-        problem = spatial(seed, contacts=4, friction_bias=True)
-        answer = solve(problem, spec)
-        assert answer.status is Status.SOLVED
-        assert problem.lcp().residual(answer.z) <= 1e-8
-    kostreva = LCP([[1, 2, 0], [0, 1, 2], [2, 0, 1]], [-1, -1, -1])
-    assert solve(kostreva, spec).z == pytest.approx([1 / 3, 1 / 3, 1 / 3], abs=1e-7)
-    for empty in (nothing(), nothing(3), LCP(np.zeros((0, 0)), [])):
-        assert solve(empty, spec).status is Status.SOLVED
-
-
-@pytest.mark.parametrize("spec", BOTH)
-def test_without_a_solution_none_is_claimed(spec) -> None:
-    assert solve(LCP([[2, -1], [0, -2]], [-1, -2]), spec).status is not Status.SOLVED
-    assert solve(LCP(np.zeros((2, 2)), [-1, -1]), spec).status is not Status.SOLVED
 
 
 @pytest.mark.parametrize("spec", BOTH)
@@ -195,16 +143,3 @@ def test_jacobian_at_kink() -> None:
     along = np.array([1.0, 1, 0, 0, 0])
     near = jacobian(M, y + 1e-8 * along, w + 1e-8 * M @ along)
     assert np.array(jacobian(M, y, w)) == pytest.approx(np.array(near), abs=1e-6)
-
-
-def test_a_singular_system_gives_nan() -> None:
-    assert np.isnan(solve_dense(np.zeros((2, 2)), np.ones(2))).all()
-    assert solve_dense(np.array([[2.0, 0], [0, 4.0]]), np.ones(2)) == pytest.approx([0.5, 0.25])
-
-
-@pytest.mark.parametrize(
-    "spec", ["fischer_newton[regularisation=-1]", "minmap_newton[regularisation=-1]", "path_search[restarts=-1]"]
-)
-def test_settings_are_checked(spec) -> None:
-    with pytest.raises(InputError, match="must not be negative"):
-        solve(block(), spec)

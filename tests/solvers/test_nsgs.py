@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_with_floor
-from frictionbench.problems.scenes import scene
-from frictionbench.solvers import Status, find, solve
+from frictionbench.solvers import Status, solve
 from frictionbench.solvers.sweeps.form import contact_form, state, velocity
 from frictionbench.solvers.sweeps.gauss_seidel import LIMIT
 from frictionbench.solvers.sweeps.laws import defect, planar_contact
-from tests.helpers.friction_problems import block, spatial
+from tests.helpers.friction_problems import spatial
 from tests.helpers.kernels import spatial_contact
 
 
@@ -78,18 +77,6 @@ def test_open_solution_is_chosen(start) -> None:
     assert planar_contact(*u, *start, W, 1.5, 0.0) == (0.0, 0.0)
 
 
-def test_planar_contact_equals_spatial_contact() -> None:
-    random = np.random.default_rng(2)
-    for _ in range(100):
-        root = random.standard_normal((2, 2))
-        W = np.zeros((3, 3))
-        W[:2, :2], W[2, 2] = root @ root.T, 1.0
-        q = np.append(random.standard_normal(2), 0.0)
-        mu, r = 0.9 * W[0, 0] / max(abs(W[0, 1]), 1.0), np.zeros(3)
-        spatial_contact(q, r, W, mu, 0.0)
-        assert r[:2] == pytest.approx(planar_contact(q[0], q[1], 0.0, 0.0, W[:2, :2], mu, 0.0), abs=1e-9)
-
-
 @pytest.mark.parametrize("problem", [random_problem(4), spatial(4), spatial(5, joints=2, friction_bias=True)])
 def test_packed_form(problem) -> None:
     form, r = contact_form(problem), np.random.default_rng(0).standard_normal((problem.contacts, problem.dimension))
@@ -104,63 +91,7 @@ def test_packed_form(problem) -> None:
     assert defect(contact_form(problem, relaxed=True), r, u, 0.0) == pytest.approx(relaxation_residual(problem, r), rel=1e-10)
 
 
-def test_a_full_mass_block_is_packed_too() -> None:
-    problem = block()
-    coupled = FrictionProblem(
-        mass=[[2.0, 0.5], [0.5, 1.0]],
-        normal=problem.normal,
-        tangent=problem.tangent,
-        friction=[0.5],
-        free_velocity=[1.0, -0.1],
-        bias=[0.0],
-    )
-    assert contact_form(coupled).block[0] == pytest.approx(coupled.W.toarray())
-    assert residual(coupled, solve(coupled, "nsgs").impulse) < 1e-12
-
-
-def test_both_forms_sweep_equally() -> None:
-    problem = scene("stack", blocks=3, push=0.5).problem()
-    by_delassus = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 2)
-    answers = [solve(form, "nsgs", limit=20) for form in (problem, by_delassus)]
-    assert answers[0].impulse == pytest.approx(answers[1].impulse, rel=1e-9, abs=1e-12)
-    assert answers[0].work == answers[1].work == {"sweeps": 20, "checks": 3}
-
-
-def test_unsymmetric_delassus_matrix() -> None:
-    W = np.array([[1.0, 0.2], [0.2 + 1e-3, 1.0]])
-    problem = FrictionProblem.from_delassus(W, [-1.0, -0.3], [0.5], 2)
-    assert residual(problem, solve(problem, "nsgs", tol=1e-12).impulse) <= 1e-12
-
-
-def test_zero_velocity() -> None:
-    answer = solve(block(speed=0.0, h=0.0), "nsgs")
-    assert answer.status is Status.SOLVED
-    assert not answer.impulse.any()
-
-
-def test_work_limit_status() -> None:
-    problem = scene("stack", blocks=5).problem()
-    answer = solve(problem, "nsgs", limit=23)
-    assert answer.status is Status.WORK_LIMIT
-    assert answer.work == {"sweeps": 23, "checks": 4}
-    assert len(answer.history) == 4  # at the start, after 10, 20 and 23 sweeps
-    assert answer.history[-1] == pytest.approx(residual(problem, answer.impulse), rel=1e-6)
-
-
 def test_cycle_is_stalled() -> None:
     answer = solve(random_problem(7, contacts=40), "nsgs")  # mu up to 4; the residual stays at .157
     assert answer.status is Status.STALLED
     assert answer.work["sweeps"] < LIMIT
-
-
-def test_relaxation_reaches_the_same_velocities() -> None:
-    problem = scene("stack", blocks=3, push=0.3).problem()
-    plain, over = (solve(problem, f"nsgs[relaxation={factor}]", tol=1e-10) for factor in (1.0, 1.3))
-    assert plain.status is over.status is Status.SOLVED
-    assert problem.velocity(plain.impulse) == pytest.approx(problem.velocity(over.impulse), abs=1e-8)
-
-
-@pytest.mark.parametrize("factor", ["0", "2", "-1", "nan"])
-def test_bad_relaxation(factor) -> None:
-    with pytest.raises(InputError, match="relaxation"):
-        find(f"nsgs[relaxation={factor}]")

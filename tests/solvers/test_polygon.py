@@ -2,10 +2,8 @@
 
 from itertools import pairwise
 
-import numpy as np
 import pytest
 
-from frictionbench.problems import InputError
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.problems.verify import verify
@@ -37,14 +35,3 @@ def test_error_decreases_with_facets() -> None:
     assert all(later <= earlier * (1 + 1e-9) for earlier, later in pairwise(errors))
     assert errors[-1] < errors[0] / 8
     assert solve(problem, "lemke[facets=64]").z.size == 4 * 66
-
-
-@pytest.mark.parametrize("facets", [2, 3, 7, -8])
-def test_facets_are_even_and_at_least_four(facets) -> None:
-    with pytest.raises(InputError, match=r"^facets: "):
-        solve(sliding(), f"lemke[facets={facets}]")
-
-
-def test_facets_are_ignored_in_plane() -> None:
-    problem = make_instance("random", seed=1, contacts=3)
-    assert np.array_equal(solve(problem, "lemke[facets=16]").impulse, solve(problem, "lemke").impulse)

@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.system import build_system
 from frictionbench.solvers.proximal_newton import new_state
-from tests.helpers.friction_problems import nothing, spatial
+from tests.helpers.friction_problems import spatial
 from tests.helpers.kernels import equations, newton_step
 
 
@@ -33,44 +32,11 @@ def test_newton_step_to_first_order(seed, rho) -> None:
     assert np.allclose(change, -state.F, atol=1e-5 * (1 + abs(step).max() ** 2))
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3, 3.0])
-@pytest.mark.parametrize("seed", range(2))
-def test_spatial_problems(seed, friction) -> None:
-    for problem in (
-        spatial(seed, contacts=10, nv=30, friction=friction),
-        spatial(seed, contacts=10, nv=18, friction=friction, friction_bias=True),
-        spatial(seed, contacts=6, nv=30, friction=friction, joints=4),
-        make_instance("random_bodies", seed=seed, contacts=20, friction=friction),
-    ):
-        answer = solve(problem, "proximal_newton")
-        assert answer.status is Status.SOLVED
-        assert residual(problem, answer.impulse) <= 1e-8
-
-
 @pytest.mark.parametrize("seed", [0, 11])
 def test_large_friction(seed) -> None:
     problem = make_instance("random_bodies", seed=seed, friction=1000.0)
     assert solve(problem, "interior_point").work["relaxation_ip factorisations"] > 0  # asked where it is trapped
     assert residual(problem, solve(problem, "proximal_newton").impulse) <= 1e-8
-
-
-def test_no_contact_and_only_w() -> None:
-    assert solve(nothing(3), "proximal_newton").impulse.shape == (0, 3)
-    known = spatial(3, contacts=8, nv=12, friction=0.5)
-    by_w = FrictionProblem.from_delassus(known.W, known.q, known.friction, 3)
-    assert residual(by_w, solve(by_w, "proximal_newton").impulse) <= 1e-8
-
-
-def test_start_at_solution() -> None:
-    problem = make_instance("random_bodies", contacts=20)
-    right = solve(problem, "proximal_newton", tol=1e-12).impulse
-    assert solve(problem, "proximal_newton", start=right).work["factorisations"] == 0
-
-
-def test_work_limit_status() -> None:
-    answer = solve(make_instance("sphere_pyramid", levels=3), "proximal_newton", limit=7)
-    assert answer.status is Status.WORK_LIMIT
-    assert answer.work["factorisations"] == 7
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -9,12 +9,7 @@ from frictionbench.problems.instances import make_instance
 from frictionbench.solvers import clock
 from frictionbench.solvers.clock import deadline, is_over, is_past, left, within
 from frictionbench.solvers.interface import find
-from frictionbench.solvers.interior.newton import new_work
-from frictionbench.solvers.interior.system import build_system
 from frictionbench.solvers.pivots import merit_newton
-from frictionbench.solvers.pivots.lu_basis import Columns, new_basis
-from frictionbench.solvers.proximal_newton import new_state, newton
-from tests.helpers.kernels import factorise_basis, set_complementary_basis
 
 METHODS = ("lemke", "dantzig", "murty", "path_search", "fischer_newton", "nsgs", "admm_coulomb", "interior_point", "hybrid")
 
@@ -62,15 +57,6 @@ def test_dense_matrices_that_would_not_be_written_in_time_are_not_formed(
         assert not any(answer.work.values())
 
 
-def test_a_basis_is_factorised_until_the_deadline() -> None:
-    columns = Columns(np.arange(4), np.arange(3), np.ones(3), np.zeros(3), np.zeros(3))
-    for until, rest in ((np.inf, 0), (-1.0, 3)):
-        basis = new_basis(3)
-        set_complementary_basis(basis, np.ones(3, bool))
-        assert factorise_basis(basis, columns, 1e-9, until) == rest
-        assert basis.size[2] == (rest > 0)
-
-
 def test_admm_keeps_its_penalty_where_there_is_no_time_for_another(
     problem: FrictionProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -95,27 +81,11 @@ def test_lemke_begins_from_nothing_where_there_is_no_time_to_invert_a_guessed_ba
     np.testing.assert_array_equal(cold.impulse, start)
 
 
-def test_newton_looks_at_the_clock_before_each_step() -> None:
-    problem = make_instance("cubes", boxes=1, push=1.0)
-    system = build_system(problem)
-    nc = problem.contacts
-
-    def steps(until: float) -> int:
-        return newton(system, new_state(system), np.zeros((nc, 3)), 1.0, new_work(system, until), 1e-12, 20)[0]
-
-    assert steps(-1.0) == 0 < steps(np.inf)
-
-
 @pytest.mark.parametrize("spec", ["lemke", "hybrid"])
 def test_time_enough_changes_nothing(spec: str, problem: FrictionProblem) -> None:
     free, limited = fb.solve(problem, spec), fb.solve(problem, spec, time_limit=1e6)
     np.testing.assert_array_equal(free.impulse, limited.impulse)
     assert (free.status, free.work) == (limited.status, limited.work)
-
-
-def test_a_bare_lcp() -> None:
-    answer = fb.solve(fb.LCP([[2.0, 1.0], [1.0, 2.0]], [-3.0, -3.0]), "lemke", time_limit=1e-9)
-    assert answer.status is fb.Status.TIME_LIMIT
 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, np.inf, np.nan, True, "1"])

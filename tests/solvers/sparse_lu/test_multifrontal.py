@@ -6,7 +6,7 @@ from scipy import sparse
 
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers.sparse_lu.multifrontal import factorise
-from tests.helpers.kernels import analyse, determinant_sign, position_in_front, same_elements, solve_factorised
+from tests.helpers.kernels import analyse, determinant_sign, position_in_front, solve_factorised
 
 
 def pattern(name, **parameters):
@@ -68,21 +68,6 @@ def test_determinant_sign(name, shift) -> None:
     assert determinant_sign(fronts, storage, swap) == np.linalg.slogdet(A.toarray()).sign
 
 
-def test_no_variables() -> None:
-    fronts, place = analysed(sparse.csr_array((3, 0)))
-    assert len(fronts.pivots) == len(place) == fronts.start[-1] == 0
-
-
-@pytest.mark.parametrize("name", PATTERNS)
-def test_every_variable_is_eliminated_once(name) -> None:
-    fronts, place = analysed(PATTERNS[name])
-    own = np.concatenate([fronts.variable[a : a + p] for a, p in zip(fronts.first[:-1], fronts.pivots, strict=True)])
-    assert np.array_equal(own, np.arange(len(place)))
-    assert np.array_equal(np.sort(place), own)
-    assert np.array_equal(fronts.owner, np.repeat(np.arange(len(fronts.pivots)), fronts.pivots))
-    assert np.all((fronts.parent == -1) | (fronts.parent > np.arange(len(fronts.parent))))
-
-
 def test_stack_has_no_fill() -> None:
     fronts, _ = analysed(pattern("stack", blocks=50))
     assert set((fronts.pivots % 3).tolist()) == {0}
@@ -123,13 +108,6 @@ def test_elements_fit_their_fronts(name) -> None:
         member = place[incidence.indices[incidence.indptr[e] : incidence.indptr[e + 1]]]
         if len(member):
             assert set(member) <= set(fronts.variable[fronts.first[home[e]] : fronts.first[home[e] + 1]])
-
-
-def test_equal_incidence_variables_share_front() -> None:
-    start, member = np.array([0, 3, 5, 5]), np.array([0, 1, 4, 4, 2])
-    group, groups = same_elements(start, member, 7)
-    assert groups == 6
-    assert group.tolist() == [0, 0, 1, 2, 3, 4, 5]  # 3, 5 and 6 have no element, and are on their own
 
 
 @pytest.mark.parametrize(("rows", "entries"), [(8, 4581), (15, 29007), (40, 462933)])
