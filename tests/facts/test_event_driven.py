@@ -3,25 +3,17 @@
 import numpy as np
 import pytest
 
-from frictionbench import solvers
 from frictionbench.harness.cells.motion import record_motion
-from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array
-from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
 from frictionbench.problems.schemes.event_driven import follow
 from frictionbench.problems.schemes.impact import impact
 from frictionbench.problems.schemes.stepping import Event
 from frictionbench.problems.simulate import simulate
-from frictionbench.problems.spatial.bodies import solid_sphere
-from tests.helpers.siconos_motions import siconos_motion
+from tests.helpers.friction_problems import lemke
+from tests.helpers.paths import siconos_motion
 
 G = 9.81
-
-
-def lemke(problem: FrictionProblem) -> Array:
-    return solvers.solve(problem, "lemke", tol=1e-12).impulse
 
 
 def followed(name: str, scheme: str = "event_driven", steps: int = 1, **parameters: float) -> tuple[list[Event], Step]:
@@ -117,11 +109,6 @@ def test_contacts_that_have_just_rebounded_touch_no_second_time(accuracy: float,
         now = follow(made, now, lemke, impact, accuracy)
         run += now.smooth
     assert len(run) < 50
-
-
-def test_scenes_in_space_are_refused() -> None:
-    made = Scene(bodies=(solid_sphere(0.1),), q0=np.array([0, 0, 1, 1, 0, 0, 0]), friction=0.5)
-    assert str(SCHEMES["event_driven"].refuses(made)).startswith("it follows planar motion only")
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])

@@ -3,21 +3,15 @@
 import numpy as np
 import pytest
 
-from frictionbench import solvers
 from frictionbench.harness.cells.motion import record_motion
-from frictionbench.problems import FrictionProblem, InputError
-from frictionbench.problems.check import Array
 from frictionbench.problems.generalised import GeneralisedScene, ReducedScene
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, Step
 from frictionbench.problems.simulate import simulate
-from tests.helpers.siconos_motions import siconos_motion
+from tests.helpers.friction_problems import lemke
+from tests.helpers.paths import siconos_motion
 
 NAMES = ("woodpecker", "slider_crank_angles")
-
-
-def lemke(problem: FrictionProblem) -> Array:
-    return solvers.solve(problem, "lemke", tol=1e-12).impulse
 
 
 def test_woodpecker_is_that_of_siconos() -> None:
@@ -91,10 +85,3 @@ def test_the_same_problem_reaches_the_solvers() -> None:
     on_hinges, in_angles = full.problem(), reduced.problem()
     assert on_hinges.contacts == in_angles.contacts > 0
     assert in_angles.W.toarray() == pytest.approx(on_hinges.W.toarray(), abs=1e-10 * abs(on_hinges.W).max())
-
-
-def test_units_and_wrong_parameters_are_refused() -> None:
-    with pytest.raises(InputError, match=r"^mass_unit, length_unit: a scene in generalised coordinates"):
-        scene("woodpecker", mass_unit=2.0)
-    with pytest.raises(InputError, match=r"^restitution: "):
-        scene("woodpecker", restitution=2.0)

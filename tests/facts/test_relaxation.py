@@ -6,34 +6,24 @@ import pytest
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
-from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block, contacts_of
 
 G = 9.81
 
 
-def relaxed(problem, tol=1e-10) -> np.ndarray:
-    answer = solve(problem, "clarabel", tol=tol)  # it may report failure where its gap is below its rounding
+def relaxed(problem, tol=1e-10, spec="clarabel") -> np.ndarray:
+    answer = solve(problem, spec, tol=tol)  # it may report failure where its gap is below its rounding
     assert relaxation_residual(problem, answer.impulse) <= tol + residual_floor(problem, answer.impulse)
     return answer.impulse
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_exact_without_friction(seed) -> None:
     problem = random_problem(seed, contacts=8, friction=0.0)
     assert residual(problem, relaxed(problem)) <= 1e-9
     exact = solve(problem, "lemke", tol=1e-10)
     assert problem.velocity(relaxed(problem)) == pytest.approx(problem.velocity(exact.impulse), abs=1e-8)
-
-
-@pytest.mark.parametrize(
-    "problem", [scene("stack", blocks=n, push=0.0).problem() for n in (1, 4)] + [scene("pyramid", rows=3, push=0.0).problem()]
-)
-def test_exact_without_sliding(problem) -> None:
-    exact = solve(problem, "lemke", tol=1e-10).impulse
-    assert np.abs(problem.contact_velocity(exact)[:, 1]).max() <= 1e-10
-    assert residual(problem, relaxed(problem)) <= 1e-9
 
 
 def test_exact_iff_all_contacts_stick() -> None:
@@ -53,12 +43,13 @@ def test_exact_iff_all_contacts_stick() -> None:
     assert min(stuck, sliding) >= 5
 
 
+@pytest.mark.parametrize("spec", ["admm", "apgd", "clarabel", "osqp", "proxsuite", "relaxation_ip"])
 @pytest.mark.parametrize("mu", [0.2, 0.6, 1.5])
-def test_impact_of_a_sliding_block(mu) -> None:
+def test_impact_of_a_sliding_block(mu, spec) -> None:
     """r_n = m (g h + mu v)/(1 + mu^2), u_t = (v - mu g h)/(1 + mu^2), u_n = mu u_t; Coulomb's u_n is 0."""
     m, h, v = 2.0, 0.01, 1.0
     problem = block(speed=v, friction=mu, mass=m, h=h)
-    r = relaxed(problem)
+    r = relaxed(problem, spec=spec)
     assert r[0, 0] == pytest.approx(m * (G * h + mu * v) / (1 + mu * mu))
     u_t = (v - mu * G * h) / (1 + mu * mu)
     assert problem.contact_velocity(r) == pytest.approx(np.array([[mu * u_t, u_t]]))

@@ -15,7 +15,6 @@ from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.schemes.impact import impact
 from frictionbench.problems.simulate import simulate
-from tests.helpers.force_level import force_level_lcp
 from tests.helpers.friction_problems import lemke
 
 G = 9.81
@@ -166,42 +165,10 @@ def test_forces_on_a_sliding_rod(friction: float, spin: float) -> None:
         assert first.solved[-1].impulse[0] / h == pytest.approx([-K / p, -friction * K / p], rel=1e-4)
 
 
-def test_sliding_block_forces_equal_force_level() -> None:
-    made = scene("two_corner_block", aspect=2.0, friction=0.3, velocity=3.0)
-    contacts = made.contacts(made.q0)
-    lcp = force_level_lcp(
-        made.mass,
-        contacts.normal,
-        contacts.tangent,
-        [0.3, 0.3],
-        made.force(made.q0, made.v0, 0.0),
-        np.sign(contacts.tangent @ made.v0),
-    )
-    forces = solvers.solve(lcp, "lemke", tol=1e-10).z
-    *_, first = states(made, "acceleration", 1)
-    assert (forces > 0).all()
-    assert first.solved[-1].impulse[:, 0] / made.step == pytest.approx(forces, rel=1e-6)
-
-
 def test_fast_rod_lifts_without_force() -> None:
     """p < 0 < K: forces have two solutions, open and closed; the scheme opens."""
     *_, first = states(scene("painleve_rod", spin=4.0, tip_velocity=-3.0), "acceleration", 1)
     assert first.solved[-1].problem.contacts == 0
-
-
-def test_narrow_walls_have_no_gap_solution() -> None:
-    """Both gaps ask for more room than there is, which is proved. Velocities do not mind."""
-    made = scene("jam", overlap=0.002)
-    seen: list[solvers.Status] = []
-
-    def solve(problem: FrictionProblem) -> Array:
-        answer = solvers.solve(problem, "lemke")
-        seen.append(answer.status)
-        return answer.impulse
-
-    for name in ("stewart_trinkle", "anitescu_potra"):
-        list(simulate(made, solve, SCHEMES[name], 1))
-    assert seen == [solvers.Status.INFEASIBLE, solvers.Status.SOLVED]
 
 
 def test_relaxation_hop_height() -> None:
