@@ -173,11 +173,4 @@ def _decided(ax: Axes, pressed: pd.DataFrame) -> None:
     ax.grid(**GRID)
 
 
-STUDY = Study(
-    (
-        stiffnesses,
-        indentations,
-        inconsistent,
-    ),
-    summary,
-)
+STUDY = Study((stiffnesses, indentations, inconsistent), summary)

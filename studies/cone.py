@@ -268,12 +268,4 @@ def _ratios(ax: Axes, times: pd.DataFrame, inner: pd.Series) -> None:
     finish(ax, "facets", "time ratio", "xy")
 
 
-STUDY = Study(
-    (
-        ball,
-        problems,
-        interior,
-    ),
-    summary,
-    plan,
-)
+STUDY = Study((ball, problems, interior), summary, plan)

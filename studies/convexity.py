@@ -235,12 +235,4 @@ def _shares(ax: Axes, block: pd.DataFrame) -> None:
     ax.set(xlabel="mu", ylabel="height over width")
 
 
-STUDY = Study(
-    (
-        scenes,
-        jam,
-        block,
-        motions,
-    ),
-    summary,
-)
+STUDY = Study((scenes, jam, block, motions), summary)

@@ -164,11 +164,4 @@ def _error(ax: Axes, drifts: pd.DataFrame) -> None:
     ax.legend()
 
 
-STUDY = Study(
-    (
-        drifts,
-        free,
-        problems,
-    ),
-    summary,
-)
+STUDY = Study((drifts, free, problems), summary)

@@ -163,10 +163,4 @@ def _returned(ax: Axes, returned: pd.DataFrame) -> None:
     finish(ax, "share of problems", "", xlim=(0, 1))
 
 
-STUDY = Study(
-    (
-        solutions,
-        returned,
-    ),
-    summary,
-)
+STUDY = Study((solutions, returned), summary)

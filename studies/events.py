@@ -153,10 +153,4 @@ def _work(ax: Axes, errors: pd.DataFrame) -> None:
     finish(ax, "evaluations", "largest error, m or rad", "xy")
 
 
-STUDY = Study(
-    (
-        errors,
-        ends,
-    ),
-    summary,
-)
+STUDY = Study((errors, ends), summary)

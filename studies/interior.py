@@ -217,12 +217,4 @@ def _path(ax: Axes, path: pd.DataFrame) -> None:
     finish(ax, "length of the path", "t", "y")
 
 
-STUDY = Study(
-    (
-        random,
-        piles,
-        threshold,
-        path,
-    ),
-    summary,
-)
+STUDY = Study((random, piles, threshold, path), summary)

@@ -235,11 +235,4 @@ def _lifts(ax: Axes, lifts: pd.DataFrame) -> None:
     finish(ax, "lift over g h", "velocity along the ground, m/s")
 
 
-STUDY = Study(
-    (
-        ensembles,
-        landings,
-        lifts,
-    ),
-    summary,
-)
+STUDY = Study((ensembles, landings, lifts), summary)

@@ -273,12 +273,4 @@ def _start(start: str) -> str:
     return "one given answer" if start == "given" else start
 
 
-STUDY = Study(
-    (
-        ranks,
-        evidence,
-    ),
-    summary,
-    plan,
-    recorded,
-)
+STUDY = Study((ranks, evidence), summary, plan, recorded)

@@ -253,13 +253,4 @@ def _gaps(ax: Axes, gaps: pd.DataFrame) -> None:
     finish(ax, "step, s", "height, m", "xy")
 
 
-STUDY = Study(
-    (
-        errors,
-        cycle,
-        gaps,
-        stopping,
-        falls,
-    ),
-    summary,
-)
+STUDY = Study((errors, cycle, gaps, stopping, falls), summary)
