@@ -2,12 +2,9 @@
 
 import re
 
-import matplotlib as mpl
 import pytest
-from matplotlib.figure import Figure
 
 from frictionbench.reports import page as selection
-from frictionbench.reports.charts import steps
 from frictionbench.reports.choice import choices
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.page import write_report
@@ -50,14 +47,3 @@ def test_selection_has_the_means_of_the_page(folder) -> None:
     assert [row[2:4] for row in rows[:2]] == list(means.values())
     assert rows[0][1] == "9/9"
     assert rows[-1][1:3] == ["1/1", "–"]
-
-
-def test_steps_of_a_motion(tmp_path) -> None:
-    rows = [solve_row("nsgs", f"p{k}", step=k, solve_time=1e-3 * (k + 1), key=f"{k}") for k in range(25)]
-    run = read_run(write_folder(tmp_path / "run", rows))
-    (panel,) = steps.CHART.panels(run)
-    with mpl.rc_context():
-        ax = Figure().subplots()
-        panel.draw(ax)
-    assert list(ax.lines[0].get_xdata()) == list(range(25))
-    assert ax.lines[0].get_ydata()[3] == pytest.approx(5e-3)

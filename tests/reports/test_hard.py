@@ -43,9 +43,3 @@ def test_plane_and_space_have_a_table_each(tmp_path) -> None:
     assert (plane.problems["all"], space.problems["all"]) == (3, 1)
     assert set(space.table["label"]) == {"one", "four"}
     assert gaps(run) == 2  # solver three has a row of one planar problem of three
-
-
-def test_the_page_has_the_table(tmp_path) -> None:
-    page = write_report(write_folder(tmp_path, ROWS)).read_text(encoding="utf-8")
-    assert 'id="hard"' in page
-    assert "differ by 1e4 or more" in page

@@ -4,7 +4,6 @@ import json
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -88,14 +87,6 @@ def test_every_solver_has_its_references() -> None:  # but for the plug-ins that
     assert len(keys) == len(set(keys)) == (ROOT / "reports/references.bib").read_text().count("\n@")
 
 
-def test_bands_of_few_solvers(run, tmp_path) -> None:
-    """Bands of many entries would hide each other."""
-    few = chosen(run, ["lemke", "nsgs"])
-    for drawn, banded in ((run, False), (few, True)):
-        save_sheet(profiles.CHART.panels(drawn), drawn.looks, tmp_path / "profiles")
-        assert ("band-" in (tmp_path / "profiles.svg").read_text()) is banded
-
-
 def test_asterisk_is_explained_where_a_portfolio_is_drawn(tmp_path) -> None:
     rows = [solve_row(name, p) for name in ("lemke", "hybrid") for p in "pqr"]
     for row in rows:
@@ -159,11 +150,6 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
         of_scenes(many, ["other"])
 
 
-def test_printed_lines_differ_without_colour(run) -> None:
-    few = replace(chosen(run, ["lemke", "nsgs", "ccp"]), printed=True)
-    assert len({look.marker for look in few.looks.values()}) == len({str(look.dash) for look in few.looks.values()}) == 3
-
-
 def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:
     """Of one panel and of several, with legends of short and of long names; and no text stands on another panel's."""
     paper = write_paper(tmp_path, run, Layout(85 / 25.4), ["profiles", "speed_accuracy", "energy"])
@@ -181,20 +167,6 @@ def test_the_legend_stands_below_the_panels(run, tmp_path, monkeypatch) -> None:
     assert box.x0 >= 0
     assert box.x1 <= sheets[0].bbox.x1
     assert box.y1 <= min(ax.get_tightbbox().y0 for ax in sheets[0].axes) + 1
-
-
-def test_captions_explain_the_columns_that_are_there(run, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("frictionbench.reports.paper.CHARTS", ())
-    lines = (write_paper(tmp_path, run) / "captions.tex").read_text().splitlines()
-    captions = {line.partition("@")[2].partition("\\")[0]: line for line in lines}
-    for table, word in (("solvability", "Error"), ("times", "For: "), ("percentiles", "99")):
-        assert word not in captions[table]
-    rows = [solve_row("soft", p, model="relaxation", verdict="relaxed", residual=0.1, model_residual=0.0) for p in "pq"]
-    (tmp_path / "other").mkdir()
-    soft = read_run(write_folder(tmp_path / "soft", [*rows, solve_row("lemke", "p")]))
-    told = (write_paper(tmp_path / "other", soft) / "captions.tex").read_text()
-    assert "Error: the median residual" in told
-    assert "For: what is solved" in told
 
 
 def compile_latex(folder, name, *commands) -> str:

@@ -65,37 +65,12 @@ def test_order_is_reversed_without_form():
     assert times.set_index("label").loc["nsgs", "charged"].tolist() == pytest.approx([2e-4] * 8)
 
 
-def test_a_ranking_without_a_winner_is_told_beside_one_with():
-    """Three solvers of which each is the fastest on a third of the problems, but two have a millisecond of form."""
-    rows = [
-        solve_row(name, f"p{i}", scene=f"s{i}", form_time=1e-3 * (k > 0), setup_time=0.0, solve_time=1e-4 * 4 ** ((i + k) % 3))
-        for k, name in enumerate("abc")
-        for i in range(9)
-    ]
-    run = run_of(*rows)
-    found = {one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}
-    (line,) = headline(found, 1e-8)
-    assert "From bodies a has the least mean" in line
-    assert line.endswith(": no clear winner.")
-
-
 def test_levels_counts_and_shares_in_words():
     assert ahead(1.0004, "b") == "level with b"
     assert ahead(1.02, "b") == "1.02 times ahead of b"
     assert [percent(one) for one in (0.0, 1e-5, 0.123, 0.996, 0.9999, 1.0)] == ["0 %", "1 %", "12 %", "99 %", "99 %", "100 %"]
     assert [percent(one, 1) for one in (0.0004, 1 / 3, 0.9996, 1 - 1e-12)] == ["0.1 %", "33.3 %", "99.9 %", "100 %"]
     assert [count(one, "problem") for one in (0, 1, 2)] == ["0 problems", "1 problem", "2 problems"]
-
-
-@pytest.mark.slow  # a page of its own: a percentile shown of too few problems
-def test_no_99th_percentile_of_few_problems(tmp_path):
-    """Of fewer than a hundred it would be the longest time, which stands beside it."""
-    folder = write_folder(tmp_path / "run", robot())
-    run = read_run(folder)
-    assert np.isnan(accuracy.percentiles(accuracy.overall(run.times[1e-8])[PLANE])["p99"]).all()
-    assert "<th>p99</th>" not in write_report(folder, run).read_text(encoding="utf-8")
-    assert "| solver | where | p50, ms | worst, ms |" in write_markdown(folder, run).read_text(encoding="utf-8")
-    assert "p99" not in (write_paper(folder, run) / "percentiles.tex").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow  # a page and a paper: one of them ranked by the other time

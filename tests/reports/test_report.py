@@ -9,19 +9,16 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pyarrow as pa
 import pytest
 from markupsafe import Markup
-from matplotlib.figure import Figure
 
 from frictionbench.harness.workers import sandbox
 from frictionbench.reports import accuracy, choice, tables
 from frictionbench.reports.charts import CHARTS, MAPS, growth, pareto, profiles, speed_accuracy, steps
-from frictionbench.reports.drawing import style
 from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.drawing.style import looks
-from frictionbench.reports.drawing.text import plain, seconds
+from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
@@ -29,11 +26,10 @@ from frictionbench.reports.recorded import recorded_problems
 from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
 from frictionbench.reports.settings import WALLS, settings
 from frictionbench.reports.sheets import sheets
-from frictionbench.reports.tables import problem_classes, reliabilities, sentences
+from frictionbench.reports.tables import reliabilities, sentences
 from frictionbench.reports.templates import script
 from frictionbench.results.conventions import ENDINGS
 from frictionbench.results.extras import ConvergenceHistory, write_histories
-from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import SOLVES, arrow_schema
 from tests.helpers.browser import browse, in_browser
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
@@ -67,12 +63,6 @@ def profiles_of(run):
 
 def by_label(table, problem_class="bar"):
     return table[table["problem_class"] == problem_class].set_index("label")
-
-
-def test_shifted_geometric_mean_by_hand():
-    # with the shift of 1e-5 s the times are 1e-4 and 1e-2 s, their geometric mean 1e-3
-    assert accuracy.shifted_geometric_mean(pd.Series([9e-5, 9.99e-3])) == pytest.approx(9.9e-4)
-    assert np.isnan(accuracy.shifted_geometric_mean(pd.Series([], dtype=float)))
 
 
 def test_least_time_within_target():
@@ -136,11 +126,6 @@ def test_solvability_counts_every_verdict():
     assert all(row[ending] == (ending != "polygon") for ending in ENDINGS)
 
 
-def test_warm_and_cold_are_separate():
-    rows = annotated(solve_row("a", "p"), solve_row("a", "p", start="warm", solve_time=1e-4))
-    assert sorted(accuracy.times_to(rows, 1e-8)["label"]) == ["a", "a, warm"]
-
-
 def test_sizes_of_a_scene_are_separate():
     sizes = {"p": 8, "q": 99, "r": 100, "s": 1000}
     rows = annotated(
@@ -165,10 +150,6 @@ def test_profile_by_hand():
         "b": [1, 2, INF],
         "c": [INF] * 3,
     }
-
-
-def test_an_unfinished_run_has_gaps():
-    assert tables.gaps(run_of(solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"))) == 1
 
 
 class _Page(HTMLParser):
@@ -223,16 +204,6 @@ RUN = [
 ]
 for _row in RUN[:-2]:
     _row |= {"sensitivity": 2.0, "backward_error": 1e-9, "work": '{"iterations": 3}'}
-
-
-def test_large_form_time_is_marked(tmp_path):
-    few = [solve_row("a", "p", form_time=0.5e-3, setup_time=1e-3, solve_time=2e-3)]
-    much = [solve_row("a", "p", form_time=1e-3, setup_time=0.0, solve_time=1e-3)]
-    shares = [by_label(accuracy.summary(accuracy.times_to(annotated(*rows), 1e-8))).loc["a", "written"] for rows in (few, much)]
-    assert shares == pytest.approx([1 / 7, 1 / 2])
-    pages = [write_report(write_folder(tmp_path / name, rows)) for name, rows in (("few", few), ("much", much))]
-    few_red, much_red = ('class="alarm" title="form is' in path.read_text(encoding="utf-8") for path in pages)
-    assert (few_red, much_red) == (False, True)
 
 
 def test_portfolios_are_marked(tmp_path):
@@ -317,11 +288,6 @@ def test_untrusted_text_is_escaped(tmp_path):
     assert "&lt;script&gt;" in sheet
 
 
-def test_missing_folder_is_refused(tmp_path):
-    with pytest.raises(ResultsError, match=r"manifest\.json"):
-        write_report(tmp_path)
-
-
 def test_figures_are_deterministic(tmp_path):
     runs = {name: run_of(*RUN) for name in "ab"}
     for name, run in runs.items():
@@ -364,24 +330,10 @@ def test_seconds(value, text):
     assert seconds(value) == text
 
 
-def test_plain_text_for_figures():
-    assert plain("ok[x=1.3]") == "ok[x=1.3]"
-    assert plain("_hidden") == " _hidden"
-    assert plain("a\x00b\u4e2d") == "a?b?"
-    assert len(plain("x" * 1000)) == 48
-
-
 def test_hosts_are_separate() -> None:
     two = annotated(solve_row("lemke", "p", host="left"), solve_row("lemke", "q", host="right"))
     assert two["label"].tolist() == ["lemke on left", "lemke on right"]
     assert annotated(solve_row("lemke", "p", start="warm"))["label"].tolist() == ["lemke, warm"]
-
-
-def test_overhead_by_hand() -> None:
-    rows = [solve_row("a", "p", wall_time=1.0, overhead=0.1), solve_row("b", "p", wall_time=3.0, overhead=0.3)]
-    lost = unanswered_row("c", "p", "timeout")
-    assert tables.overhead(run_of(*rows, lost)) == pytest.approx(0.1)
-    assert tables.overhead(run_of(lost)) is None
 
 
 def test_which_solver_by_hand():
@@ -462,15 +414,6 @@ def test_page_controls(tmp_path):
     assert f'data-seen="{wanted}"' in opening
 
 
-def test_profiles_by_size_and_rank(tmp_path) -> None:
-    sizes = {"a": (3, 6), "b": (10, 18), "c": (50, 50), "d": (100, 200), "e": (500, 700)}  # contacts and rank of W, planar
-    rows = [solve_row("nsgs", name, contacts=nc, rank=rank, scene=name) for name, (nc, rank) in sizes.items()]
-    titles = [panel.title for panel in profiles.classes(read_run(write_folder(tmp_path / "several", rows)))]
-    assert titles[:2] == [f"{PLANE}, 1 to 10 contacts: 2 problems", f"{PLANE}, 11 to 100: 2 problems"]
-    assert titles[2:] == [f"{PLANE}, W of full rank: 2 problems", f"{PLANE}, rank below that: 2 problems"]
-    assert profiles.classes(read_run(write_folder(tmp_path / "one", rows[:2]))) == []
-
-
 def test_recorded_problems_are_listed(tmp_path) -> None:
     chain = {"scene": "Chain", "parameters": '{"file": "a.hdf5"}', "dimension": 3, "contacts": 4, "rank": 9, "asymmetry": 1e-3}
     torn = {"scene": "Chain", "parameters": '{"file": "torn.dat"}', "contacts": None, "dimension": None, "trivial": None}
@@ -519,23 +462,6 @@ def test_rank_with_larger_penalty_by_hand():
     assert table["rank 10"].to_dict() == {"a": 2, "b": 1}
 
 
-def test_bands_contain_profile_and_narrow():
-    at = np.array([1.0, 2.0, 4.0])
-    few, many = (accuracy.Profile(np.repeat([1.0, 3.0], n // 2), np.full(n, 1 / n)) for n in (10, 1000))
-    for profile in (few, many):
-        low, high = profile.band(at)
-        assert (low <= [0.5, 0.5, 1.0]).all()
-        assert (high >= [0.5, 0.5, 1.0]).all()
-    assert np.ptp(many.band(at), axis=0)[0] < 0.2 * np.ptp(few.band(at), axis=0)[0]
-
-
-def test_classes_are_ordered_by_scene_and_size(tmp_path) -> None:
-    large = {"parameters": '{"blocks": 500}', "size": 4000}
-    rows = [solve_row("a", "p", **large), solve_row("a", "q", scene="wall"), solve_row("a", "r", size=8)]
-    names = problem_classes(read_run(write_folder(tmp_path, rows)))["problem_class"]
-    assert names.tolist() == ["bar, n < 100", "bar, n from 1000", "wall"]
-
-
 def test_work_by_unit():
     work = {"a": '{"pivots": 4}', "b": '{"pivots": 9}', "c": '{"sweeps": 3}', "d*": '{"a pivots": 4}'}
     rows = [solve_row(name, f"p{i}", work=text) for name, text in work.items() for i in range(2)]
@@ -552,16 +478,6 @@ def test_growth_exponent_by_hand():
     slope, error = growth.exponent(sizes, 3e-6 * sizes**1.5 * np.array([1.1, 0.9, 1.1, 0.9]))
     assert abs(slope - 1.5) < 2 * error < 0.5
     assert np.isnan(growth.exponent(sizes[:2], sizes[:2])[0])
-
-
-@pytest.mark.parametrize("ends", [(1e-6, 1.1e-6), (1e-4, 9e-4), (2e-5, 3e-2), (1e-6, 10.0)])
-def test_time_axis_ticks_differ(ends):
-    ax = Figure().subplots()
-    ax.plot(ends, [0, 1])
-    style.time_axis(ax, "x")
-    low, high = ax.get_xlim()
-    texts = [seconds(tick) for tick in ax.xaxis.get_majorticklocs() if low <= tick <= high]
-    assert len(texts) == len(set(texts)) >= 2
 
 
 def test_solver_sheet(tmp_path):
@@ -582,14 +498,6 @@ def test_solver_sheet(tmp_path):
         assert text in page
 
 
-def test_run_settings_list():
-    sources = [{"scene": "stack", "parameters": {"blocks": 2, "friction": 0.5}, "pick": 3, "scheme": "anitescu_potra"}] * 9
-    told = dict(settings({"settings": {"sources": sources, "time_limit": 2.0, "memory_limit": 2**32}, "started": "now"}))
-    assert told["settings"][0] == ("sources", ", ".join(["stack[blocks=2,friction=0.5], 3 steps of its motion"] * 9), 9)
-    assert [line.text for line in told["settings"][1:]] == ["2", "4 GiB"]
-    assert told["run"] == [("started", "now", 0)]
-
-
 def test_walls_around_plugins_are_told_with_the_machine(tmp_path):
     assert set(WALLS) == {sandbox.NAMESPACES, sandbox.LANDLOCK, sandbox.FILES_ONLY, sandbox.GROUPS}
     page = _Page(write_report(write_folder(tmp_path / "run", [solve_row("a", "p")], walls=sandbox.GROUPS))).text
@@ -606,15 +514,6 @@ def test_unfinished_run_explains_missing_comparison(tmp_path):
     text = _Page(write_report(folder)).text
     assert "This run has not finished. 1 pairs of a problem and a solver have no row yet" in text
     assert "Partial" not in text
-
-
-def test_library_clock_is_shown(tmp_path):
-    rows = [solve_row("a", f"p{i}", clock_time=1.9e-3) for i in range(3)]
-    rows += [solve_row("b", f"p{i}", clock_time=1e-3) for i in range(3)]
-    table = tables.clocks(run_of(*rows)).set_index("label")
-    assert table["differs"].to_dict() == {"a": False, "b": True}
-    assert table.loc["b", "ratio"] == pytest.approx(2.0)
-    assert "Times measured by the libraries" in _Page(write_report(write_folder(tmp_path / "run", rows))).text
 
 
 def test_accuracy_by_hand(tmp_path):
@@ -657,12 +556,3 @@ def test_untested_targets_are_not_missed(tmp_path) -> None:
     loose = read_run(write_folder(tmp_path / "loose", [row | {"tol": 1e-2} for row in asked]))
     assert list(loose.times) == [1e-4]
     assert "within 1e-8" not in write_report(tmp_path / "asked").read_text()
-
-
-@pytest.mark.slow  # a page of its own: wrong steps of simulations that the page's head does not count
-def test_page_counts_simulations_with_wrong_steps(tmp_path):
-    simulations = [simulation_row("nsgs", verdict="wrong"), simulation_row("lemke")]
-    page = write_report(write_folder(tmp_path / "wrong", RUN, simulations)).read_text(encoding="utf-8")
-    assert "1 of 2 simulations contains a step with a wrong claim" in page
-    page = write_report(write_folder(tmp_path / "none", RUN, simulations[1:])).read_text(encoding="utf-8")
-    assert "contain a step with a wrong claim" not in page
