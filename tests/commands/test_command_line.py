@@ -5,14 +5,12 @@ import re
 import signal
 import subprocess
 import sys
-from importlib.metadata import version
 from io import StringIO
 
 import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-from frictionbench.commands import listing
 from frictionbench.commands.cli import app
 from frictionbench.commands.summary import folder_for, summary
 from frictionbench.harness import process
@@ -49,17 +47,6 @@ def output_of(*arguments: str) -> str:
     return CliRunner().invoke(app, arguments).output
 
 
-def test_help_text() -> None:
-    assert "'stack[blocks=5]'" in output_of("solve", "--help")
-    assert "nsgs[relaxation=1.3]" in output_of("run", "--help").replace("\n", "")
-    listed = output_of("--help").partition("Commands:")[2].splitlines()
-    assert [line for line in listed if len(line) > 80 or (line.endswith("...") and "compare" not in line)] == []
-
-
-def test_the_version_is_printed() -> None:
-    assert output_of("--version").split() == ["frictionbench", version("frictionbench")]
-
-
 @pytest.mark.parametrize(("cores", "jobs"), [(1, 1), (2, 1), (8, 7)])
 def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
     asked = []
@@ -74,15 +61,12 @@ def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
 @pytest.mark.parametrize(
     ("arguments", "option"),
     [
-        (("run", "--jobs", "x"), "--jobs"),
         (("run", "--jobs", "0"), "--jobs"),
-        (("solve", "stack", "--tol", "x"), "--tol"),
         (("map", "stack", "--x", "a", "--y", "b", "--steps", "-1"), "--steps"),
         (("compare", "a", "b", "--slowdown", "0.9"), "--slowdown"),
         (("export", "stack", "--pick", "-1", "--out", "c"), "--pick"),
         (("report", "a", "--width", "3m"), "--width"),
         (("report", "a", "--font", "comic"), "--font"),
-        (("list", "everything"), "scenes|solvers|suites"),
     ],
 )
 def test_invalid_option_values_are_named(arguments, option) -> None:
@@ -104,27 +88,11 @@ def test_invalid_values_are_explained_without_the_words_of_libraries(arguments, 
     assert CliRunner().invoke(app, arguments).output.splitlines()[-1].partition("': ")[2] == told
 
 
-@pytest.mark.parametrize("command", ["list", "run", "compare", "solve", "export", "judge", "check-solver"])
-def test_short_help_names_no_types_of_python(command) -> None:
-    told = output_of(command, "-h")
-    assert told.startswith("Usage: ")
-    assert "list[" not in told
-
-
 @pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
 def test_lists_are_json_too(what) -> None:
     listed = json.loads(output_of("list", what, "--json"))
     assert {"scenes": "cubes", "solvers": "lemke", "suites": "smoke"}[what] in listed
     assert all(facts["summary"].endswith((".", ")")) for facts in listed.values())
-
-
-def test_lists_show_settings(capsys) -> None:
-    listing.show("solvers")
-    listed = capsys.readouterr().out
-    assert "settings: restarts=8, facets=8" in listed
-    assert "variants: clarabel[settings=default], clarabel[settings=tuned]" in listed
-    listing.show("suites")
-    assert "every solver" not in capsys.readouterr().out.partition("seeds")[0]
 
 
 def test_default_folder_depends_on_settings() -> None:

@@ -72,11 +72,3 @@ def test_baseline_revision_is_unpacked(tmp_path, monkeypatch) -> None:
     (moved,) = before.solvers
     assert Path(moved).is_relative_to(tmp_path / "scratch")
     assert "raise" not in Path(moved).read_text(encoding="utf-8")
-
-
-def test_old_package_layout_is_refused(seen, tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(seen.current.parent)
-    (tmp_path / "base").mkdir()
-    (tmp_path / "base" / "frictionbench.py").touch()
-    with pytest.raises(InputError, match=r"code: .* is older than the single package frictionbench and cannot be run"):
-        again(seen, str(tmp_path / "base"))

@@ -9,7 +9,6 @@ import pandas as pd
 import pytest
 
 from frictionbench.commands.dataset import dataset
-from frictionbench.problems import InputError
 from frictionbench.problems.recorded import read_recording
 from frictionbench.problems.residual import residual
 
@@ -44,8 +43,3 @@ def test_card_and_checksums(folder: Path) -> None:
     assert "{" not in card
     assert "| `stack` | 6 | 2 | 4 to 4 | 0 |" in card
     subprocess.run(["sha256sum", "--check", "--quiet", "SHA256SUMS"], cwd=folder, check=True)
-
-
-def test_folder_in_use_is_refused(folder: Path) -> None:
-    with pytest.raises(InputError, match=r"out: .* not empty"):
-        dataset(["smoke"], [], folder, print)

@@ -46,21 +46,14 @@ def edited(finished, tmp_path, table, settings, **columns):
     return folder, row["key"]
 
 
-COLUMNS = [
-    *(
-        {name: value}
-        for name in ("tol", "time_limit")
-        for value in (None, -1.0, 0.0, float("nan"), float("inf"), 1e-200, 1e300)
-    ),
-    *(
-        {name: value}
-        for name in ("variant", "scene", "parameters", "work")
-        for value in (None, "", "{", "[", "[1]", "\x1b[31m")
-    ),
-    *({"problem": value} for value in (None, "../../etc/passwd", "abc", "\x00")),
-    *({"start": value} for value in (None, "warmest", "")),
-    *({"verdict": value} for value in (None, "fine")),
-]
+VALUES = {
+    **dict.fromkeys(("tol", "time_limit"), (None, -1.0, 0.0, float("nan"), float("inf"), 1e-200, 1e300)),
+    **dict.fromkeys(("variant", "scene", "parameters", "work"), (None, "", "{", "[", "[1]", "\x1b[31m")),
+    "problem": (None, "../../etc/passwd", "abc", "\x00"),
+    "start": (None, "warmest", ""),
+    "verdict": (None, "fine"),
+}
+COLUMNS = [{name: value} for name, values in VALUES.items() for value in values]
 
 
 @pytest.mark.slow  # edited columns of solve rows: a worker each
@@ -74,26 +67,14 @@ def test_edited_solve_rows(finished, tmp_path, columns) -> None:
         assert "\x1b" not in done.stdout + done.stderr
 
 
-@pytest.mark.parametrize(
-    "columns",
-    [
-        {"scheme": None},
-        {"scheme": "x"},
-        {"after_failure": "x"},
-        {"steps": -3},
-        {"steps": 10**15},
-        {"scene": "x"},
-        {"tol": None},
-    ],
-    ids=str,
-)
+@pytest.mark.parametrize("columns", [{"scheme": None}, {"scheme": "x"}, {"after_failure": "x"}, {"steps": 10**15}], ids=str)
 def test_edited_simulation_rows(finished, tmp_path, columns) -> None:
     folder, key = edited(finished, tmp_path, "simulations", {}, **columns)
     done = frictionbench("rerun", str(folder), key)
     assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done
 
 
-@pytest.mark.parametrize("limit", [KEEP, None, True, "much", -1, 0, 1, 10**40, 1.5, [], float("nan")], ids=str)
+@pytest.mark.parametrize("limit", [KEEP, None, True, "much", 0, 10**40, float("nan")], ids=str)
 def test_edited_memory_limit(finished, tmp_path, limit) -> None:
     folder, key = edited(finished, tmp_path, "solves", {"memory_limit": limit}, verdict="unsolved")
     for options in ((), ("--shrink",)):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from frictionbench.commands.export import export
-from frictionbench.commands.single import advice, rerun_row, shrink, solve_one
+from frictionbench.commands.single import rerun_row, shrink, solve_one
 from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import Source
@@ -24,7 +24,6 @@ from frictionbench.reports.run import read_run
 from frictionbench.results.store import read_table
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import spatial
-from tests.helpers.paths import DATA
 
 
 def test_file_is_solved_and_ranked(tmp_path, capsys) -> None:
@@ -46,15 +45,6 @@ def test_bare_lcp_is_solved_by_lcp_solvers(tmp_path, capsys) -> None:
     assert "use lemke: solved from the method's own form" in told
 
 
-def test_advice() -> None:
-    solved = {"variant": "a", "verdict": "solved", "form_time": 1e-3, "setup_time": 0.0, "solve_time": 1e-3, "residual": 1e-9}
-    near = {"variant": "b", "verdict": "unsolved", "residual": 1e-3}
-    dead = {"variant": "c", "verdict": "timeout"}
-    assert advice([solved, solved, near]) == "use a: solved from bodies in 2 ms; 1 other solves it as well"
-    assert advice([near, dead]) == "no solver solves it; the smallest residual is 1.0e-03, by b"
-    assert advice([dead]) == "no solver returned an answer"
-
-
 def test_run_of_recorded_folder(tmp_path) -> None:
     data, out = tmp_path / "set", tmp_path / "out"
     data.mkdir()
@@ -69,13 +59,6 @@ def test_run_of_recorded_folder(tmp_path) -> None:
     assert len(rows) == 4
     files = list(export(str(out), tmp_path / "again"))
     assert {read(path).hash for path in files} == {random_problem(seed, contacts=4).hash for seed in (1, 2)}
-
-
-def test_source_tolerances_and_limit() -> None:
-    plan = choose("recorded", [], ("nsgs",), None, None, data=(str(DATA),))
-    entry = {"scene": "s", "parameters": "{}", "step": 0, "phase": "step", "problem": "p", "dimension": 2, "starts": ["cold"]}
-    assert [cell.tol for cell in plan.solve_cells([entry | {"tolerances": [1e-8]}])] == [1e-8]
-    assert [cell.tol for cell in plan.solve_cells([entry])] == [1e-4, 1e-6, 1e-8]
 
 
 def test_export(tmp_path) -> None:
@@ -190,14 +173,13 @@ def steps_of_a_stack(count):
     return [problem.replace(free_velocity=problem.free_velocity * (1 + 0.01 * step)) for step in range(count)]
 
 
-@pytest.mark.parametrize("suite", ["replay", "recorded"])
-def test_files_in_order_are_a_sequence(tmp_path, suite) -> None:
+def test_files_in_order_are_a_sequence(tmp_path) -> None:
     """Every step but the first, and one after a step with another number of contacts, is started from the step before."""
     *steps, last = steps_of_a_stack(4)
     problems = [*steps, make_scene("stack", blocks=2, push=1.0).problem(), last]
     names = ["step_1.npz", "step_2.npz", "step_3.npz", "step_9.npz", "step_10.npz"]
     data, out = sequence(tmp_path / "set", names, problems), tmp_path / "out"
-    run(choose(suite, [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    run(choose("replay", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
     rows = read_table(out, "solves")
     started = rows.groupby("step")["start"].agg(list).to_dict()
     assert started == {0: ["cold"], 1: ["cold", "warm"], 2: ["cold", "warm"], 3: ["cold"], 4: ["cold"]}
@@ -206,14 +188,6 @@ def test_files_in_order_are_a_sequence(tmp_path, suite) -> None:
     sweeps = rows.set_index(["step", "start"])["work"].map(lambda work: json.loads(work)["sweeps"])
     assert sweeps[1, "warm"] < sweeps[1, "cold"]
     assert set(rows.loc[rows["start"] == "warm", "reference"]) == {"lemke"}
-
-
-def test_names_that_differ_in_more_than_a_number_are_no_sequence(tmp_path) -> None:
-    names = ["step_1.npz", "step_2.npz", "other.npz"]
-    data = sequence(tmp_path / "set", names, steps_of_a_stack(3))
-    assert {source.before for source in choose("recorded", [], ("nsgs",), None, None, data=(str(data),)).sources} == {""}
-    (one,) = choose("recorded", [], ("nsgs",), None, None, data=(str(data / "other.npz"),)).sources
-    assert (one.scene, one.parameters, one.before) == ("other.npz", {"file": "other.npz"}, "")
 
 
 def test_broken_step_of_a_sequence(tmp_path) -> None:
@@ -227,35 +201,13 @@ def test_broken_step_of_a_sequence(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("suite", "scenes", "data", "complaint"),
+    ("suite", "scenes", "complaint"),
     [
-        ("recorded", ["stack"], ".", "data: names the problems to run, and so does --scene"),
-        ("standard", [], ".", "data: standard has problems of its own; recorded ones are run by recorded, abh2018, replay"),
-        ("recorded", [], "nowhere", "data: no problems in nowhere: it is no folder"),
-        ("replay", [], "empty", "data: no problems in .*empty: no .hdf5, .h5, .dat, .npz file"),
+        ("recorded", ["stack"], "names the problems to run, and so does --scene"),
+        ("standard", [], "standard has problems of its own"),
+        ("replay", [], "no problems in .*: no .hdf5, .h5, .dat, .npz file"),
     ],
 )
-def test_unusable_data(tmp_path, suite, scenes, data, complaint) -> None:
-    (tmp_path / "empty").mkdir()
-    location = str(tmp_path / data) if data == "empty" else data
-    with pytest.raises(InputError, match=f"^{complaint}"):
-        choose(suite, scenes, ("nsgs",), None, None, data=(location,))
-
-
-def test_solve_of_a_folder_names_the_command(tmp_path) -> None:
-    told = r"^problem: .* is a folder; `frictionbench run recorded --data .*`frictionbench run replay .*"
-    with pytest.raises(InputError, match=f"{told}`frictionbench report DIR --budget"):
-        solve_one(str(tmp_path), ["nsgs"], 1e-8, 10.0, 1, budget=1e-3)
-
-
-def test_first_line_says_what_was_read(tmp_path, capsys) -> None:
-    own.save(spatial(0, contacts=3), tmp_path / "p.npz")
-    own.save(make_scene("slider_crank").problem(), tmp_path / "joints.npz")
-    for name, size in (
-        ("p", "3 contacts in space, 18 velocities"),
-        ("joints", "contacts in the plane, 6 joint equations, 9 velocities"),
-    ):
-        solve_one(str(tmp_path / f"{name}.npz"), ["nsgs"], 1e-8, 10.0, 1)
-        first = capsys.readouterr().out.splitlines()[0]
-        assert first.startswith(f"{tmp_path / name}.npz: ")
-        assert size in first
+def test_unusable_data(tmp_path, suite, scenes, complaint) -> None:
+    with pytest.raises(InputError, match=f"^data: {complaint}"):
+        choose(suite, scenes, ("nsgs",), None, None, data=(str(tmp_path),))

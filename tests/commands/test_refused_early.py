@@ -4,21 +4,12 @@ import resource
 
 import pytest
 
-from frictionbench.commands import single
 from frictionbench.harness.maps import plan_map
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.workers import inputs
 from frictionbench.problems import InputError, catalogue
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import solve_row, write_folder
-
-
-@pytest.mark.parametrize("spec", ["stak", "stack[bloks=3]", "cubes[bricks=2]"])
-def test_unknown_names_start_no_worker(spec, monkeypatch) -> None:
-    monkeypatch.setattr(single, "Pool", None)
-    done = frictionbench("solve", spec)
-    assert done.returncode == 2
-    assert "did you mean" in done.stderr or "no such parameter" in done.stderr
 
 
 def test_scenes_are_not_built_in_the_main_process(monkeypatch) -> None:
@@ -79,8 +70,6 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
         (("compare", "a", "b", "c"), "DIR"),
         (("export", "stack"), "out"),
         (("export", "stack", "arch", "--out", "x"), "problems"),
-        (("export", "stack", "--scene", "arch", "--out", "x"), "problems"),
-        (("export", "fclib/Chain", "--out", "x"), "problems"),
     ],
 )
 def test_combinations_without_a_meaning(command, field, tmp_path, monkeypatch) -> None:

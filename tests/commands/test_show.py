@@ -20,7 +20,6 @@ from frictionbench.problems import InputError
 from frictionbench.problems.scenes import scene, scenes
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.simulate import simulate
-from frictionbench.reports import animation
 from frictionbench.reports.animation import write_animation, write_animations
 from frictionbench.reports.page import write_report
 from frictionbench.results.files import ResultsError
@@ -71,12 +70,7 @@ def test_recording_equals_simulation(name: str, scheme: str, steps: int) -> None
         assert np.diff(motion.kinetic)[k] == pytest.approx(push @ middle + work, abs=1e-10 * scale)
 
 
-def test_problem_of_one_step_has_no_motion() -> None:
-    with pytest.raises(InputError, match="scene: random_bodies is a problem of one step and has no motion; `show` takes arch"):
-        recorded("random_bodies[contacts=3]", "nsgs", "anitescu_potra", None)
-
-
-@pytest.mark.parametrize("name", ["pyramid", "stack", "bowl", "jam", "incline"])
+@pytest.mark.parametrize("name", ["pyramid", "bowl"])
 def test_recorded_contacts_equal_scene_contacts(name: str) -> None:
     stage = scene(name)
     (contacts, _), found = record_motion(stage, "lemke", steps=1).contacts, stage.contacts(stage.q0)
@@ -129,10 +123,8 @@ def test_failing_scheme_is_reported() -> None:
     assert len(motion.times) == len(motion.contacts) == 1
     for arguments, complaint in (
         (("two_blocks", "lemke", "lotstedt", None), r"^scheme: it has no law of restitution"),
-        (("two_blocks", "lemke", "euler", None), r"^scheme: unknown scheme 'euler'"),
-        (("heap", "lemke", "moreau", None), r"^scene: unknown scene"),
-        (("stack", "lemkin", "moreau", None), r"^solver: unknown solver"),
         (("stack", str(BAD_SOLVERS), "moreau", None), r"^solver: .* name one"),
+        (("random_bodies[contacts=3]", "nsgs", "moreau", None), "^scene: random_bodies is a problem of one step"),
     ):
         with pytest.raises(InputError, match=complaint):
             recorded(*arguments)
@@ -145,8 +137,6 @@ def test_plugin_runs_in_separate_process(tmp_path) -> None:
     motion = recorded("stack[blocks=1]", str(plugin), "anitescu_potra", 5)
     assert (tmp_path / "trace").read_text() != str(os.getpid())
     assert motion.ended.startswith("outsider returned no usable answer")
-    assert (motion.scene, motion.solver) == ("stack", "outsider")
-    assert "outsider returned no usable answer" in write_animation(motion, tmp_path / "page.html").read_text()
     assert "outsider" not in available()
 
 
@@ -172,17 +162,8 @@ def test_invalid_motion_files_are_refused(tmp_path) -> None:
     path = tmp_path / "m.json"
     write_motion(path, record_motion(scene("jam"), "lemke", steps=2))
     good = json.loads(path.read_text())
-    bad = [
-        {"times": [0.0]},
-        {"poses": [[1.0]]},
-        {"energy": [0, 0, float("nan")]},
-        {"outlines": [{}]},
-        {"contacts": [[1], [], []]},
-    ]
-    bad += [{"parameters": 3}, {"hinges": [[7, 0, 0]]}, {"poses": []}]
-    path.write_text("")
-    with pytest.raises(ResultsError, match=r"m\.json: cannot be read"):
-        read_motion(path)
+    bad = [{"times": [0.0]}, {"poses": [[1.0]]}, {"energy": [0, 0, float("nan")]}, {"outlines": [{}]}]
+    bad += [{"contacts": [[1], [], []]}, {"parameters": 3}, {"hinges": [[7, 0, 0]]}]
     for text in ("[]", "{}", *(json.dumps(good | change) for change in bad)):
         path.write_text(text)
         with pytest.raises(ResultsError, match="not a recorded motion"):
@@ -226,15 +207,6 @@ def test_every_scene_has_a_self_contained_page(tmp_path) -> None:
         assert len(data["times"]) == len(data["poses"]) == len(data["contacts"]) == 4
         allowed = b64encode(sha256(page.scripts[""].encode()).digest()).decode()
         assert f"script-src 'sha256-{allowed}'" in (tmp_path / f"{name}.html").read_text()
-
-
-def test_long_motion_is_thinned(tmp_path, monkeypatch) -> None:
-    motion = record_motion(scene("bouncing_ball"), "lemke", steps=600)
-    monkeypatch.setattr(animation, "MOST_NUMBERS", 700)
-    data = json.loads(_Page(write_animation(motion, tmp_path / "page.html")).scripts["application/json"])
-    assert 40 < len(data["times"]) <= 70
-    largest = max(contacts[4] for step in motion.contacts for contacts in step)
-    assert max(contacts[4] for contacts in data["contacts"] if contacts) == pytest.approx(largest, rel=1e-4)
 
 
 EVIL = "</script><script>document.documentElement.dataset.error='got in'</script><!--\u2028'\"&{{ 7 * 7 }}<b onload=x>"

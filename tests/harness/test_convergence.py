@@ -11,10 +11,9 @@ from frictionbench.problems.scenes import scene
 from frictionbench.reports.charts import convergence as chart
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
-from frictionbench.results.extras import CONVERGENCE, ConvergenceHistory, read_histories, write_histories
+from frictionbench.results.extras import CONVERGENCE, read_histories
 from frictionbench.results.files import ResultsError
 from frictionbench.solvers import Answer, Status, find
-from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.runs import quiet, small_plan
 
 
@@ -79,18 +78,6 @@ def test_run_writes_histories(tmp_path) -> None:
     assert all(history.residuals[-1] <= 1e-8 for history in found)
     page = write_report(folder).read_text(encoding="utf-8")
     assert ("Residual against iterations" in page) == bool(chart.panels(read_run(folder)))
-
-
-def test_force_chart_of_redundant_problems(tmp_path) -> None:
-    folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("b", "p")])
-    table = ("table", '{"legs": 3}', 0)
-    shares = {"a": [[1.0, 0.0], [1.0, 0.0], [1.0, 0.0]], "b": [[1.5, 0.0], [0.0, 0.0], [1.5, 0.0]]}
-    histories = [ConvergenceHistory(*table, name, 3, True, [1, 2], [1e-3, 0.0], share) for name, share in shares.items()]
-    write_histories(folder, [*histories, ConvergenceHistory("bar", "{}", 2, "a", 1, False, [1, 2], [1.0, 1e-9], [])])
-    assert read_histories(folder)[:2] == histories
-    run = read_run(folder)
-    assert [panel.title for panel in chart.forces(run)] == ["table[legs=3]: 3 contacts"]
-    assert [panel.title for panel in chart.panels(run)] == ["table[legs=3]: 3 contacts", "bar, step 2: 1 contact"]
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", '[{"scene": "a"}]', "[[]]"])

@@ -13,27 +13,12 @@ from frictionbench.problems.analysis.thresholds import gaps_only, is_pointed
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.problems.scenes import scene
-from frictionbench.problems.verdicts import Verdict
-from frictionbench.problems.verify import verify
-from frictionbench.solvers import available, solve
 from tests.helpers.frictionless import friction_at_work
 from tools.admit import admissible, fewest_contacts
 
 ROWS = admitted()
 NAMES = [f"{row['scene']} {row['parameters']}" for row in ROWS]
 SMALL = [row for row in ROWS if int(row["contacts"]) <= 30]
-UNLIKE = ("recorded_step", '{"case": "masses_1e8"}'), ("sphere_pyramid", '{"levels": 4, "mass_ratio": 1000000.0, "seed": 0}')
-MUCH = [
-    ("random", f'{{"contacts": {n}, "friction": {mu}, "seed": {seed}}}')
-    for n, mu, seed in ((12, 1e4, 0), (12, 1e4, 2), (40, 100.0, 2))
-]
-WALL = ("recorded_step", '{"case": "wall_8"}')
-SLOTS = ("slots", '{"excess": -1e-06, "points": 15, "seed": 0, "tilt": 0.01}')
-SOLVED_SINCE = {
-    "hybrid": UNLIKE,
-    "interior_point": (*UNLIKE, *MUCH, WALL),
-    "path_search": (SLOTS,),
-}  # and all that was recorded for hybrid
 
 
 def problem_of(row: dict[str, str]) -> FrictionProblem:
@@ -80,32 +65,6 @@ def test_friction_is_at_work(row) -> None:
     problem = problem_of(row)
     assert friction_at_work(problem)
     assert not idle(problem, Reference())
-
-
-def _recorded(method: str, since: bool) -> list[dict[str, str]]:
-    """The problems on which a method failed when they were chosen: those that it solves since, or the others."""
-    rows = [row for row in ROWS if method in failed(row)]
-    return [row for row in rows if ((row["scene"], row["parameters"]) in SOLVED_SINCE.get(method, ())) is since]
-
-
-RECORDED = {method for row in ROWS for method in failed(row)} - {"hybrid"}
-
-
-@pytest.mark.parametrize("method", sorted(method for method in RECORDED if _recorded(method, since=False)))
-def test_the_method_fails_on_the_smallest_problem_recorded_for_it(method) -> None:
-    row = min(_recorded(method, since=False), key=lambda row: int(row["contacts"]))
-    problem = problem_of(row)
-    answer = solve(problem, method, tol=TOL)
-    assert verify(problem, answer, available()[method].model, TOL).verdict != Verdict.SOLVED
-
-
-@pytest.mark.parametrize("method", SOLVED_SINCE)
-def test_what_a_method_has_come_to_solve_it_solves(method) -> None:
-    rows = _recorded(method, since=True)
-    assert len(rows) == len(SOLVED_SINCE[method])
-    for row in rows:
-        problem = problem_of(row)
-        assert verify(problem, solve(problem, method, tol=TOL), available()[method].model, TOL).residual <= TOL
 
 
 @pytest.mark.parametrize(

@@ -1,15 +1,8 @@
 """Runs write one row with the right verdict for every planned cell and resume after interruptions."""
 
 import json
-import os
-import signal
-import subprocess
-import sys
-import time
-from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from frictionbench.commands.single import rerun_row
@@ -20,14 +13,10 @@ from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import SolveCell, Source
 from frictionbench.harness.run import row_of, run
 from frictionbench.harness.workers.pool import Outcome, Task
-from frictionbench.problems import InputError
-from frictionbench.problems.recorded import archive, own
-from frictionbench.problems.scenes import scene
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import ShardWriter
 from tests.helpers.command_line import frictionbench
-from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.runs import quiet, small_plan, verdicts
 
 
@@ -78,10 +67,6 @@ def test_different_plan_is_refused(tmp_path) -> None:
     ("arguments", "complaint"),
     [
         (("run", "no_such_suite"), "suite: unknown suite"),
-        (("run", "smoke", "--scene", "no_such_scene"), "scene: unknown scene"),
-        (("run", "smoke", "--scene", "stack[blocks=-1]"), "blocks: must be at least 1"),
-        (("run", "smoke", "--scene", "stack[colour=1]"), "colour"),
-        (("run", "smoke", "--solver", "no_such_solver"), "solver: unknown solver"),
         (("run", "smoke", "--solver", "nsgs[relaxation=much]"), "takes a float"),
         (("run", "smoke", "--solver", "ccp[backend=abacus]"), "abacus"),
         (("run", "smoke", "--solver", "nothing_here.py"), "nothing_here.py"),
@@ -92,8 +77,6 @@ def test_different_plan_is_refused(tmp_path) -> None:
         (("report", "no_such_folder"), "no such results folder"),
         (("compare", "no_such_folder", "nor_this"), "no_such_folder"),
         (("solve", "no_such_file.npz"), "no_such_file.npz: no such file"),
-        (("solve", "no_such_scene"), "scene: unknown scene"),
-        (("rerun", "no_such_folder", "key"), "no such results folder"),
     ],
 )
 def test_unusable_input_is_reported_in_one_line(tmp_path, arguments, complaint) -> None:
@@ -101,71 +84,6 @@ def test_unusable_input_is_reported_in_one_line(tmp_path, arguments, complaint) 
     assert done.returncode == 2
     assert complaint in done.stderr + done.stdout
     assert list(tmp_path.iterdir()) == []
-
-
-def test_unreadable_results_are_reported(tmp_path) -> None:
-    (tmp_path / "manifest.json").write_text("{torn", encoding="utf-8")
-    with pytest.raises(ResultsError, match=r"manifest\.json: cannot be read"):
-        store.read_manifest(tmp_path)
-    (tmp_path / "solves.parquet").write_bytes(b"PAR1 no more")
-    with pytest.raises(ResultsError, match=r"solves\.parquet: not a readable"):
-        store.read_table(tmp_path, "solves")
-
-
-def test_decompression_limit(tmp_path, monkeypatch) -> None:
-    """Files that unpack to more than their own size are refused by what they state; manifests by their size."""
-    folder = write_folder(tmp_path / "run", [solve_row("lemke", f"p{i}", reason=f"{i} " * 99) for i in range(400)])
-    problem, table = tmp_path / "problem.npz", folder / "solves.parquet"
-    own.save(scene("pyramid", rows=8).problem(), problem)
-    with np.load(problem) as arrays:
-        np.savez_compressed(problem, **arrays)
-    monkeypatch.setattr(archive, "MAX_BYTES", problem.stat().st_size)
-    with pytest.raises(InputError, match="unpacks to"):
-        own.load(problem)
-    monkeypatch.setattr(store, "LARGEST_TABLE", table.stat().st_size)
-    with pytest.raises(ResultsError, match=r"solves\.parquet: decompresses to"):
-        store.read_table(folder, "solves")
-    monkeypatch.setattr(store, "LARGEST_MANIFEST", 100)
-    with pytest.raises(ResultsError, match=r"manifest\.json: larger than"):
-        store.read_manifest(folder)
-
-
-def written(folder: Path) -> set[tuple[Path, int, int]]:
-    """The files of a folder that is being written to, with their lengths and times."""
-    found = set()
-    for path in folder.rglob("*"):
-        with suppress(FileNotFoundError):
-            found.add((path, path.stat().st_size, path.stat().st_mtime_ns))
-    return found
-
-
-@pytest.mark.slow  # kills at any row, which quick tests do not
-def test_repeatedly_killed_run_resumes(tmp_path) -> None:
-    """Kill -9 of the whole process group after it wrote some files, whatever it is doing then; then the same command again.
-
-    Progress is measured by the files in the folder, since a run spends most of its time starting.
-    """
-    command = ["run", "smoke", "--scene", "stack", "--scene", "pyramid", "--solver", "lemke", "--solver", "nsgs", "--out"]
-    python = [sys.executable, "-c", "from frictionbench.commands.cli import main; main()"]
-    random = np.random.default_rng(0)
-    killed, interrupted = tmp_path / "killed", 0
-    for _ in range(5):
-        before, left = written(killed), random.integers(2, 9)
-        process = subprocess.Popen([*python, *command, str(killed)], start_new_session=True, stderr=subprocess.DEVNULL)
-        while process.poll() is None and left:
-            time.sleep(0.005)
-            now = written(killed)
-            before, left = now, left - (now != before)
-        time.sleep(random.uniform(0.0, 0.1))
-        if process.poll() is None:
-            interrupted += 1
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-    assert interrupted > 2
-    for folder in ("killed", "whole"):
-        assert frictionbench(*command, str(tmp_path / folder)).returncode == 0
-    assert verdicts(tmp_path / "killed") == verdicts(tmp_path / "whole")
-    assert len(verdicts(tmp_path / "whole")) == 2 * 2 * 2
 
 
 def test_rerun_is_bitwise_equal(tmp_path) -> None:
@@ -180,7 +98,6 @@ def test_rerun_is_bitwise_equal(tmp_path) -> None:
     shown = frictionbench("rerun", str(folder), key)
     assert shown.returncode == 0, shown.stderr
     assert shown.stdout.count(row["variant"]) == 2
-    assert "no row has the key" in frictionbench("rerun", str(folder), "nonsense").stderr
 
 
 @pytest.mark.parametrize("verdict", [["solved"], {"solved": 1}, None, "certainly"])

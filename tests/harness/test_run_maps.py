@@ -36,7 +36,6 @@ from frictionbench.results.maps import Axis, Map
 from frictionbench.solvers import Status, find, solve
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import BAD_SOLVERS
-from tests.helpers.plugin import write
 from tests.helpers.runs import quiet
 
 MAPS = {spec.name: spec for spec in ATLAS}
@@ -134,14 +133,6 @@ def test_rod_map_sticks_without_sliding_solution(atlas) -> None:
     assert (rows["outcomes"] == 1).all()
 
 
-def test_block_map_tips_beyond_p0(atlas) -> None:
-    rows = cells(atlas, "sliding_block")
-    beyond = rows["friction"] * rows["aspect"] > 1
-    assert 5 < beyond.sum() < len(rows) - 5
-    assert set(rows.loc[~beyond, "mode"]) == {"rr"}
-    assert {mode.count("o") for mode in rows.loc[beyond, "mode"]} == {1}
-
-
 def test_overlap_map_has_no_solution(atlas) -> None:
     rows = cells(atlas, "jam", "hybrid")
     assert set(rows["overlap"]) == {-0.1, -1e-12, 0.0, 1e-12, 0.1}
@@ -224,16 +215,6 @@ def test_unit_invariance(tmp_path) -> None:
             assert len(set(rows["work"])) == 1, (part.spec.name, entry)
 
 
-def test_scene_unit_invariance() -> None:
-    usual, other = scene("arch"), scene("arch", mass_unit=1e3, length_unit=1e-3)
-    a, b = usual.problem(), other.problem()
-    assert np.allclose(b.W.toarray() * 1e3, a.W.toarray())
-    assert np.allclose(b.q * 1e3, a.q)
-    assert other.parameters["mass_unit"] == 1e3
-    with pytest.raises(InputError, match=r"^mass_unit"):
-        scene("arch", mass_unit=0)
-
-
 def test_custom_map(tmp_path) -> None:
     command = ["map", "wedge[speed=2]", "--x", "angle=.2:1:2", "--y", "friction=log:.1:1:2", "--out", str(tmp_path / "run")]
     done = frictionbench(*command, "--solver", "lemke", "--solver", "apgd", cwd=tmp_path)
@@ -249,16 +230,6 @@ def test_custom_map(tmp_path) -> None:
         done = frictionbench("map", "wedge", *arguments, cwd=tmp_path)
         assert done.returncode == 2
         assert complaint in done.stderr
-
-
-def test_map_of_a_plugin(tmp_path) -> None:
-    plugin = write(tmp_path / "guest.py")
-    grid = ("--x", "angle=.2:1:2", "--y", "friction=.1:1:2", "--out", str(tmp_path / "run"))
-    done = frictionbench("map", "wedge", *grid, "--solver", str(plugin), cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    rows = map_cells(read_run(tmp_path / "run"))[0].rows
-    assert set(rows["variant"]) == {"guest"}
-    assert "solved" not in set(rows["verdict"])
 
 
 def test_first_steps_are_not_divergence() -> None:

@@ -47,9 +47,3 @@ def test_workflows_are_bounded_and_do_not_pile_up(workflow) -> None:
     assert [
         name for command in commands for name in re.findall(r"^make ([\w-]+)", command) if f"\n{name}:" not in makefile
     ] == []
-
-
-def test_paper_cites_what_its_bibliography_has() -> None:
-    paper, bib = ((ROOT / "docs" / "paper" / name).read_text(encoding="utf-8") for name in ("paper.md", "paper.bib"))
-    cited = set(re.findall(r"@([A-Z]\w+)", paper))
-    assert cited == set(re.findall(r"^@\w+\{(\w+),", bib, re.MULTILINE))

@@ -41,16 +41,3 @@ def test_links_that_leave_docs(extension) -> None:
     source = ["[how](../CONTRIBUTING.md#a-release), [code](../tools/direct), [page](ci.md)"]
     extension("links").replace_links(None, "peers", source)
     assert source == ["[how](contribute.md#a-release), code, [page](ci.md)"]
-
-
-def test_docstrings_become_text(extension) -> None:
-    as_rst = extension("public_face").as_rst
-    assert as_rst("a `name` and *") == "a ``name`` and \\*"
-    assert as_rst(">>> 1\n1") == ">>> 1\n1"
-    assert as_rst("    a   b") == "::\n\n        a   b"
-
-
-def test_every_command_has_its_help(extension) -> None:
-    reference = extension("command_line")
-    assert {"run", "map", "check-solver", "export", "list"} <= set(reference.commands())
-    assert reference.help_of("map").startswith("Usage: frictionbench map")

@@ -110,14 +110,6 @@ def test_no_import_cycles() -> None:
     assert cycle(graph_of(FILES)) == []
 
 
-def test_a_cycle_is_found_within_functions(tmp_path, monkeypatch) -> None:
-    files = {"frictionbench.a": tmp_path / "a.py", "frictionbench.b": tmp_path / "b.py"}
-    files["frictionbench.a"].write_text("from frictionbench.b import name", encoding="utf-8")
-    files["frictionbench.b"].write_text("def late():\n    from frictionbench import a\n", encoding="utf-8")
-    monkeypatch.setattr("tests.project.test_structure.FILES", files)
-    assert set(cycle(graph_of(files))) == set(files)
-
-
 def test_private_names_are_not_imported() -> None:
     imported = [
         f"{module} imports {name} from {target}"
@@ -141,53 +133,3 @@ def test_no_duration_is_measured_by_the_date() -> None:
 
 def test_module_docstrings() -> None:
     assert [module for module, path in FILES.items() if not ast.get_docstring(tree(path))] == []
-
-
-@cache
-def checkers(module: ast.Module) -> set[str]:
-    """The functions of a test module that assert or expect an error, directly or through other functions of the module."""
-    functions = {node.name: node for node in ast.walk(module) if isinstance(node, ast.FunctionDef)}
-    found: set[str] = set()
-    while more := {name for name, node in functions.items() if name not in found and asserts(node, found)}:
-        found |= more
-    return found
-
-
-def asserts(function: ast.AST, helpers: set[str]) -> bool:
-    """Whether a function asserts, expects an error, or calls a helper that does."""
-    for node in ast.walk(function):
-        if isinstance(node, ast.Assert):
-            return True
-        if isinstance(node, ast.Call):
-            name = ast.unparse(node.func)
-            if name in ("pytest.raises", "pytest.fail", "pytest.warns") or name in helpers:
-                return True
-            if name.startswith(("np.testing.assert_", "pd.testing.assert_")):
-                return True
-    return False
-
-
-def test_every_test_asserts_something() -> None:
-    shared = {name for path in (ROOT / "tests" / "helpers").glob("*.py") for name in checkers(tree(path))}
-    without_assertion = [
-        f"{path.name}::{node.name}"
-        for path in (ROOT / "tests").rglob("test_*.py")
-        if "benchmarks" not in path.parts
-        for node in ast.walk(tree(path))
-        if isinstance(node, ast.FunctionDef) and node.name.startswith("test")
-        if not asserts(node, (checkers(tree(path)) | shared) - {node.name})
-    ]
-    assert without_assertion == []
-
-
-@pytest.mark.parametrize(
-    ("text", "can_fail"),
-    [
-        ("def test(): assert f()", True),
-        ("def test(): check_run(f())", False),
-        ("def test():\n with pytest.raises(ValueError): f()", True),
-        ("def test(): checked = f()", False),
-    ],
-)
-def test_asserts(text: str, can_fail: bool) -> None:
-    assert asserts(ast.parse(text), set()) is can_fail

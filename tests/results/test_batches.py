@@ -1,10 +1,9 @@
 """Rates that say nothing are refused, with the reason; the others follow from the raw times."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from frictionbench.reports.batches import rate_of, rate_tables
+from frictionbench.reports.batches import rate_of
 from tests.helpers.made_results import batch_row
 
 
@@ -33,18 +32,3 @@ def test_rates_that_say_nothing_are_refused(facts: dict[str, object], why: str) 
     found = rate_of(batch_row("lemke", "packed", **facts))
     assert (found.refused, found.texts[0]) == (why, why)
     assert set(found.texts[1:]) == {"–"}
-
-
-@pytest.mark.parametrize(
-    ("facts", "shown"),
-    [({"threads": None, "gain": None}, "–"), ({"gain": None}, "busy"), ({"gain": 1.875}, "1.88")],
-)
-def test_threads_that_were_not_tried_have_a_dash(facts: dict[str, object], shown: str) -> None:
-    assert rate_of(batch_row("lemke", "packed", **facts)).texts[-1] == shown
-
-
-def test_batches_that_did_not_run_are_listed() -> None:
-    rows = [batch_row("osqp", "calls", contacts=None, verified=None, verdict="crashed", reason="killed")]
-    (table,) = rate_tables(pd.DataFrame(rows))
-    assert (table.title, table.problems) == ("not run: stack[blocks=2]", 100)
-    assert table.rates[0].refused == "crashed: killed"

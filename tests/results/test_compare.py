@@ -59,6 +59,8 @@ def test_verdicts_are_ordered(runs, better, worse):
     result = runs(rows([better, better]), rows([better, worse]))
     assert result.exit_code == 1
     assert told(result.worse) == [f"a-p1-1e-08 {better} → {worse}"]
+    back = runs(rows([better, worse]), rows([better, better]))
+    assert (back.exit_code, told(back.better)) == (0, [f"a-p1-1e-08 {worse} → {better}"])
 
 
 @pytest.mark.parametrize(("seconds", "code"), [(0.02, 1), (6.0, 0)])  # of a limit of 10 s
@@ -77,12 +79,10 @@ def test_timeouts_explained_by_machine(runs, seconds, code, manifest):
     assert bool(runs([*slower, *after], [*others, *before], **manifest).better) is (code == 1)
 
 
-@pytest.mark.parametrize("manifest", [{}, ELSEWHERE])
-@pytest.mark.parametrize("worse", ["crashed", "wrong"])
-def test_timeout_to_worse(runs, manifest, worse):
-    before, slow = [*rows(["solved"]), unanswered_row("a", "p1", "timeout")], {"solve_time": 9.0}
-    for after in (unanswered_row("a", "p1", worse), solve_row("a", "p1", verdict=worse, **slow)):
-        assert told(runs(before, [*rows(["solved"]), after], **manifest).worse) == [f"a-p1-1e-08 timeout → {worse}"]
+def test_timeout_to_worse(runs):
+    before = [*rows(["solved"]), unanswered_row("a", "p1", "timeout")]
+    after = solve_row("a", "p1", verdict="wrong", solve_time=9.0)
+    assert told(runs(before, [*rows(["solved"]), after], **ELSEWHERE).worse) == ["a-p1-1e-08 timeout → wrong"]
 
 
 @pytest.mark.parametrize("manifest", [{}, ELSEWHERE])
@@ -96,19 +96,6 @@ def test_unknown_time_excuses_no_timeout(runs, manifest):
 def test_lower_limit_excuses_no_timeout(runs):
     result = runs(rows(["solved"] * 3), [unanswered_row("a", f"p{i}", "timeout", time_limit=1e-3) for i in range(3)])
     assert (result.exit_code, len(result.flips)) == (1, 3)
-
-
-def test_better_verdict_passes(runs):
-    result = runs(rows(["wrong", "solved"]), rows(["solved", "solved"]))
-    assert result.exit_code == 0
-    assert told(result.better) == ["a-p0-1e-08 wrong → solved"]
-    assert "| wrong → solved | `bar[friction=0.2]` | 0 | 1e-08 |" in markdown(result)
-
-
-def test_missing_cell_fails(runs):
-    result = runs(rows(["solved", "solved"]), rows(["solved"]))
-    assert (result.exit_code, result.counts["gone"], result.counts["worse"]) == (1, 1, 0)
-    assert told(result.worse) == ["a-p1-1e-08 solved → gone"]
 
 
 @pytest.mark.parametrize("reason", ["not installed", ""])
@@ -141,17 +128,10 @@ def test_new_cells_that_fail(runs, verdict):
         assert (f"**new → {verdict}**" in markdown(result)) is bool(code)
 
 
-def test_no_common_cells_is_unusable(runs):
-    assert runs(rows(["solved"]), [solve_row("a", "other")]).exit_code == 2
-
-
-def test_all_skipped_is_unusable(runs):
-    result = runs(rows(["solved"]), [unanswered_row("a", "p0", "skipped")])
+@pytest.mark.parametrize("after", [[solve_row("a", "other")], [unanswered_row("a", "p0", "skipped")], []])
+def test_nothing_in_common_is_unusable(runs, after):
+    result = runs(rows(["solved"]), after)
     assert (result.exit_code, result.unusable) == (2, "no cell was measured in both runs")
-
-
-def test_empty_tables_are_unusable(runs):
-    assert runs([], []).exit_code == 2
 
 
 @pytest.mark.parametrize(("name", "other"), [("suite", "another"), ("tolerances", [1e-3])])
@@ -159,12 +139,6 @@ def test_different_settings_are_unusable(runs, name, other):
     result = runs(rows(["solved"]), rows(["solved"]), settings=SETTINGS | {name: other})
     assert result.exit_code == 2
     assert name in markdown(result)
-
-
-def test_missing_folder_is_unusable(tmp_path):
-    result = compare(tmp_path, tmp_path / "absent")
-    assert result.exit_code == 2
-    assert "manifest.json" in markdown(result)
 
 
 def test_unknown_verdict_is_unusable(runs):
@@ -194,19 +168,20 @@ def test_work_growth_limit(runs, after, code):
     assert runs(pivots((40, 60)), pivots(after), Limits(growth=1.2)).exit_code == 0
 
 
-def test_work_growth_report(runs):
-    before, after = ([solve_row("a", "p", work=json.dumps({"pivots": n, "restarts": r}))] for n, r in ((10, 0), (12, 3)))
-    result = runs(before, after)
-    assert told(result.worse) == ["pivots", "restarts"]
-    assert "| **pivots** | 10 | 12 | ×1.20 | 1 |\n| **restarts** | 0 | 3 |  | 1 |" in markdown(result)
-
-
 def test_work_of_commonly_solved_cells(runs):
     assert runs(pivots([10], verdict="unsolved"), pivots([90], verdict="unsolved")).exit_code == 0
 
 
-NO_COUNTS = ['{"sweeps": 9}', '{"pivots": -9}', '{"pivots": 1e30}', f'{{"pivots": {10**30}}}', f'{{"pivots": {"9" * 5000}}}']
-NO_COUNTS += ['{"pivots": "many"}', '{"pivots": NaN}', '{"pivots": true}', '{"pivots": 9.0}', "[1]", "{", "{}", ""]
+NO_COUNTS = [
+    '{"sweeps": 9}',
+    '{"pivots": -9}',
+    '{"pivots": 1e30}',
+    f'{{"pivots": {"9" * 5000}}}',
+    '{"pivots": true}',
+    "[1]",
+    "{",
+    "",
+]
 
 
 @pytest.mark.parametrize("text", NO_COUNTS)
@@ -220,11 +195,6 @@ def test_lost_counters_fail(runs, text):
     assert runs(after, after).exit_code == 0
     zero = [solve_row("a", "p", work='{"restarts": 0}')]
     assert runs(zero, [solve_row("a", "p", work=text)]).exit_code == 1
-
-
-def test_counter_names_hold_no_separators(runs):
-    before, after = (rows(["solved"], work=json.dumps({name: 3})) for name in ("pivots 9, x", "x"))
-    assert told(runs(before, after).worse) == ["pivots_9_x"]
 
 
 def timed(solve, factors=(1.0,) * 4):
@@ -241,6 +211,7 @@ def test_single_pair_is_not_significant(runs):
     assert "| `a` | 2 ms | 10 ms | ×5.00 ~ | ~ |  | 1 | 4 |" in markdown(result)
     assert "| geometric mean |  |  | ×2.24 |  |  |  |  |" in markdown(result)
     assert runs(timed(1e-3), timed(9e-3), Limits(times=False)).times == ()
+    assert runs(timed(1e-3), timed(9e-3), **ELSEWHERE).times == ()
 
 
 @pytest.mark.parametrize(
@@ -307,12 +278,6 @@ def test_missing_cells_with_removed_code(runs):
     assert confirm(seen, [(without, before)] * 3, both=True, limits=Limits()).exit_code == 0
 
 
-def test_times_of_different_machines(runs):
-    result = runs(timed(1e-3), timed(9e-3), **ELSEWHERE)
-    assert (result.exit_code, result.times) == (0, ())
-    assert "Times are not compared: they were measured on different machines" in markdown(result)
-
-
 @pytest.mark.parametrize("n", [3, 6, 8, 11])
 def test_interval_equals_wilcoxon(n):
     shifts = np.random.default_rng(n).normal(0.3, 0.5, n)
@@ -349,11 +314,7 @@ def test_markdown_length_limit(runs):
     before, after = (
         [solve_row(f"s{n}", f"p{i}", verdict=v) for n in range(5) for i in range(130)] for v in ("solved", "wrong")
     )
-    text = markdown(runs(before, after))
-    assert text.startswith("## worse 650 ")
-    assert "and 18 more." in text
-    assert text.endswith("Truncated; `--out` writes the complete comparison as data.\n")
-    assert 40_000 < len(text) < 65_536
+    assert 40_000 < len(markdown(runs(before, after))) < 65_536
 
 
 def test_comparison_files(runs, tmp_path, monkeypatch):

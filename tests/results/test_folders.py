@@ -136,14 +136,7 @@ def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
 
 @pytest.mark.parametrize(
     "text",
-    [
-        "[" * 10**6,
-        '{"settings": {"suite": "\\ud800"}}',
-        '{"settings": 1}',
-        '{"settings": {"a": ' + "9" * 5000,
-        f'{{"settings": {{}}, "schema": {SCHEMA_VERSION}, "machine": "x"}}',
-        f'{{"settings": {{}}, "schema": {SCHEMA_VERSION}, "versions": []}}',
-    ],
+    ["[" * 10**6, '{"settings": {"a": ' + "9" * 5000, f'{{"settings": {{}}, "schema": {SCHEMA_VERSION}, "machine": "x"}}'],
 )
 def test_invalid_manifest(tmp_path, text) -> None:
     (tmp_path / "manifest.json").write_text(text, encoding="utf-8")
@@ -203,63 +196,25 @@ def test_unwritable_folder(tmp_path, place) -> None:
         run(plan, folder, 1, quiet())
 
 
-def test_unwritable_problems_folder(tmp_path) -> None:
-    folder, plan = tmp_path / "run", small_plan(simulations=())
-    open_folder(plan, folder)
-    (folder / "problems").touch()
-    run(plan, folder, 1, quiet())
-    rows = store.read_table(folder, "solves")
-    assert set(rows["verdict"]) == {"skipped"}
-    assert rows["reason"].str.contains(str(folder / "problems"), regex=False).all()
-    (folder / "problems").unlink()
-    run(plan, folder, 1, quiet())
-    again = store.read_table(folder, "solves")
-    assert (len(again), set(again["verdict"])) == (len(rows), {"solved"})
-
-
 AXIS = {"parameter": "friction", "low": 0.1, "high": 1.0, "count": 3}
 MAP = {"name": "m", "scene": "stack", "x": AXIS, "y": AXIS | {"parameter": "push"}, "thresholds": []}
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"x": AXIS | {"count": 10**6}, "y": AXIS | {"count": 10**6}},
-        {"x": AXIS | {"count": 2.5}},
-        {"x": AXIS | {"low": 0.0, "scale": "log"}},
-        {"x": AXIS | {"low": "a"}},
-        {"x": AXIS | {"high": float("inf")}},
-        {"x": AXIS | {"scale": "other"}},
-        {"x": AXIS | {"low": -1.0, "scale": "log"}},
-        {"levels": 10**9},
-        {"name": "../../x"},
-        {"name": None},
-        {"parameters": []},
-        {"thresholds": [1]},
-        {"title": {}},
-        {"other": 1},
-    ],
-)
-def test_edited_maps(tmp_path, change) -> None:
-    folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
-    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-    for given, complaint in ((MAP, ""), (MAP | change, "maps: cannot be read")):
-        manifest["settings"]["maps"] = [given]
-        if complaint:
-            with pytest.raises(ResultsError, match=complaint):
-                maps_of(manifest)
-        else:
-            assert maps_of(manifest)[0].name == "m"
-    (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
-    done = frictionbench("report", str(folder))
-    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done
+CHANGES = [{"x": AXIS | {"low": low, "scale": "log"}} for low in (0.0, -1.0)] + [{"x": AXIS | {"high": float("inf")}}]
+CHANGES += [{"x": AXIS | {"count": 10**6}, "y": AXIS | {"count": 10**6}}, {"x": AXIS | {"scale": "other"}}, {"levels": 10**9}]
+CHANGES += [{"name": "../../x"}, {"parameters": []}, {"thresholds": [1]}, {"other": 1}]
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_edited_maps(change) -> None:
+    assert maps_of({"settings": {"maps": [MAP]}})[0].name == "m"
+    with pytest.raises(ResultsError, match="maps: cannot be read"):
+        maps_of({"settings": {"maps": [MAP | change]}})
 
 
 def test_other_schema_is_refused(tmp_path) -> None:
     folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
     manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-    for schema in (1, 4, "3", None):
-        (folder / "manifest.json").write_text(json.dumps(manifest | {"schema": schema}), encoding="utf-8")
-        done = frictionbench("report", str(folder))
-        assert done.returncode == 2
-        assert f"schema version {schema!r}" in done.stderr
+    (folder / "manifest.json").write_text(json.dumps(manifest | {"schema": SCHEMA_VERSION + 1}), encoding="utf-8")
+    with pytest.raises(ResultsError, match="schema version"):
+        store.read_manifest(folder)

@@ -5,10 +5,8 @@ import re
 import pandas as pd
 import pytest
 
-from frictionbench.results import ResultsError
-from studies import __main__ as command
 from studies import running
-from studies.study import Summary, require
+from studies.study import Summary
 from tests.helpers.paths import ROOT
 
 
@@ -42,19 +40,6 @@ def test_what_draws_and_writes_is_no_code_of_a_table(tmp_path, monkeypatch) -> N
     assert running.code("convexity") != before
 
 
-def test_claims_that_the_tables_do_not_hold_are_refused() -> None:
-    require(True, "nothing")
-    with pytest.raises(ResultsError, match="a claim"):
-        require(False, "a claim")
-
-
 def test_numbers_that_the_prose_lacks_are_errors() -> None:
     with pytest.raises(Exception, match="undefined"):
         running.text("convexity", Summary({}, {}))
-
-
-@pytest.mark.parametrize("arguments", [["convexty"], ["warm", "--data", "somewhere"]])
-def test_what_is_not_known_is_refused(arguments, capsys) -> None:
-    with pytest.raises(SystemExit, match="2"):
-        command.main(arguments)
-    assert "studies: error:" in capsys.readouterr().err

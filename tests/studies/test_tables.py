@@ -11,9 +11,8 @@ import pytest
 import frictionbench as fb
 from studies.cone import SPACE
 from studies.interior import central_path, folds
-from studies.neighbours import where_answers_differ
 from studies.study import order
-from studies.warm import COUNTS, SOLVERS
+from studies.warm import COUNTS
 from tests.helpers.studies import reduced, text
 
 
@@ -183,19 +182,6 @@ def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None
     assert "the solvers' answers differ in none;" in account.body
 
 
-@pytest.mark.parametrize(
-    ("differ", "several", "text"),
-    [
-        ([0, 0], [1, 0], "none"),
-        ([1, 0], [1, 0], "1, all of these"),
-        ([1, 0], [1, 1], "1, these only"),
-        ([1, 1], [1, 0], "2, others, too"),
-    ],
-)
-def test_where_answers_differ(differ, several, text) -> None:
-    assert where_answers_differ(pd.Series(differ, dtype=bool), pd.Series(several, dtype=bool)) == text
-
-
 def test_a_higher_order_is_kept_in_smooth_sliding_and_gaps_drift_less() -> None:
     schemes = ("anitescu_potra", "stewart_trinkle", "trapezoid")
     found = reduced("orders", errors={"schemes": schemes, "fractions": (10, 20, 40), "kinds": ("smooth sliding",)})
@@ -254,10 +240,6 @@ def test_only_problems_with_all_three_starts_are_compared() -> None:
     made.loc[(made["variant"] == "nsgs") & (made["step"] == 2) & (made["start"] == "warm"), "verdict"] = "unsolved"
     account = text("warm", {"solves": made})
     assert "From the step before fewer problems are solved by nsgs." in account.body
-
-
-def test_every_method_compared_has_a_count() -> None:
-    assert set(COUNTS) == set(SOLVERS)
 
 
 @pytest.mark.slow  # its claims on computed tables

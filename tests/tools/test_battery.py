@@ -6,7 +6,7 @@ import pytest
 from tools.battery import __main__ as table
 from tools.battery import bullet, drake, mujoco, own, rapier
 from tools.battery.phenomena import PHENOMENA
-from tools.battery.world import Body, Setting, Unsupported
+from tools.battery.world import Body, Setting
 
 BY_NAME = {one.name: one for one in PHENOMENA}
 
@@ -53,22 +53,6 @@ def test_own_world_is_tilted_and_turned() -> None:
     world.tilt(np.radians(30))
     world.run(0.05)
     assert world.velocity(0) == pytest.approx([9.81 * (0.5 - 0.2 * np.sqrt(1.5)) * 0.05, 0, 0], abs=1e-6)
-
-
-def test_rebounds_that_an_engine_does_not_have_are_left_out(monkeypatch) -> None:
-    def rigid(setting: Setting, step: float) -> Point:
-        raise Unsupported("no restitution")
-
-    monkeypatch.setattr(table, "ENGINES", {"rigid": ("numpy", rigid)})
-    monkeypatch.setattr(table, "PHENOMENA", (BY_NAME["rebound, e = 0.5"],))
-    (row,) = [line for line in table.table().splitlines() if line.startswith("| rebound")]
-    assert row.endswith("| – |")
-
-
-def test_inertia_is_that_of_uniform_bodies() -> None:
-    box, ball = Setting((Body((0.1, 0.2, 0.3), 3.0, (0, 0, 0)), Body((0.5,), 2.0, (0, 0, 0))), 0.5).volume_inertia
-    assert box == pytest.approx([0.13, 0.10, 0.05])
-    assert ball == pytest.approx([0.2] * 3)
 
 
 def test_page_has_every_phenomenon_and_says_what_is_skipped(monkeypatch) -> None:

@@ -8,7 +8,7 @@ import pytest
 from frictionbench import instance
 from frictionbench.problems import InputError
 from frictionbench.problems.scenes import scene
-from frictionbench.solvers import Status, available, find, solve
+from frictionbench.solvers import available, find, solve
 from tests.helpers.paths import ROOT
 from tools.direct.__main__ import BLOCKS, BODIES, FAIR, TOL, charged_tables
 from tools.direct.calls import CALLS
@@ -54,16 +54,6 @@ def test_the_documents_say_why_an_adapter_is_charged_more() -> None:
 def test_every_library_has_a_call_by_hand() -> None:
     called = {spec.partition("[")[0] for spec in CALLS} | {"ccp_cone"}  # CVXPY models; the solver it calls is clarabel's
     assert {name for name, info in available().items() if info.needs and info.ours} == called
-
-
-def test_a_planar_driver_of_siconos_is_called_once() -> None:
-    """It begins at 0 whatever its guess: asking it again for more accuracy takes all its sweeps again, 1003 here."""
-    spec = "siconos[method=friction_2d_nsgs]"
-    if missing := find(spec)[0].missing:
-        pytest.skip(missing)
-    answer = solve(scene("stack", blocks=5, push=1.0).problem(), spec, tol=TOL)
-    assert answer.status is Status.SOLVED
-    assert answer.work["iterations"] < 700
 
 
 def test_the_tables_have_a_row_for_each_solver_named(monkeypatch) -> None:

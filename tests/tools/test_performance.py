@@ -2,13 +2,10 @@
 
 from pathlib import Path
 
-import pytest
-
 import frictionbench as fb
-from frictionbench.results import ResultsError
 from tests.helpers.made_results import batch_row, write_folder
 from tools import large_problems, performance
-from tools.hard_families import FAMILIES, Family, section
+from tools.hard_families import Family, section
 
 
 def test_rates_stand_in_a_table_for_each_batch(tmp_path: Path) -> None:
@@ -22,11 +19,6 @@ def test_rates_stand_in_a_table_for_each_batch(tmp_path: Path) -> None:
     assert "| lemke | packed | cold | 1,000 | 2 | 0.50 | 0.50 | 0.50 | 1.90 |" in told
     assert "| osqp | calls | cold | 50 % verified | – |" in told
     assert max(map(len, told.splitlines())) <= 128
-
-
-def test_a_folder_without_results_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ResultsError, match="has no rows of batches"):
-        performance.rates(tmp_path)
 
 
 def test_large_problems_are_told_with_what_was_not_run(monkeypatch) -> None:
@@ -59,9 +51,3 @@ def test_only_verified_answers_count_as_solved() -> None:
     _, _, solved, worst, *_ = _cells(Family("bodies", make, 3, "relaxation_ip"))
     assert solved == "0 of 3"
     assert float(worst) > 1e-3  # contacts slide, which the relaxation answers with another motion
-
-
-@pytest.mark.parametrize("family", FAMILIES, ids=[family.title for family in FAMILIES])
-def test_instances_differ(family) -> None:
-    if "4000" not in family.title and "levels" not in family.title:
-        assert len({family.make(k).hash for k in range(3)}) == 3

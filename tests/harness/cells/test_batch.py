@@ -8,7 +8,6 @@ import pytest
 from frictionbench.harness.cells import batch
 from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.plans.plan import BatchCell
-from frictionbench.problems import InputError
 from frictionbench.reports.batches import rate_of
 from frictionbench.solvers import Answer, find, solve_many
 
@@ -53,13 +52,3 @@ def test_what_is_not_solved_has_the_worst_verdict(monkeypatch: pytest.MonkeyPatc
     row = time_batch(BatchCell("stack", {"blocks": 1}, 4, "lemke", "calls", 1e-8), problems, find("lemke")[0])
     assert (row["verdict"], row["verified"], row["reason"]) == ("wrong", 0.75, "1 of 4 wrong")
     assert "problem_times" not in row
-
-
-def test_settings_that_are_given_are_not_drawn() -> None:
-    found = batch_of("stack", json.dumps({"blocks": 1, "friction": 0.25}), 3)
-    assert {float(mu) for problem in found.problems for mu in problem.friction} == {0.25}
-
-
-def test_a_scene_is_refused_by_its_own_error() -> None:
-    with pytest.raises(InputError, match="blocks"):
-        batch_of("stack", json.dumps({"blocks": 0}), 3)

@@ -10,7 +10,6 @@ from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.harness.run import run
 from frictionbench.problems import InputError
-from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.scenes import scene
 from frictionbench.results import store
 from frictionbench.solvers import Answer, Status
@@ -64,28 +63,6 @@ def test_motion_ends_without_reference(tmp_path, false_claims):
     assert "no reference answer" in record_motion(scene("stopping_block"), Reference(), steps=3).ended
 
 
-def test_early_end_is_recorded(tmp_path, monkeypatch):
-    honest, calls = reference.solve, []
-
-    def tires(problem, name, **options):
-        calls.append(name)
-        if len(calls) > 4:
-            raise ValueError("tired")
-        return honest(problem, name, **options)
-
-    monkeypatch.setattr(reference, "solve", tires)
-    monkeypatch.setattr(
-        "frictionbench.harness.cells.collect.facts", lambda source, met: {"reference": met.reference, **_home(source, met)}
-    )
-    told = {entry["reference"] for entry in collect(tmp_path, MOTION)}
-    assert len(told) == 1
-    assert "lemke; the motion ended after step" in told.pop()
-
-
-def _home(source, met):
-    return {"scene": source.scene, "parameters": "{}", "step": met.step, "phase": met.phase}
-
-
 def test_failed_source_gives_skipped_rows(tmp_path):
     nothing = Source("stopping_block", {}, pick=3, steps=0)
     plan = small_plan(sources=(nothing, Source("stack", {"blocks": 2, "push": 1.0})), simulations=(), tolerances=(1e-8,))
@@ -115,17 +92,3 @@ def test_equal_problems_of_two_sources(tmp_path):
     assert path.name.count(".") == 3
     with pytest.raises(InputError, match="the start warm cannot be read"):
         stored_start(tmp_path / "starts", first["problem"], "another motion", "warm")
-
-
-def test_whether_a_step_is_idle_is_found_once(tmp_path, monkeypatch) -> None:
-    asked = []
-
-    def counted(problem, solve):
-        asked.append(problem.hash)
-        return idle(problem, solve)
-
-    monkeypatch.setattr("frictionbench.harness.cells.collect.idle", counted)
-    records = collect(tmp_path, MOTION)
-    assert len(records) == 3
-    assert {record["problem"] for record in records} <= set(asked)
-    assert len(asked) == len(set(asked))

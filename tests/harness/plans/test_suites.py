@@ -5,14 +5,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from frictionbench.commands import listing
 from frictionbench.harness.cells.collect import collect, stored_friction
 from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.choose import choose
-from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.plans.recorded import every
-from frictionbench.harness.plans.suites import SPATIAL, SUITES
+from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.instances import instances, make_instance
@@ -90,13 +89,6 @@ def test_friction_is_at_work_at_the_defaults(name: str) -> None:
         assert friction_at_work(problem)
 
 
-def test_idle_problems_are_recognised() -> None:
-    for name, settings in (("stack", {"push": 0.0}), ("pyramid", {"push": 0.0}), ("wall", {"push": 0.0})):
-        assert not friction_at_work(scene(name, **settings).problem())
-    assert not friction_at_work(make_instance("cubes", push=0.0))
-    assert not friction_at_work(scene("wedge", spin=0.0).problem())
-
-
 def test_families_have_as_many_problems_of_each_size() -> None:
     for bands, dimension in ((families.PLANE, 2), (families.SPACE, 3)):
         for band, low, high in zip(bands, (0, *BANDS), BANDS, strict=False):
@@ -150,22 +142,3 @@ def test_recorded_problems_are_solved_by_few_or_by_all() -> None:
         assert all(find(variant)[0].model in ("coulomb", "lcp") for variant in few.lineup(dimension))
     with pytest.raises(InputError, match=r"^all-solvers: "):
         choose("smoke", [], ("nsgs",), None, None, all_solvers=True)
-
-
-def test_suites_say_how_long_they_take(capsys: pytest.CaptureFixture[str]) -> None:
-    listing.show("suites")
-    assert "takes four minutes with one worker on two cores" in capsys.readouterr().out
-    whole, part = choose("standard", [], (), None, None), choose("standard", ["stack"], (), None, None)
-    assert (whole.expects, part.expects) == ("four minutes", "")
-    assert "expects" not in whole.settings()
-
-
-def test_lineups_by_dimension() -> None:
-    plan = Plan("test", (), ("lemke",), (1e-4,), SPATIAL)
-    records = [
-        {"problem": "p", "scene": "s", "parameters": "{}", "step": 0, "phase": "step", "starts": ["cold"]} | {"dimension": d}
-        for d in (2, 3, None)
-    ]
-    cells = [[cell.variant for cell in plan.solve_cells([record])] for record in records]
-    assert cells == [["lemke"], list(SPATIAL), ["lemke"]]
-    assert plan.variants == ("lemke", *SPATIAL)

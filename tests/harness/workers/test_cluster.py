@@ -11,11 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.harness import machine
 from frictionbench.harness.progress import Progress, Stage
 from frictionbench.harness.run import run
-from frictionbench.harness.workers import cluster
-from frictionbench.problems import InputError
 from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet, small_plan, verdicts
 
@@ -101,37 +98,3 @@ def test_lost_worker_and_lost_scheduler(tmp_path) -> None:
         with pytest.raises(ResultsError, match="cluster: lost the connection to its scheduler; run the same command again"):
             run(small_plan(), tmp_path / "lost", 1, KillAfter(scheduler, cells=2), cluster=address)
     assert verdicts(tmp_path / "there") == verdicts(tmp_path / "here")
-
-
-@pytest.mark.filterwarnings("default")
-def test_missing_cluster(tmp_path, monkeypatch) -> None:
-    pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "ANSWER_SECONDS", 0.5)
-    with pytest.raises(InputError, match="cluster: no scheduler answers"):
-        run(small_plan(), tmp_path / "run", 1, quiet(), cluster=f"tcp://127.0.0.1:{free_port()}")
-
-
-@pytest.mark.filterwarnings("default")
-def test_frozen_scheduler_and_late_worker_of_other_code(tmp_path, monkeypatch) -> None:
-    pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "ANSWER_SECONDS", 5.0)
-    (tmp_path / "scratch").mkdir()
-    with dask_cluster(tmp_path / "scratch") as (address, (scheduler, *_)):
-        wait_for_workers(address, 2)
-        checked = cluster.Cluster.__init__
-
-        def joins_late(self, *arguments) -> None:
-            """After the workers were checked, this process turns out to run other code than theirs."""
-            checked(self, *arguments)
-            monkeypatch.setattr(machine, "content", lambda: "another")
-
-        with monkeypatch.context() as patched:
-            patched.setattr(cluster.Cluster, "__init__", joins_late)
-            with pytest.raises(
-                ResultsError, match=r"cluster: a dask worker on .* runs other code, .*, than this process, another"
-            ):
-                run(small_plan(simulations=()), tmp_path / "late", 1, quiet(), cluster=address)
-        monkeypatch.undo()
-        monkeypatch.setattr(cluster, "ANSWER_SECONDS", 5.0)
-        with pytest.raises(ResultsError, match="cluster: lost the connection to its scheduler"):
-            run(small_plan(), tmp_path / "frozen", 1, KillAfter(scheduler, 2, signal.SIGSTOP), cluster=address)

@@ -16,9 +16,6 @@ import pytest
 from frictionbench.harness import machine, process
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import drop_disturbed, run
-from frictionbench.harness.workers import pool
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.problems import InputError
 from frictionbench.reports.page import write_report
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
@@ -75,19 +72,6 @@ def test_current_folder_is_not_imported(shadowing_folder) -> None:
     done = frictionbench(*options, cwd=shadowing_folder)
     assert done.returncode == 0, done.stderr
     assert set(store.read_table(shadowing_folder / "run", "solves")["verdict"]) == {"solved"}
-
-
-def test_different_worker_code_is_refused(monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(pool, "_server", None)
-    monkeypatch.setattr(machine, "code", lambda: {"package": str(machine.PACKAGE.parent), "content": "another"})
-    with pytest.raises(ResultsError, match=r"workers: they run other code, .*, than this process, .*another"):
-        Pool(tmp_path, 1, (), 2**30)
-
-
-def test_unsupported_platform(monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(sys, "platform", "darwin")
-    with pytest.raises(InputError, match=r"platform: darwin has no .* on Linux only"):
-        Pool(tmp_path, 1, (), 2**30)
 
 
 def marked(mark: str) -> list[int]:
