@@ -5,42 +5,18 @@ import re
 import signal
 import subprocess
 import sys
-from io import StringIO
 
 import pytest
-from rich.console import Console
 from typer.testing import CliRunner
 
 from frictionbench.commands.cli import app
 from frictionbench.commands.summary import folder_for, summary
 from frictionbench.harness import process
-from frictionbench.harness.cells import worker
 from frictionbench.harness.plans.choose import choose
-from frictionbench.harness.plans.plan import MEMORY_LIMIT
-from frictionbench.harness.progress import Progress
-from frictionbench.harness.workers.inputs import load_plugins
-from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import ShardWriter
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
-
-JITTED = """
-import numpy as np
-from numba import njit
-from frictionbench import Answer, Status, solver
-
-@njit
-def sorted_sum(x):
-    return np.sum(np.sort(x)) + np.prod(np.sort(-x)) + np.median(x)
-
-@solver("jitted", family="outside", model="coulomb")
-class Jitted:
-    'It compiles.'
-    def solve(self, problem, tol, limit, start=None):
-        sorted_sum(np.ones(3))
-        return Answer(np.zeros((problem.contacts, 2)), Status.FAILED)
-"""
 
 
 def output_of(*arguments: str) -> str:
@@ -73,19 +49,6 @@ def test_invalid_option_values_are_named(arguments, option) -> None:
     done = CliRunner().invoke(app, arguments)
     assert done.exit_code == 2
     assert f"Invalid value for '{option}': " in done.output.splitlines()[-1]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (("solve", "stack", "--tol", "x"), "'x' is not a number"),
-        (("run", "--jobs", "1.5"), "'1.5' is not a whole number"),
-        (("run", "--jobs", "0"), "'0' is below 1"),
-        (("list", "everything"), "'everything' is not one of 'scenes', 'solvers', 'suites'."),
-    ],
-)
-def test_invalid_values_are_explained_without_the_words_of_libraries(arguments, told) -> None:
-    assert CliRunner().invoke(app, arguments).output.splitlines()[-1].partition("': ")[2] == told
 
 
 @pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
@@ -148,25 +111,3 @@ def test_interruption_message(tmp_path, command) -> None:
     if "--out" in command:
         assert "frictionbench report run" in ended.stderr
         assert store.read_manifest(tmp_path / "run")["settings"]["suite"] == "smoke"  # the same command continues it
-
-
-def test_progress_shows_compilation(tmp_path) -> None:
-    plugin, heard, screen = tmp_path / "jitted.py", [], StringIO()
-    plugin.write_text(JITTED, encoding="utf-8")
-    _, plugins = load_plugins([str(plugin)])
-    call = ("stack", {}, "jitted", "anitescu_potra", 1, 60.0)
-    task = Task("jitted", worker.run_show, call, 60.0, plugins[0].source)
-    with (
-        Pool(tmp_path, 1, plugins, MEMORY_LIMIT) as pool,
-        Progress(Console(file=screen, force_terminal=True, width=100)).stage("motions", 1, 0) as stage,
-    ):
-
-        def compiling(which: Task, now: bool) -> None:
-            heard.append(now)
-            stage.compiling(which, now)
-
-        (outcome,) = pool.run([task], stage.started, compiling)
-        assert outcome.failure is None
-        stage.finished(task)
-    assert heard[0] is True
-    assert re.search(r"compiling.*jitted", screen.getvalue())

@@ -190,16 +190,6 @@ def test_files_in_order_are_a_sequence(tmp_path) -> None:
     assert set(rows.loc[rows["start"] == "warm", "reference"]) == {"lemke"}
 
 
-def test_broken_step_of_a_sequence(tmp_path) -> None:
-    data, out = sequence(tmp_path / "set", ["s0.npz", "s1.npz", "s2.npz"], steps_of_a_stack(3)), tmp_path / "out"
-    (data / "s1.npz").write_bytes(b"PK torn")
-    run(choose("replay", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
-    rows = read_table(out, "solves")
-    assert sorted(rows["verdict"]) == ["skipped", "solved", "solved"]
-    assert "s1.npz" in rows.set_index("verdict").loc["skipped", "reason"]
-    assert set(rows["start"]) == {"cold"}
-
-
 @pytest.mark.parametrize(
     ("suite", "scenes", "complaint"),
     [

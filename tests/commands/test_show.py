@@ -3,11 +3,7 @@
 import json
 import os
 import re
-from base64 import b64encode
-from hashlib import sha256
-from html.parser import HTMLParser
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,6 +23,7 @@ from frictionbench.results.motion import read_motion, write_motion
 from frictionbench.solvers import available, solve
 from tests.helpers.browser import browse, in_browser
 from tests.helpers.made_results import simulation_row, solve_row, write_folder
+from tests.helpers.page import Page, digest, with_more_script
 from tests.helpers.paths import BAD_SOLVERS
 
 OUTSIDER = """
@@ -171,42 +168,14 @@ def test_invalid_motion_files_are_refused(tmp_path) -> None:
     assert write_animations(tmp_path.parent) == []
 
 
-class _Page(HTMLParser):
-    """A page's tags, references, text outside scripts, and scripts by type."""
-
-    def __init__(self, path: Path) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.references: list[str] = []
-        self.scripts: dict[str, str] = {}
-        self.text = ""
-        self._script: str | None = None
-        self.feed(path.read_text(encoding="utf-8"))
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append(tag)
-        self.references += [value or "" for name, value in attrs if name in ("href", "src")]
-        self._script = dict(attrs).get("type", "") if tag == "script" else None
-
-    def handle_data(self, data):
-        if self._script is None:
-            self.text += data
-        else:
-            self.scripts[self._script] = self.scripts.get(self._script, "") + data
-
-    def handle_endtag(self, tag):
-        self._script = None
-
-
 def test_every_scene_has_a_self_contained_page(tmp_path) -> None:
     for name in scenes():
-        page = _Page(write_animation(recorded(name, None, "anitescu_potra", 3), tmp_path / f"{name}.html"))
+        page = Page(write_animation(recorded(name, None, "anitescu_potra", 3), tmp_path / f"{name}.html"))
         assert page.references == []
-        assert page.tags.count("script") == 2
-        data = json.loads(page.scripts["application/json"])
+        assert page.count["script"] == 2
+        data = json.loads(page.scripts["application/json"][0])
         assert len(data["times"]) == len(data["poses"]) == len(data["contacts"]) == 4
-        allowed = b64encode(sha256(page.scripts[""].encode()).digest()).decode()
-        assert f"script-src 'sha256-{allowed}'" in (tmp_path / f"{name}.html").read_text()
+        assert f"script-src {digest(page.scripts[''][0])}" in (tmp_path / f"{name}.html").read_text()
 
 
 EVIL = "</script><script>document.documentElement.dataset.error='got in'</script><!--\u2028'\"&{{ 7 * 7 }}<b onload=x>"
@@ -221,11 +190,11 @@ def evil_motion():
 
 
 def test_untrusted_text_is_escaped(tmp_path) -> None:
-    page = _Page(write_animation(evil_motion(), tmp_path / "page.html"))
-    assert page.tags.count("script") == 2
-    assert "b" not in page.tags
+    page = Page(write_animation(evil_motion(), tmp_path / "page.html"))
+    assert page.count["script"] == 2
+    assert "b" not in page.count
     assert "{{ 7 * 7 }}" in page.text
-    assert "<" not in page.scripts["application/json"]
+    assert "<" not in "".join(page.scripts["application/json"])
 
 
 def test_report_links_to_motions(tmp_path) -> None:
@@ -237,7 +206,7 @@ def test_report_links_to_motions(tmp_path) -> None:
     store_motion(folder, source)  # is there
     assert made.stat().st_mtime_ns == written
     (folder / "motion" / "broken.json").write_text("{")
-    page = _Page(write_report(folder))
+    page = Page(write_report(folder))
     links = [reference for reference in page.references if not reference.startswith(("#", "data:"))]
     assert links == [f"motion/{made.stem}.html"]  # on the sheet of its scene
     assert (folder / links[0]).exists()
@@ -287,9 +256,7 @@ setTimeout(() => {
 @in_browser
 def test_page_controls(tmp_path) -> None:
     page = write_animation(record_motion(scene("three_blocks"), "lemke", steps=100), tmp_path / "page.html")
-    script = _Page(page).scripts[""]
-    ours, allowed = (b64encode(sha256(text.encode()).digest()).decode() for text in (script, script + HANDS))
-    page.write_text(page.read_text().replace(script, script + HANDS).replace(ours, allowed))
+    with_more_script(page, HANDS)
     (opening,) = re.findall(r"<html[^>]*>", browse(page, "--dump-dom", "--virtual-time-budget=10000", anchor="frame=0"))
     assert "data-error" not in opening
     assert 'data-seen="1 11 10 100 100 0 0 true false 55 false 100"' in opening

@@ -4,8 +4,6 @@ Every planned row is present with the right verdict and reason, the good solvers
 of a run without the bad ones, no process of the run is left, and no cell exceeds its limit by more than a restart takes.
 """
 
-import subprocess
-import sys
 import time
 
 import psutil
@@ -16,7 +14,7 @@ from frictionbench.harness.run import run
 from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.results import store
-from tests.helpers.paths import BAD_SOLVERS, ROOT
+from tests.helpers.paths import BAD_SOLVERS
 from tests.helpers.runs import quiet, small_plan, verdicts
 
 pytestmark = pytest.mark.slow  # the quick tests run no solver that hangs, exits or kills
@@ -135,30 +133,3 @@ def test_failures_stay_confined_to_their_cells(own_server, tmp_path) -> None:
     assert simulations["verdict"].to_dict() == SIMULATED
     # A cell has its limit to be warmed up in, once to be solved and once to be repeated, and a second each to be ended.
     assert taken < (len(rows) + len(simulations)) * 3 * (LIMIT + 1)
-
-
-FORKING = """
-import os, sys
-from frictionbench.harness.cells.timing import time_solver
-from frictionbench.problems import LCP
-from frictionbench.solvers import Answer, Status
-from frictionbench.solvers.interface import with_all_steps
-
-@with_all_steps
-class Forks:
-    def solve(self, lcp, tol, limit, start=None):
-        os.fork()
-        os.write(1, b".")
-        return Answer(lcp.q, Status.SOLVED, z=lcp.q)
-
-solver = Forks()
-time_solver(solver, LCP([[1.0]], [1.0]), lambda prepared: solver.solve(prepared, 1e-8, None), lambda: None, most=5)
-os.write(1, b"end")
-"""
-
-
-def test_forked_children_do_not_repeat_solves() -> None:
-    """Only the worker repeats a solve; the processes forked in a timed call end after it."""
-    done = subprocess.run([sys.executable, "-c", FORKING], capture_output=True, cwd=ROOT, check=True)
-    assert done.stdout.count(b"end") == 1
-    assert 2 * 3 <= done.stdout.count(b".") <= 2 * 8

@@ -89,14 +89,6 @@ def test_editable_install_imports_all_modules(tmp_path: Path) -> None:
     assert str(source) in origin.read_text(encoding="utf-8")
 
 
-def test_an_empty_build_is_refused(tmp_path: Path) -> None:
-    source = source_tree(tmp_path)
-    shutil.rmtree(source / "frictionbench" / "solvers")
-    with pytest.raises(subprocess.CalledProcessError) as failed:
-        build("wheel", source, tmp_path / "wheels")
-    assert b"frictionbench/solvers is missing" in failed.value.stderr
-
-
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory) -> Path:
     """An environment with the wheel and the dependencies of this one, but not this checkout. Its path has spaces."""

@@ -4,8 +4,6 @@ asked for, nothing goes wrong, every chart is drawn."""
 import html
 import json
 import re
-from base64 import b64encode
-from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +14,7 @@ from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
 from tests.helpers.browser import browse, in_browser
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
+from tests.helpers.page import with_more_script
 from tests.helpers.paths import HELPERS
 
 WIDTHS = (400, 1400)
@@ -61,10 +60,7 @@ def folder_of(path: Path, solvers: int) -> Path:
 
 def audited(report: Path, *wanted: str) -> list[dict]:
     """What the audit finds of the page at each width."""
-    page = report.read_text(encoding="utf-8")
-    (script,) = re.findall(r"<script>(.*?)</script>", page, flags=re.DOTALL)
-    ours, allowed = (b64encode(sha256(code.encode()).digest()).decode() for code in (script, script + AUDIT))
-    report.with_name("audited.html").write_text(page.replace(script, script + AUDIT).replace(ours, allowed), encoding="utf-8")
+    with_more_script(report, AUDIT, report.with_name("audited.html"))
     frames = "".join(f'<iframe src="audited.html" width="{width}" height="900" style="border: 0"></iframe>' for width in WIDTHS)
     hear = "addEventListener('message', (event) => { const p = document.createElement('pre'); p.textContent = event.data; "
     hear += "document.body.append(p); });"

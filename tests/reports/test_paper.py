@@ -158,17 +158,6 @@ def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:
         assert width == pytest.approx(72 * 85 / 25.4, abs=0.5), file.name
 
 
-def test_the_legend_stands_below_the_panels(run, tmp_path, monkeypatch) -> None:
-    sheets = []
-    monkeypatch.setattr(Figure, "savefig", lambda self, *given, **more: sheets.append(self))
-    save_sheet(profiles.CHART.panels(run), run.looks, tmp_path / "a", 2, (1.67, 1.25), 7)
-    (legend,) = sheets[0].legends
-    box = legend.get_window_extent()
-    assert box.x0 >= 0
-    assert box.x1 <= sheets[0].bbox.x1
-    assert box.y1 <= min(ax.get_tightbbox().y0 for ax in sheets[0].axes) + 1
-
-
 def compile_latex(folder, name, *commands) -> str:
     """The log of a document. Errors: AssertionError with the end of what a command prints, if it fails."""
     for command in commands:

@@ -338,29 +338,3 @@ def test_plane_and_space_are_ranked_apart():
     lines = headline({one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}, 1e-8)
     assert [line.partition(",")[0] for line in lines] == ["In the plane", "In space"]
     assert set(run.summaries[1e-8]["problem_class"]) >= {"in the plane", "in space"}
-
-
-def test_mix_of_contacts_and_problems_left_out():
-    rows = [
-        solve_row("a", "p", contacts=8, sticking=4, sliding=2, open=2),
-        solve_row("a", "q", contacts=2, sticking=0, sliding=2, open=0),
-        solve_row("a", "r", contacts=50),
-        solve_row("a", "t", scene="jam", trivial=True, idle=True),
-        solve_row("a", "u", scene="jam", idle=True),
-    ]
-    run = run_of(*rows)
-    small, large = tables.mix(run).to_dict("records")
-    assert [small[name] for name in ("problems", "contacts", "sticking", "sliding", "open", "unknown")] == [
-        2,
-        10,
-        0.4,
-        0.4,
-        0.2,
-        0,
-    ]
-    assert (large["problems"], large["unknown"]) == (1, 1)
-    assert tables.not_ranked(run).to_dict("records") == [
-        {"scene": "jam", "problems": 2, "infeasible": 0, "trivial": 1, "idle": 1}
-    ]
-    assert tables.mix(run_of(rows[3])).empty
-    assert "0 proved infeasible, 1 trivial, 1 idle." in tables.exclusions(run)

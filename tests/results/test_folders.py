@@ -4,7 +4,6 @@ import json
 import re
 import subprocess
 import sys
-import tracemalloc
 from collections.abc import Callable
 
 import numpy as np
@@ -88,25 +87,6 @@ def test_missing_row_is_marked(tmp_path, monkeypatch) -> None:
     monkeypatch.undo()
     run(plan, tmp_path / "run", 1, quiet())
     assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
-
-
-def test_merge_memory_is_bounded(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(store, "BATCH", 50)
-
-    def peak(rows: int) -> int:
-        folder = tmp_path / str(rows)
-        keys = [f"a-{i}-1e-08" for i in range(rows)]
-        with ShardWriter(folder, "solves", "1") as writer:
-            for i in range(rows):
-                writer.write(solve_row("a", str(i), reason="r" * 1000))
-        tracemalloc.start()
-        store.merge(folder, "solves", keys, lambda key: {})
-        found = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        return found
-
-    few, many = peak(store.BATCH), peak(10 * store.BATCH)
-    assert many < few + 600 * 10 * store.BATCH  # bytes a key, where a row takes some thousands
 
 
 @pytest.mark.parametrize(

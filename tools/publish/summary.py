@@ -48,7 +48,7 @@ def _whole(value: Any) -> bool:
 
 
 def _number(value: Any) -> bool:
-    return type(value) in (int, float) and 0 <= value < LARGEST_NUMBER
+    return type(value) in (int, float) and 0 <= value < 1e300
 
 
 def _or_none(good: Callable[[Any], bool]) -> Callable[[Any], bool]:
@@ -57,6 +57,14 @@ def _or_none(good: Callable[[Any], bool]) -> Callable[[Any], bool]:
 
 def _texts(value: Any) -> bool:
     return isinstance(value, dict) and all(map(_text, value.values()))
+
+
+def _all(good: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda values: isinstance(values, list) and all(map(good, values))
+
+
+def _is_check(value: Any) -> bool:
+    return isinstance(value, list) and list(map(type, value)) == [str, bool, str]
 
 
 def _is_name(value: Any) -> bool:
@@ -69,45 +77,37 @@ def page_of(name: str) -> str:
     return name.rsplit("-", 2)[0]
 
 
-LARGEST_NUMBER = 1e300
-Fields = dict[str, Callable[[Any], bool]]
-FIELDS: Fields = {
+# What each field has to be: a condition on it, its own fields, or, as a list of one, those of each row.
+FIELDS: dict[str, Any] = {
     "name": _is_name,
     **dict.fromkeys(("suite", "version", "release", "finished"), _text),
     **dict.fromkeys(("cells", "workers"), _whole),
     "libraries": _texts,
-    "headline": lambda lines: isinstance(lines, list) and all(map(_text, lines)),
-    "checks": lambda lines: isinstance(lines, list) and all(_is_check(line) for line in lines),
-}
-PARTS: dict[str, Fields] = {
+    "headline": _all(_text),
+    "checks": _all(_is_check),
     "machine": {
         **dict.fromkeys(("processor", "system", "python"), _or_none(_text)),
         "cores": _whole,
         "memory": _or_none(_number),
     },
-    "settings": {
-        "time_limit": _or_none(_number),
-        "tolerances": lambda values: isinstance(values, list) and all(map(_number, values)),
-    },
+    "settings": {"time_limit": _or_none(_number), "tolerances": _all(_number)},
     "problems": {**dict.fromkeys(("ranked", "trivial", "idle"), _whole), "hashes": _texts},
+    "rankings": [
+        {
+            **dict.fromkeys(("kind", "by", "solver", "law", "unclear"), _text),
+            "target": lambda value: _number(value) and value > 0,
+            **dict.fromkeys(("mean", "p50", "p99", "worst"), _or_none(_number)),
+            **dict.fromkeys(("reached", "problems"), _whole),
+        }
+    ],
+    "reliability": [
+        {
+            **dict.fromkeys(("solver", "model"), _text),
+            **dict.fromkeys(("problems", "exact", "own", "near_miss", "wrong", "timeout", "crashed"), _whole),
+        }
+    ],
+    "scenes": [{**dict.fromkeys(("scene", "solver"), _text), **dict.fromkeys(("solved", "cells"), _whole)}],
 }
-ROWS: dict[str, Fields] = {
-    "rankings": {
-        **dict.fromkeys(("kind", "by", "solver", "law", "unclear"), _text),
-        "target": lambda value: _number(value) and value > 0,
-        **dict.fromkeys(("mean", "p50", "p99", "worst"), _or_none(_number)),
-        **dict.fromkeys(("reached", "problems"), _whole),
-    },
-    "reliability": {
-        **dict.fromkeys(("solver", "model"), _text),
-        **dict.fromkeys(("problems", "exact", "own", "near_miss", "wrong", "timeout", "crashed"), _whole),
-    },
-    "scenes": {**dict.fromkeys(("scene", "solver"), _text), **dict.fromkeys(("solved", "cells"), _whole)},
-}
-
-
-def _is_check(value: Any) -> bool:
-    return isinstance(value, list) and list(map(type, value)) == [str, bool, str]
 
 
 def write(summary: Summary, folder: Path) -> Path:
@@ -129,29 +129,23 @@ def read(path: Path) -> Summary:
     found = read_json(path, LARGEST)
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise ResultsError(f"{path}: not a published summary of format {FORMAT}")
-    for field in _unusable(found):
+    for field in _unusable("", found, FIELDS):
         raise ResultsError(f"{path}: {field} is missing or cannot be used")
     return found
 
 
-def _unusable(found: Summary) -> Iterator[str]:
+def _unusable(name: str, given: Any, wanted: Any) -> Iterator[str]:
     """The names of fields that are missing, or of another type or size."""
-    yield from _unusable_in("", found, FIELDS)
-    for part, fields in PARTS.items():
-        yield from _unusable_in(f"{part}.", found.get(part), fields)
-    for table, fields in ROWS.items():
-        if not isinstance(found.get(table), list):
-            yield table
-            continue
-        for row in found[table]:
-            yield from _unusable_in(f"{table}.", row, fields)
-
-
-def _unusable_in(part: str, given: Any, fields: Fields) -> Iterator[str]:
-    if not isinstance(given, dict):
-        yield part.rstrip(".")
-        return
-    yield from (f"{part}{name}" for name, good in fields.items() if name not in given or not good(given[name]))
+    if callable(wanted):
+        yield from () if wanted(given) else (name,)
+    elif not isinstance(given, type(wanted)):
+        yield name
+    elif isinstance(wanted, list):
+        for row in given:
+            yield from _unusable(name, row, wanted[0])
+    else:
+        for part, own in wanted.items():
+            yield from _unusable(f"{name}.{part}".lstrip("."), given.get(part, ...), own)
 
 
 def summarise(run: Run) -> Summary:

@@ -34,29 +34,3 @@ def test_steps_of_mujoco(tmp_path, cone) -> None:
     assert 1e-5 < found.creep < 1e-1  # m/s, inside the cone
     assert 1e-6 < found.penetration < 1e-2
     assert found.residual > 100 * found.floor
-
-
-def test_steps_of_drake(tmp_path) -> None:
-    drake = pytest.importorskip("pydrake.all", reason="Drake is not installed: pip install drake")
-    builder = drake.DiagramBuilder()
-    plant, _ = drake.AddMultibodyPlantSceneGraph(builder, 0.002)
-    friction = drake.CoulombFriction(0.5, 0.5)
-    plant.RegisterCollisionGeometry(plant.world_body(), drake.RigidTransform(), drake.HalfSpace(), "ground", friction)
-    for k in range(2):
-        ball = plant.AddRigidBody(
-            f"ball {k}", plant.AddModelInstance(f"{k}"), drake.SpatialInertia.SolidSphereWithMass(1.0, 0.1)
-        )
-        plant.RegisterCollisionGeometry(ball, drake.RigidTransform(), drake.Sphere(0.1), "ball", friction)
-    plant.Finalize()
-    simulator = drake.Simulator(builder.Build())
-    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
-    for k in range(2):
-        body = plant.GetBodyByName(f"ball {k}")
-        plant.SetFreeBodyPose(context, body, drake.RigidTransform([0.5 * k, 0, 0.0999]))
-        plant.SetFreeBodySpatialVelocity(context, body, drake.SpatialVelocity([0, 0, 0], [1.0 * k, 0, 0]))
-    simulator.AdvanceTo(0.02)
-    path = capture.drake(plant, simulator.get_context()).save(tmp_path)
-    found = judge_file(tmp_path, path)
-    assert found.contacts == 2
-    assert found.penetration > 0
-    assert found.residual > 100 * found.floor

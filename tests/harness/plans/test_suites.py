@@ -8,11 +8,10 @@ import pytest
 from frictionbench.harness.cells.collect import collect, stored_friction
 from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.plans import families
-from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.plans.recorded import every
 from frictionbench.harness.plans.suites import SUITES
-from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.scenes import scene, scenes
@@ -130,15 +129,3 @@ def test_no_solver_of_a_lineup_can_only_refuse() -> None:
     assert {"proximal_newton", "nsgs", "interior_point", "clarabel[settings=default]"} <= set(every(3))
     assert not {"osqp", "piqp[matrices=dense]"} & set(every(3))
     assert set(SUITES["spatial"]().lineup(3)) == set(every(3))
-
-
-def test_recorded_problems_are_solved_by_few_or_by_all() -> None:
-    few = SUITES["recorded"]()
-    every_one = choose("smoke", [], (), None, None, all_solvers=True)
-    for dimension in (2, 3):
-        assert set(every_one.lineup(dimension)) == set(every(dimension))
-        assert 4 < len(few.lineup(dimension)) < 8
-        assert set(few.lineup(dimension)) < set(every(dimension))
-        assert all(find(variant)[0].model in ("coulomb", "lcp") for variant in few.lineup(dimension))
-    with pytest.raises(InputError, match=r"^all-solvers: "):
-        choose("smoke", [], ("nsgs",), None, None, all_solvers=True)

@@ -13,10 +13,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from frictionbench.harness import machine, process
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import drop_disturbed, run
-from frictionbench.reports.page import write_report
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet
@@ -86,32 +84,6 @@ def marked(mark: str) -> list[int]:
     return found
 
 
-SPARED = """
-import os, time
-from frictionbench.harness import process
-
-naps = []
-process.sleep = lambda seconds: (naps.append(seconds), time.sleep(seconds))
-process.adopt_orphans()
-said, says = os.pipe()
-if (worker := os.fork()) == 0:
-    if os.fork() == 0:
-        os.write(says, b"!")
-    time.sleep(600)  # and nobody waits for the grandchild
-os.read(said, 1)
-ended = [process.end_descendants(spare=[worker]), process.end_descendants(spare=[worker]), process.end_descendants()]
-print(ended, len(naps) < process.PATIENCE / max(naps) / 2, process.descendants(os.getpid()))
-"""
-
-
-def test_leftover_processes_are_killed() -> None:
-    """An unreaped zombie child of a spared worker does not make the supervisor wait."""
-    done = subprocess.run(
-        [sys.executable, "-c", SPARED], capture_output=True, text=True, check=True, cwd=machine.PACKAGE.parent
-    )
-    assert done.stdout == "[True, False, True] True []\n"
-
-
 @pytest.mark.parametrize(
     ("number", "times"),
     [(signal.SIGKILL, 1), (signal.SIGTERM, 1), (signal.SIGHUP, 1), (signal.SIGINT, 2)],
@@ -150,23 +122,6 @@ def test_ended_run_leaves_no_process(tmp_path, number, times) -> None:
         assert begun.returncode == 128 + number
         assert f"interrupted by {number.name}; run the same command again to resume" in told
     assert store.read_manifest(tmp_path / "run")["settings"]["time_limit"] == 300.0
-
-
-def test_shared_core_is_recorded(tmp_path) -> None:
-    plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs",), (1e-4,))
-    try:
-        taken = [wait_until(lambda: process.hold_core() is not None, 300) for _ in process.cores()]  # others may hold them
-        assert process.hold_core() is None
-        run(plan, tmp_path, 1, quiet())
-    finally:
-        while process.held_cores:
-            process.held_cores.pop().close()
-    (row,) = store.read_table(tmp_path, "solves").to_dict("records")
-    assert all(taken)
-    assert (row["verdict"], row["disturbed"], row["core"]) == ("solved", True, pytest.approx(float("nan"), nan_ok=True))
-    assert len(row["load"]) == 2
-    page = write_report(tmp_path).read_text(encoding="utf-8")
-    assert "Of 1 cells 1 had none while they were timed" in page
 
 
 def test_disturbed_rows_are_repeated(tmp_path) -> None:
