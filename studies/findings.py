@@ -1,6 +1,6 @@
 """Published findings on solvers beside what verified runs show: the rows of the table of the study of rankings."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -20,23 +20,13 @@ CHANCE = 0.05  # the probability up to which a difference of shares is no chance
 SIZES = (0, 10, 100, np.inf)  # contacts
 
 Row = tuple[str, ...]
-Shown = list[
-    tuple[str, bool | None]
-]  # by set of problems, what it shows, and whether that agrees; None: in part, or not measured
+Shown = tuple[str, bool | None]  # what a set of problems shows, and whether that agrees; None: in part, or not measured
 
 
 def findings(sets: list[pd.DataFrame], ranks: pd.DataFrame) -> list[Row]:
     """The table. sets: the runs on generated and, where given, on recorded problems; ranks: the study's table."""
-    return [
-        _universal(sets),
-        _robust(sets),
-        _incomplete(sets),
-        _proximal(sets),
-        _full_rank(sets, ranks),
-        _convexified(ranks),
-        _relaxed(sets),
-        _accelerated(sets),
-    ]
+    universal, robust, incomplete, proximal, relaxed = (_row(text, list(map(show, sets))) for text, show in SHOWN.items())
+    return [universal, robust, incomplete, proximal, _full_rank(sets, ranks), _convexified(ranks), relaxed, _accelerated(sets)]
 
 
 def without_rank(ranks: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -67,62 +57,65 @@ def _fastest(rows: pd.DataFrame, tol: float, kind: Sequence[str], among: Sequenc
     return int(first.isin(kind).sum()), len(first)
 
 
-def _row(finding: str, shown: Shown) -> Row:
-    """A row of the table: what each set of problems shows, and whether that agrees; None: in part, or not measured."""
+def _row(finding: str, shown: Sequence[Shown]) -> Row:
+    """A row of the table: what each set of problems shows, and whether they agree."""
     texts = [text for text, _ in shown] + ["needs --data"] * (2 - len(shown))
     agree = {holds for _, holds in shown}
     return finding, *texts, AGREES if agree == {True} else DIFFERS if agree == {False} else PARTLY
 
 
-def _universal(sets: list[pd.DataFrame]) -> Row:
-    shown: Shown = []
-    for rows in sets:
-        good = rows[rows["solved"]]
-        near = good["time"] <= NEAR * good.groupby(["problem", "tol"])["time"].transform("min")
-        of = len(rows[["problem", "tol"]].drop_duplicates())
-        shares = near.groupby(good["name"]).sum() / of
-        best = str(shares.idxmax())
-        shown.append(
-            (f"{best} is within {NEAR:g} times the fastest in {100 * shares[best]:.0f} % of cases", shares[best] < 0.9)
-        )
-    return _row("No solver is best for all problems (Acary, Brémond and Huber 2018).", shown)
+def _universal(rows: pd.DataFrame) -> Shown:
+    good = rows[rows["solved"]]
+    near = good["time"] <= NEAR * good.groupby(["problem", "tol"])["time"].transform("min")
+    shares = near.groupby(good["name"]).sum() / len(rows[["problem", "tol"]].drop_duplicates())
+    best = str(shares.idxmax())
+    return f"{best} is within {NEAR:g} times the fastest in {100 * shares[best]:.0f} % of cases", bool(shares[best] < 0.9)
 
 
-def _robust(sets: list[pd.DataFrame]) -> Row:
-    shown: Shown = []
-    for rows in sets:
-        counts = [(name, *_solved(rows, LOOSE, (name,))) for name in NSGS]
-        robust = all(done >= 0.9 * of for _, done, of in counts)
-        siconos = [name for name in THEIRS if name.startswith("friction")]
-        first = [_fastest(rows, LOOSE, NSGS, among) for among in (THEIRS, siconos)]
-        text = f"{_solves(counts)}; one of them is the fastest of the paper's kinds on {first[0][0]} of {first[0][1]}"
-        text += f", Siconos' of Siconos' on {first[1][0]} of {first[1][1]}" if first[1][1] else ""
-        shown.append((text, _both(robust, all(mine > total / 2 for mine, total in first if total))))
-    return _row("Gauss-Seidel is robust on rigid bodies and mostly fastest at 1e-4 (the same).", shown)
+def _robust(rows: pd.DataFrame) -> Shown:
+    counts = [(name, *_solved(rows, LOOSE, (name,))) for name in NSGS]
+    robust = all(done >= 0.9 * of for _, done, of in counts)
+    siconos = [name for name in THEIRS if name.startswith("friction")]
+    first = [_fastest(rows, LOOSE, NSGS, among) for among in (THEIRS, siconos)]
+    text = f"{_solves(counts)}; one of them is the fastest of the paper's kinds on {first[0][0]} of {first[0][1]}"
+    text += f", Siconos' of Siconos' on {first[1][0]} of {first[1][1]}" if first[1][1] else ""
+    return text, _both(robust, all(mine > total / 2 for mine, total in first if total))
 
 
 def _solves(counts: Sequence[tuple[str, int, int]]) -> str:
     return ", ".join(f"{name} solves {done} of {of}" for name, done, of in counts if of)
 
 
-def _incomplete(sets: list[pd.DataFrame]) -> Row:
-    shown: Shown = []
-    for rows in sets:
-        counts = [(name, *_solved(rows, TIGHT, (name,))) for name in NSGS]
-        short = {done < of for _, done, of in counts if of}
-        shown.append((_solves(counts), short.pop() if len(short) == 1 else None))
-    return _row("It does not solve all problems to 1e-8 within the time limit (the same).", shown)
+def _incomplete(rows: pd.DataFrame) -> Shown:
+    counts = [(name, *_solved(rows, TIGHT, (name,))) for name in NSGS]
+    short = {done < of for _, done, of in counts if of}
+    return _solves(counts), short.pop() if len(short) == 1 else None
 
 
-def _proximal(sets: list[pd.DataFrame]) -> Row:
-    shown: Shown = []
-    for rows in sets:
-        done, of = _solved(rows, TIGHT, PROXIMAL[:1])
-        others = max(_solved(rows, TIGHT, (name,))[0] for name in THEIRS if name not in PROXIMAL)
-        mine, total = _fastest(rows, TIGHT, PROXIMAL, THEIRS)
-        text = f"{PROXIMAL[0]} solves {done} of {of}, the best other {others}; this kind is first on {mine} of {total}"
-        shown.append((text, _both(done > others, mine > total / 2)))
-    return _row("The proximal point with Newton's method is best at 1e-8 on most sets of rigid bodies (the same).", shown)
+def _proximal(rows: pd.DataFrame) -> Shown:
+    done, of = _solved(rows, TIGHT, PROXIMAL[:1])
+    others = max(_solved(rows, TIGHT, (name,))[0] for name in THEIRS if name not in PROXIMAL)
+    mine, total = _fastest(rows, TIGHT, PROXIMAL, THEIRS)
+    text = f"{PROXIMAL[0]} solves {done} of {of}, the best other {others}; this kind is first on {mine} of {total}"
+    return text, _both(done > others, mine > total / 2)
+
+
+def _relaxed(rows: pd.DataFrame) -> Shown:
+    own = rows[(rows["tol"] == TIGHT) & (rows["name"] == "relaxation_ip")]
+    done = own[own["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])]
+    off = done[done["verdict"] == Verdict.RELAXED]
+    median = f", by a median residual of {off['residual'].median():.1g}" if len(off) else ""
+    text = f"{len(off)} of {len(done)} answers of relaxation_ip break Coulomb's law{median}; its cost: see relaxation"
+    return text, None if len(off) > len(done) / 2 else False  # of reality the problems tell nothing
+
+
+SHOWN: dict[str, Callable[[pd.DataFrame], Shown]] = {
+    "No solver is best for all problems (Acary, Brémond and Huber 2018).": _universal,
+    "Gauss-Seidel is robust on rigid bodies and mostly fastest at 1e-4 (the same).": _robust,
+    "It does not solve all problems to 1e-8 within the time limit (the same).": _incomplete,
+    "The proximal point with Newton's method is best at 1e-8 on most sets of rigid bodies (the same).": _proximal,
+    "Approximations common in robotics can widen the gap to reality (Le Lidec and others 2024).": _relaxed,
+}
 
 
 def _full_rank(sets: list[pd.DataFrame], ranks: pd.DataFrame) -> Row:
@@ -134,7 +127,7 @@ def _full_rank(sets: list[pd.DataFrame], ranks: pd.DataFrame) -> Row:
         parts.append(f"with {step} {_of(short)} without full rank, {_of(cured)} of these with compliance")
         drops.append(bool(short["solved"].mean() < cured["solved"].mean()))
         parts += [f"{_of(full)} with full rank, of at most {full['contacts'].max()} contacts"] * (method == list(PLAIN)[-1])
-    shown: Shown = []
+    shown: list[Shown] = []
     for k, rows in enumerate(sets):
         theirs = rows[(rows["tol"] == TIGHT) & rows["name"].isin(NEWTON)]
         lost = theirs["redundancy"].fillna(theirs["contacts"] * theirs["dimension"] - theirs["velocities"])  # at least
@@ -191,18 +184,6 @@ def _work(one: pd.DataFrame, other: pd.DataFrame) -> float:
 
 def _numbers(ratios: dict[str, float]) -> str:
     return ", ".join(f"{name} {ratio:.2g}" for name, ratio in ratios.items())
-
-
-def _relaxed(sets: list[pd.DataFrame]) -> Row:
-    shown: Shown = []
-    for rows in sets:
-        own = rows[(rows["tol"] == TIGHT) & (rows["name"] == "relaxation_ip")]
-        done = own[own["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])]
-        off = done[done["verdict"] == Verdict.RELAXED]
-        median = f", by a median residual of {off['residual'].median():.1g}" if len(off) else ""
-        text = f"{len(off)} of {len(done)} answers of relaxation_ip break Coulomb's law{median}; its cost: see relaxation"
-        shown.append((text, None if len(off) > len(done) / 2 else False))  # of reality the problems tell nothing
-    return _row("Approximations common in robotics can widen the gap to reality (Le Lidec and others 2024).", shown)
 
 
 def _accelerated(sets: list[pd.DataFrame]) -> Row:

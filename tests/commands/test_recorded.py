@@ -8,9 +8,7 @@ import pytest
 
 from frictionbench.commands.export import export
 from frictionbench.commands.single import rerun_row, shrink, solve_one
-from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.plans.choose import choose
-from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.problems import InputError
@@ -45,22 +43,6 @@ def test_bare_lcp_is_solved_by_lcp_solvers(tmp_path, capsys) -> None:
     assert "use lemke: solved from the method's own form" in told
 
 
-def test_run_of_recorded_folder(tmp_path) -> None:
-    data, out = tmp_path / "set", tmp_path / "out"
-    data.mkdir()
-    for seed in (1, 2):
-        fclib.write(random_problem(seed, contacts=4), data / f"{'ab'[seed - 1]}.hdf5")
-    plan = choose("recorded", [], ("hybrid", "lemke"), "1e-8", 5.0, data=(str(data),))
-    run(plan, out, 1, Progress())
-    rows = read_table(out, "solves")
-    assert set(rows["scene"]) == {"set"}
-    assert set(rows["parameters"]) == {'{"file": "a.hdf5"}', '{"file": "b.hdf5"}'}
-    assert (rows["verdict"] == "solved").all()
-    assert len(rows) == 4
-    files = list(export(str(out), tmp_path / "again"))
-    assert {read(path).hash for path in files} == {random_problem(seed, contacts=4).hash for seed in (1, 2)}
-
-
 def test_export(tmp_path) -> None:
     (path,) = export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5")
     assert read(path).hash == make_instance("cubes", boxes=2, friction=0.3).hash
@@ -71,19 +53,6 @@ def test_export(tmp_path) -> None:
         list(export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5"))
     with pytest.raises(InputError, match=r"^out: 2 problems need a folder"):
         list(export("stack[blocks=2,push=1]", tmp_path / "stack.hdf5", pick=2))
-
-
-def test_instance_labels(tmp_path) -> None:
-    (entry,) = collect(tmp_path, Source("cubes", {"boxes": 2}))
-    assert (entry["contacts"], entry["dimension"], entry["rank"], entry["redundancy"]) == (8, 3, 12, 12)
-    assert entry["solutions"] is None
-    assert np.isfinite(entry["sensitivity"])
-    assert not Source("cubes").moves
-    assert Source("stack").moves
-    with pytest.raises(InputError, match=r"^bricks: the instance cubes has no such parameter"):
-        choose("spatial", ["cubes[bricks=2]"], (), None, None)
-    with pytest.raises(InputError, match=r"^bricks: the instance cubes has no such parameter"):
-        collect(tmp_path, Source("cubes", {"bricks": 2}))
 
 
 @pytest.mark.slow  # a spatial problem, which other rows are not

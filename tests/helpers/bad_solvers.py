@@ -57,12 +57,6 @@ def segfault(problem):
 
 
 @bad
-def abort(problem):
-    """Calls abort."""
-    os.abort()
-
-
-@bad
 def sends_sigkill(problem):
     """Sends SIGKILL to its own process."""
     os.kill(os.getpid(), signal.SIGKILL)
@@ -268,12 +262,6 @@ def zero_on_repeat(problem):
 
 
 @bad
-def none_on_repeat(problem):
-    """Solves each problem once, and returns None for repeats."""
-    return None if repeated(("none", problem.hash)) else solve(problem, "lemke")
-
-
-@bad
 def hangs_on_repeat(problem):
     """Solves each problem once, and hangs on repeats."""
     return spin() if repeated(("hang", problem.hash)) else solve(problem, "lemke")
@@ -286,33 +274,9 @@ def complex_impulse(answer):
 
 
 @changed
-def text_impulse(answer):
-    """Returns impulses as strings."""
-    answer.impulse = answer.impulse.astype(str)
-
-
-@changed
-def masked_impulse(answer):
-    """Returns impulses as a masked array."""
-    answer.impulse = np.ma.masked_greater(answer.impulse, 0)
-
-
-@changed
 def slow_impulse(answer):
     """Returns an object whose conversion to an array never ends."""
     answer.impulse = type("Slow", (), {"__array__": lambda self, *_, **__: spin()})()
-
-
-@changed
-def text_status(answer):
-    """Returns the string "solved" instead of a Status."""
-    answer.status = "solved"
-
-
-@changed
-def fractional_work(answer):
-    """Returns a work counter that is no integer."""
-    answer.work = {"pivots": 0.5}
 
 
 @changed(family="good")

@@ -1,8 +1,11 @@
 """Plans and run summaries shared by several tests."""
 
+import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import psutil
 from rich.console import Console
 
 from frictionbench.harness.plans.plan import Plan, Source
@@ -34,3 +37,26 @@ def verdicts(folder: Path) -> dict[str, tuple]:
         for row in store.read_table(folder, table).to_dict("records"):
             found[row["key"]] = (row["verdict"], row.get("residual"), row.get("work"), row.get("energy_drift"))
     return found
+
+
+MARK = "FRICTIONBENCH_TEST_MARK"
+
+
+def marked(mark: str) -> list[psutil.Process]:
+    """The running processes whose environment contains the mark, including detached ones."""
+    found = []
+    for process in psutil.process_iter():
+        try:
+            if process.environ().get(MARK) == mark and process.status() != psutil.STATUS_ZOMBIE:
+                found.append(process)
+        except psutil.Error:
+            continue
+    return found
+
+
+def soon(condition: Callable[[], bool], seconds: float = 60.0) -> bool:
+    """Wait until it holds; whether it did within these seconds."""
+    end = time.monotonic() + seconds
+    while not (met := condition()) and time.monotonic() < end:
+        time.sleep(0.005)
+    return met

@@ -270,15 +270,11 @@ def test_percentiles_and_budget_by_hand(tmp_path):
     assert accuracy.percentiles(times, 25e-3, weighted=False)["within"].item() == pytest.approx(25 / 99)
 
 
-@pytest.mark.parametrize(("text", "value"), [("1ms", 1e-3), ("250us", 250e-6), ("250 µs", 250e-6), ("0.5s", 0.5)])
-def test_durations(text, value):
-    assert parse_duration(text) == pytest.approx(value)
-
-
-@pytest.mark.parametrize("text", ["1", "ms", "-1ms", "0ms", "1 min", "nan s"])
-def test_unreadable_durations_are_refused(text):
-    with pytest.raises(typer.BadParameter, match="is not a time with a unit"):
-        parse_duration(text)
+def test_durations():
+    assert [parse_duration(text) for text in ("1ms", "250us", "250 µs", "0.5s")] == pytest.approx([1e-3, 250e-6, 250e-6, 0.5])
+    for text in ("1", "ms", "-1ms", "0ms", "1 min", "nan s"):
+        with pytest.raises(typer.BadParameter, match="is not a time with a unit"):
+            parse_duration(text)
 
 
 def test_advice_by_both_rankings():

@@ -9,7 +9,6 @@ import pyarrow as pa
 import pytest
 from markupsafe import Markup
 
-from frictionbench.harness.workers import sandbox
 from frictionbench.reports import accuracy, choice, tables
 from frictionbench.reports.charts import CHARTS, MAPS, growth, pareto, profiles, speed_accuracy, steps
 from frictionbench.reports.drawing.files import save_sheet
@@ -20,7 +19,6 @@ from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.recorded import recorded_problems
 from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
-from frictionbench.reports.settings import WALLS, settings
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.tables import reliabilities, sentences
 from frictionbench.reports.templates import script
@@ -38,7 +36,6 @@ def no_latex(monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.reports.paper.which", lambda name: None)
 
 
-INF = float("inf")
 PLANE = "in the plane"
 
 
@@ -132,21 +129,6 @@ def test_sizes_of_a_scene_are_separate():
     )
     classes = rows["problem_class"].tolist()
     assert classes == ["bar, n < 100"] * 2 + ["bar, n < 1000", "bar, n from 1000", "bar, n from 1000", "rod"]
-
-
-def test_profile_by_hand():
-    rows = annotated(
-        *(solve_row("a", name, form_time=0.0, setup_time=0.0, solve_time=t) for name, t in (("p", 1.0), ("q", 4.0))),
-        *(solve_row("b", name, form_time=0.0, setup_time=0.0, solve_time=t) for name, t in (("p", 2.0), ("q", 1.0))),
-        *(unanswered_row(name, "r", "timeout") for name in "ab"),
-        unanswered_row("c", "p", "timeout"),
-    )
-    found = accuracy.profiles(accuracy.overall(accuracy.times_to(rows, 1e-8))[PLANE])
-    assert {name: profile.cost.tolist() for name, profile in found.items()} == {
-        "a": [1, 4, INF],
-        "b": [1, 2, INF],
-        "c": [INF] * 3,
-    }
 
 
 def assert_only_our_script_runs(path: Path, page: Page) -> None:
@@ -450,15 +432,6 @@ def test_solver_sheet(tmp_path):
     page = Page(write_report(folder)).text
     for text in ("It always ends.", "No failures.", "2.4e-3", "so it says"):
         assert text in page
-
-
-def test_walls_around_plugins_are_told_with_the_machine(tmp_path):
-    assert set(WALLS) == {sandbox.NAMESPACES, sandbox.LANDLOCK, sandbox.FILES_ONLY, sandbox.GROUPS}
-    page = Page(write_report(write_folder(tmp_path / "run", [solve_row("a", "p")], walls=sandbox.GROUPS))).text
-    assert f"walls around plug-ins{sandbox.GROUPS}: {WALLS[sandbox.GROUPS]}" in page
-    told = dict(settings({"machine": {"host": "here"}, "walls": "of another version", "started": "now"}))
-    assert told["machine"][1:] == [("walls around plug-ins", "of another version", 0)]
-    assert told["run"] == [("started", "now", 0)]
 
 
 def test_unfinished_run_explains_missing_comparison(tmp_path):

@@ -7,12 +7,9 @@ runs more.
 import json
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
 from frictionbench.results.compare import accept
-from frictionbench.results.schema import arrow_schema
 from tests.helpers import command_line
 from tests.helpers.command_line import Done
 from tests.helpers.edits import CASES, edited, little_memory, little_time
@@ -58,23 +55,6 @@ def test_edited_manifests(folder, tmp_path) -> None:
     with little_memory():
         for case in range(CASES):
             path.write_text(json.dumps(edited(manifest, random)), encoding="utf-8")
-            commands(case, folder, tmp_path / "before.tsv", tmp_path)
-
-
-@pytest.mark.parametrize("table", ["solves", "simulations"])
-def test_edited_tables(folder, tmp_path, table) -> None:
-    random, path = np.random.default_rng(2), folder / f"{table}.parquet"
-    accept(folder, tmp_path / "before.tsv")
-    rows, schema = pq.read_table(path).to_pylist(), arrow_schema(table)
-    with little_memory():
-        for case in range(CASES):
-            while True:
-                try:
-                    content = pa.Table.from_pylist([row for row in edited(rows, random) if row], schema=schema)
-                    break
-                except (pa.ArrowException, TypeError, ValueError, AttributeError, OverflowError):
-                    continue  # a value that the column cannot hold
-            pq.write_table(content, path)
             commands(case, folder, tmp_path / "before.tsv", tmp_path)
 
 

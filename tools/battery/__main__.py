@@ -16,17 +16,17 @@ from tools.battery.world import Make, Unsupported
 
 STEPS = (0.004, 0.002, 0.001)  # s
 ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, and the engine
-    "frictionbench": ("frictionbench", own.exact),
-    "MuJoCo": ("mujoco", mujoco.default),
+    "frictionbench": ("frictionbench", own.Exact),
+    "MuJoCo": ("mujoco", mujoco.MuJoCo),
     "MuJoCo, stiff": ("mujoco", mujoco.stiff),
-    "Drake": ("drake", drake.default),
+    "Drake": ("drake", drake.Drake),
     "Drake, SAP": ("drake", drake.sap),
     "Drake, margin": ("drake", drake.margin),
     "Drake, softer": ("drake", drake.softer),
     "Drake, stiff": ("drake", drake.stiff),
-    "PyBullet": ("pybullet", bullet.default),
+    "PyBullet": ("pybullet", bullet.Bullet),
     "PyBullet, stiff": ("pybullet", bullet.stiff),
-    "Rapier": ("rapier3d", rapier.default),
+    "Rapier": ("rapier3d", rapier.Rapier),
     "Rapier, stiff": ("rapier3d", rapier.stiff),
 }
 PAGE = Path(__file__).parents[2] / "docs" / "battery.md"

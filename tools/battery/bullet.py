@@ -8,11 +8,6 @@ import numpy as np
 from tools.battery.world import Array, Setting, gravity
 
 
-def default(setting: Setting, step: float) -> "Bullet":
-    """Bullet's own defaults but for the step, without the damping of every motion, and with rebounds at every speed."""
-    return Bullet(setting, step)
-
-
 def stiff(setting: Setting, step: float) -> "Bullet":
     """A thousand iterations, none left out because the residual is small; where there is restitution, contacts that are not
     handled before bodies touch (contactProcessingThreshold)."""
@@ -23,7 +18,10 @@ def stiff(setting: Setting, step: float) -> "Bullet":
 
 
 class Bullet:
-    """A setting as planes and multibodies. Coefficients of two bodies are multiplied, so each has the root of the contact's."""
+    """A setting as planes and multibodies. Coefficients of two bodies are multiplied, so each has the root of the contact's.
+
+    Bullet's own defaults but for the step, without the damping of every motion, and with rebounds at every speed.
+    """
 
     def __init__(self, setting: Setting, step: float, **parameters: float) -> None:
         self._step = step

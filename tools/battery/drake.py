@@ -1,5 +1,6 @@
 """Drake: contacts by surfaces (hydroelastic), with the moduli and the margin that its documentation names."""
 
+from functools import partial
 from importlib import import_module
 from typing import Any
 
@@ -8,39 +9,17 @@ import numpy as np
 from tools.battery.world import Array, Setting, Unsupported, gravity
 
 
-def default(setting: Setting, step: float) -> "Drake":
-    """Compliant bodies, which has to be asked for, with the default modulus, 1e7 Pa, on rigid half spaces; kLagged."""
-    return Drake(setting, step, 1e7)
-
-
-def softer(setting: Setting, step: float) -> "Drake":
-    """As by default, with a modulus of 1e6 Pa, for which these light boxes are no longer nearly rigid at these steps."""
-    return Drake(setting, step, 1e6)
-
-
-def sap(setting: Setting, step: float) -> "Drake":
-    """As by default, with the approximation kSap, which is convex and has no iteration that lags behind."""
-    return Drake(setting, step, 1e7, approximation="kSap")
-
-
-def margin(setting: Setting, step: float) -> "Drake":
-    """As by default, with the margin that the documentation names, within which faces keep their contact."""
-    return Drake(setting, step, 1e7, margin=1e-4)
-
-
-def stiff(setting: Setting, step: float) -> "Drake":
-    """A modulus of 1e9 Pa, more than the documentation advises, with kSimilar and a smaller stiction tolerance."""
-    return Drake(setting, step, 1e9, approximation="kSimilar", stiction=1e-6)
-
-
 class Drake:
-    """A setting as a discrete MultibodyPlant. modulus: Pa; margin: m; stiction: its tolerance, m/s."""
+    """A setting as a discrete MultibodyPlant. modulus: Pa; margin: m; stiction: its tolerance, m/s.
+
+    Compliant bodies, which has to be asked for, with the default modulus on rigid half spaces; kLagged.
+    """
 
     def __init__(
         self,
         setting: Setting,
         step: float,
-        modulus: float,
+        modulus: float = 1e7,
         approximation: str = "kLagged",
         margin: float | None = None,
         stiction: float = 1e-4,
@@ -98,3 +77,10 @@ class Drake:
     def velocity(self, body: int) -> Array:
         velocity = self._plant.EvalBodySpatialVelocityInWorld(self._context, self._bodies[body])
         return np.array(velocity.translational())
+
+
+softer = partial(Drake, modulus=1e6)  # for which these light boxes are no longer nearly rigid at these steps
+sap = partial(Drake, approximation="kSap")  # convex, without an iteration that lags behind
+margin = partial(Drake, margin=1e-4)  # which the documentation names: within it faces keep their contact
+# A modulus that is more than the documentation advises, with kSimilar and a smaller stiction tolerance.
+stiff = partial(Drake, modulus=1e9, approximation="kSimilar", stiction=1e-6)

@@ -13,20 +13,15 @@ from tools.battery.world import Array, Setting, gravity
 STIFF = 'cone="elliptic" impratio="100" noslip_iterations="20" tolerance="1e-12"'
 
 
-def default(setting: Setting, step: float) -> "MuJoCo":
-    """MuJoCo's own defaults but for the step."""
-    return MuJoCo(setting, step, "", "")
-
-
 def stiff(setting: Setting, step: float) -> "MuJoCo":
     """The stiffest documented settings."""
     return MuJoCo(setting, step, STIFF, f'solref="{2 * step} 1" solimp=".99 .99 .001"')
 
 
 class MuJoCo:
-    """A setting as MJCF: planes and free bodies."""
+    """A setting as MJCF: planes and free bodies. MuJoCo's own defaults but for the step."""
 
-    def __init__(self, setting: Setting, step: float, option: str, contact: str) -> None:
+    def __init__(self, setting: Setting, step: float, option: str = "", contact: str = "") -> None:
         contact = contact if setting.restitution is None else _bouncing(setting.restitution)
         self._mj: Any = import_module("mujoco")
         gravity = " ".join(map(str, setting.gravity))

@@ -11,15 +11,10 @@ from tools.battery.world import Array, Setting, gravity
 SOLVER, TOLERANCE = "interior_point", 1e-8
 
 
-def exact(setting: Setting, step: float) -> "Exact":
-    """Anitescu and Potra's scheme, with Poisson's law of restitution."""
-    return Exact(setting, step, "anitescu_potra")
-
-
 class Exact:
-    """A setting as a scene."""
+    """A setting as a scene, by Anitescu and Potra's scheme, with Poisson's law of restitution."""
 
-    def __init__(self, setting: Setting, step: float, scheme: str) -> None:
+    def __init__(self, setting: Setting, step: float) -> None:
         half = np.array([body.turn for body in setting.bodies])[:, None] / 2
         turn = np.hstack([np.cos(half), np.sin(half), np.zeros((len(half), 2))])  # quaternions
         self._scene = Scene(
@@ -35,7 +30,7 @@ class Exact:
             gravity=tuple(setting.gravity),
             step=step,
         )
-        self._step, self._scheme = start(self._scene), SCHEMES[scheme]
+        self._step, self._scheme = start(self._scene), SCHEMES["anitescu_potra"]
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / self._scene.step)):

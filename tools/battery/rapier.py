@@ -8,11 +8,6 @@ import numpy as np
 from tools.battery.world import Array, Setting, gravity
 
 
-def default(setting: Setting, step: float) -> "Rapier":
-    """Rapier's own defaults but for the step, and bodies that do not go to sleep."""
-    return Rapier(setting, step)
-
-
 def stiff(setting: Setting, step: float) -> "Rapier":
     """20 substeps in place of 4, and contacts of 300 Hz, ten and five times as fast as by default."""
     world = Rapier(setting, step)
@@ -24,7 +19,10 @@ def stiff(setting: Setting, step: float) -> "Rapier":
 
 
 class Rapier:
-    """A setting as half spaces and rigid bodies; all in single precision. Two bodies' coefficients are averaged."""
+    """A setting as half spaces and rigid bodies; all in single precision. Two bodies' coefficients are averaged.
+
+    Rapier's own defaults but for the step, and bodies that do not go to sleep.
+    """
 
     def __init__(self, setting: Setting, step: float) -> None:
         r = self.rapier = import_module("rapier3d")

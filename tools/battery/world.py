@@ -1,6 +1,6 @@
 """What a phenomenon needs of an engine."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -78,8 +78,5 @@ class World(Protocol):
         """The velocity of the centre (3,), m/s."""
 
 
-class Make(Protocol):
-    """An engine with its settings."""
-
-    def __call__(self, setting: Setting, step: float) -> World:
-        """The engine's world. Errors: ImportError where it is not installed, Unsupported."""
+# An engine with its settings, by a setting and the step, s. Errors: ImportError where it is not installed, Unsupported.
+Make = Callable[[Setting, float], World]

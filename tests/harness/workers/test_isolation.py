@@ -5,23 +5,19 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import psutil
 import pytest
 
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import drop_disturbed, run
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
-from tests.helpers.runs import quiet
+from tests.helpers.runs import MARK, marked, quiet, soon
 
 pytestmark = pytest.mark.slow  # the quick tests do not look for processes left behind
 
-MARK = "FRICTIONBENCH_TEST_MARK"
 BLOCKS_SIGNALS = """
 import os
 import signal
@@ -49,13 +45,6 @@ def frictionbench(*arguments: str, **options) -> subprocess.CompletedProcess[str
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, **options)
 
 
-def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> bool:
-    end = time.monotonic() + seconds
-    while not (met := condition()) and time.monotonic() < end:
-        time.sleep(0.05)
-    return met
-
-
 @pytest.fixture
 def shadowing_folder(tmp_path) -> Path:
     for package in ("problems", "solvers", "harness", "results", "reports"):
@@ -70,18 +59,6 @@ def test_current_folder_is_not_imported(shadowing_folder) -> None:
     done = frictionbench(*options, cwd=shadowing_folder)
     assert done.returncode == 0, done.stderr
     assert set(store.read_table(shadowing_folder / "run", "solves")["verdict"]) == {"solved"}
-
-
-def marked(mark: str) -> list[int]:
-    """The running processes whose environment contains the mark, including detached ones."""
-    found = []
-    for one in psutil.process_iter():
-        try:
-            if one.environ().get(MARK) == mark and one.status() != psutil.STATUS_ZOMBIE:
-                found.append(one.pid)
-        except psutil.Error:
-            continue
-    return found
 
 
 @pytest.mark.parametrize(
@@ -111,11 +88,11 @@ def test_ended_run_leaves_no_process(tmp_path, number, times) -> None:
         stderr=subprocess.PIPE,
         text=True,
     )
-    assert wait_until((tmp_path / "hangs").exists)
+    assert soon((tmp_path / "hangs").exists)
     for _ in range(times):
         begun.send_signal(number)
     _, told = begun.communicate(timeout=60)
-    assert wait_until(lambda: not marked(str(tmp_path)))
+    assert soon(lambda: not marked(str(tmp_path)))
     if number == signal.SIGKILL:
         assert begun.returncode == -number
     else:

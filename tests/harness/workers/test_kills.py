@@ -16,7 +16,7 @@ import numpy as np
 import psutil
 
 from tests.helpers.plugin import write
-from tests.helpers.runs import verdicts
+from tests.helpers.runs import soon, verdicts
 
 KILLS = int(os.environ.get("FRICTIONBENCH_KILLS", "6"))
 WHO = {"main": 0, "server": 1, "supervisor": 2, "worker": 3}  # generations below the main process; of a plug-in, the keeper
@@ -58,13 +58,6 @@ def ended(victim: psutil.Process) -> bool:
         return not victim.is_running() or victim.status() == psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:
         return True
-
-
-def soon(condition, seconds: float = 20.0) -> bool:
-    end = time.monotonic() + seconds
-    while not (met := condition()) and time.monotonic() < end:
-        time.sleep(0.002)
-    return met
 
 
 def progress(folder: Path) -> int:
