@@ -26,8 +26,8 @@ TIMING ?= runs/timing-$(REVISION)
 
 # Of one process each and without runs, browsers or installs: those are for make test.
 QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems/test_compiled.py \
-	$(addprefix tests/solvers/test_,interface.py every_solver.py lemke.py principal_pivoting.py nsgs.py) \
-	tests/facts/test_statics.py tests/facts/test_classics.py tests/problems/test_verify.py \
+	$(addprefix tests/solvers/test_,interface.py every_solver.py families.py lemke.py nsgs.py) \
+	tests/facts/test_classics.py tests/problems/test_verify.py \
 	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
 PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 

@@ -3,7 +3,7 @@
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers import fischer_newton, proximal_newton
 from frictionbench.solvers.interior import newton, point
-from frictionbench.solvers.pivots import lemke_path, lu_basis, merit_newton, natural, newton_path
+from frictionbench.solvers.pivots import lemke_path, lu_basis, merit_newton, natural
 from frictionbench.solvers.sparse_lu import multifrontal
 from frictionbench.solvers.sweeps import gauss_seidel, laws
 
@@ -39,11 +39,6 @@ def longest(*arguments):
 
 
 @kernel
-def longest_in_cone(*arguments):
-    return point.longest_in_cone(*arguments)
-
-
-@kernel
 def add_products(*arguments):
     return point.add_products(*arguments)
 
@@ -59,23 +54,8 @@ def newton_step(*arguments):
 
 
 @kernel
-def entering_column(*arguments):
-    return lemke_path.entering_column(*arguments)
-
-
-@kernel
 def exchange(*arguments):
     return lemke_path.exchange(*arguments)
-
-
-@kernel
-def follow_lemke_path(*arguments):
-    return lemke_path.follow_lemke_path(*arguments)
-
-
-@kernel
-def lemke_state(*arguments):
-    return lemke_path.lemke_state(*arguments)
 
 
 @kernel
@@ -94,28 +74,13 @@ def basic_z(*arguments):
 
 
 @kernel
-def ftran(*arguments):
-    return lu_basis.ftran(*arguments)
-
-
-@kernel
 def replace_column(*arguments):
     return lu_basis.replace_column(*arguments)
 
 
 @kernel
-def orientation(*arguments):
-    return lu_basis.orientation(*arguments)
-
-
-@kernel
 def natural_residual(*arguments):
     return natural.natural_residual(*arguments)
-
-
-@kernel
-def is_ray(*arguments):
-    return newton_path.is_ray(*arguments)
 
 
 @kernel

@@ -3,8 +3,6 @@
 They are those of the sparse matrix, and those of copies of the same kinds, so that no kernel is compiled again.
 """
 
-import ctypes
-
 import numpy as np
 import pytest
 from scipy import sparse
@@ -39,12 +37,6 @@ def test_arrays_are_those_of_W(problem: FrictionProblem) -> None:
         assert not array.flags.writeable
     assert problem.dense().W is W
     assert problem.fresh().dense().W is not W
-
-
-def test_arrays_have_an_address() -> None:
-    W, _ = PLANAR.dense()
-    again = np.ctypeslib.as_array(W.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), W.shape)
-    assert again[1, 0] == PLANAR.W[1, 0]
 
 
 @pytest.mark.parametrize("problem", PROBLEMS.values(), ids=PROBLEMS)

@@ -68,11 +68,6 @@ def test_file_without_kernels_does_not_change_cache(package) -> None:
     assert compiled.state(package) == before
 
 
-def test_cache_folder_setting(package) -> None:
-    _, folder = call(package, NUMBA_CACHE_DIR=str(package / "mine"))
-    assert folder.parent == package / "mine"
-
-
 def test_temporary_cache_folder(package) -> None:
     (package / "cache").write_text("no folder can be made here")
     (package / "tmp").mkdir()

@@ -52,21 +52,6 @@ def test_bad_field(name, value) -> None:
         FrictionProblem(**fields(**{name: value}))
 
 
-@pytest.mark.parametrize(
-    ("W", "q", "friction", "d", "name"),
-    [
-        (np.eye(2), [1.0, np.nan], [0.5], 2, "q"),
-        (np.eye(3), [1.0, 1.0], [0.5], 2, "W"),
-        (-np.eye(2), [1.0, 1.0], [0.5], 2, "W"),
-        (np.eye(2), [1.0, 1.0], [0.5], 5, "d"),
-        (np.eye(2), [1.0, 1.0], [-0.5], 2, "friction"),
-    ],
-)
-def test_bad_delassus_field(W, q, friction, d, name) -> None:
-    with pytest.raises(InputError, match=f"^{name}: "):
-        FrictionProblem.from_delassus(W, q, friction, d)
-
-
 def test_no_contact() -> None:
     empty = np.zeros((0, 2))
     problem = FrictionProblem(**fields(normal=empty, tangent=empty, friction=[], bias=[]))
@@ -152,25 +137,6 @@ def test_residual_of_known_solution() -> None:
     assert relaxation_residual(problem, r) > 0.01
     assert residual(problem, np.array([[np.nan, 0.0]])) == np.inf
     assert residual(problem, np.zeros((2, 2))) == np.inf
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_residual_formula(seed) -> None:
-    """The loop over contacts against the formula for all of them at once."""
-    random = np.random.default_rng(seed)
-    for problem in (random_problem(seed, contacts=6), spatial(seed, contacts=4, friction_bias=bool(seed % 2))):
-        r = random.standard_normal((problem.contacts, problem.dimension)) * 10 ** random.uniform(-3, 2)
-        s, mu = problem.scale[:, None], problem.friction
-        for measure, shift, units in (
-            (residual, 1.0, problem.units),
-            (relaxation_residual, 0.0, problem.relaxation_units),
-        ):
-            g = problem.contact_velocity(r)
-            g[:, 0] += shift * mu * np.linalg.norm(g[:, 1:], axis=1)
-            defect = r - project_cone(r - g / s, mu, problem.friction_bias)
-            signorini = shift * np.abs(np.minimum(problem.scale * r[:, 0], problem.contact_velocity(r)[:, 0]))
-            worst = np.maximum(np.linalg.norm(s * defect, axis=1), signorini) / units
-            assert measure(problem, r) == pytest.approx(np.max(worst), rel=1e-12)
 
 
 def test_friction_bias_widens_the_cone() -> None:
@@ -283,24 +249,6 @@ def test_slight_indefiniteness_is_accepted(negative, accepted) -> None:
             FrictionProblem.from_delassus(W, np.ones(300), np.ones(100), 3)
 
 
-def test_damaged_file(tmp_path) -> None:
-    path = tmp_path / "p.npz"
-    for dimension, complaint in ((np.array(2), "is missing"), (np.array([object()], dtype=object), r"p\.npz")):
-        np.savez(path, dimension=dimension)
-        with pytest.raises(InputError, match=complaint):
-            load(path)
-
-
-def test_repr_of_problem() -> None:
-    problem = jointed(0, redundant=True)
-    assert repr(problem) == "FrictionProblem(6 contacts in the plane, 3 joint equations, 9 velocities)"
-    assert repr(FrictionProblem(**fields())) == "FrictionProblem(1 contact in the plane, 2 velocities)"
-    assert repr(known_by_W()) == "FrictionProblem(4 contacts in space, known by W)"
-    assert repr(problem.lcp()) == "LCP(24 unknowns)"
-    assert problem.hash in problem._repr_html_()
-    assert problem.lcp().hash in problem.lcp()._repr_html_()
-
-
 def test_fields_cannot_be_reassigned() -> None:
     for problem in (FrictionProblem(**fields()), known_by_W()):
         for name in ("friction", "W", "q", "mass"):
@@ -329,11 +277,3 @@ def test_asymmetry_of_a_delassus_matrix_is_told() -> None:
     rounded = FrictionProblem.from_delassus([[2.0, 0.5], [0.5 + 1e-7, 1.0]], [-1.0, 0.3], [0.5], 2)
     assert rounded.summary == "1 contact in the plane, known by W"
     assert FrictionProblem(**fields()).asymmetry == 0
-
-
-def test_impulses_by_component_are_refused() -> None:
-    problem = random_problem(0, contacts=4)
-    by_component = np.zeros((problem.dimension, problem.contacts))
-    for method in (problem.velocity, problem.contact_velocity):
-        with pytest.raises(InputError, match=r"^impulse: must have shape \(4, 2\), got \(2, 4\)"):
-            method(by_component)

@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.labels import labels, pointedness
 from frictionbench.problems.analysis.thresholds import POINTED, gaps_only
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.instances.recorded_step import recorded_steps
 from frictionbench.problems.residual import residual
-from frictionbench.problems.scenes import scene
-from frictionbench.problems.subproblems import keep_contacts
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import contacts_of
 
@@ -81,48 +79,6 @@ def test_instances_are_deterministic() -> None:
             assert make_instance(name, **SMALL.get(name, {}) | {"seed": 1}).hash != again.hash
 
 
-def test_spatial_subproblems() -> None:
-    problem = make_instance("cubes", boxes=3, push=1.0)
-    known = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 3)
-    part, known_part = (keep_contacts(one, [4, 5, 6]) for one in (problem, known))
-    assert len(part.free_velocity) == 12  # the two bodies that touch there
-    assert np.array_equal(part.W.toarray(), known_part.W.toarray())
-    assert np.array_equal(part.q, known_part.q)
-    assert np.array_equal(part.q, problem.q[12:21])
-
-
-@pytest.mark.parametrize(
-    ("name", "parameters", "field"),
-    [
-        ("nonesuch", {}, "instance"),
-        ("cubes", {"spheres": 3}, "spheres"),
-        ("cubes", {"boxes": 0}, "boxes"),
-        ("cubes", {"friction": -1}, "friction"),
-        ("cubes", {"mass_ratio": 0}, "mass_ratio"),
-        ("packed_spheres", {"fraction": 0.9}, "fraction"),
-        ("packed_spheres", {"spheres": 2.5}, "spheres"),
-        ("random_bodies", {"mass_ratio": 0.5}, "mass_ratio"),
-        ("sphere_pyramid", {"noise": "much"}, "noise"),
-        ("random", {"contacts": 0}, "contacts"),
-        ("box_wall", {"points": 6}, "points"),
-        ("box_wall", {"points": 4.0}, "points"),
-        ("random_graph", {"bodies": 3}, "bodies"),
-    ],
-)
-def test_bad_parameter(name, parameters, field) -> None:
-    with pytest.raises(InputError, match=rf"^{field}: "):
-        make_instance(name, **parameters)
-
-
-def test_the_name_of_a_scene_or_an_instance_says_how_to_make_it() -> None:
-    with pytest.raises(InputError, match=r"^scene: 'cubes' is an instance.*frictionbench\.problem\('cubes'\)"):
-        scene("cubes")
-    with pytest.raises(InputError, match=r"^instance: 'stack' is a scene.*frictionbench\.problem\('stack'\)"):
-        make_instance("stack")
-    with pytest.raises(InputError, match=r"^scene: unknown scene 'cubs' \(did you mean cubes\?\)"):
-        scene("cubs")
-
-
 def test_ball_joints_move_together() -> None:
     problem = make_instance("rod_chain", links=4, pull=0.3, whirl=2.0)
     spin = np.array([0.2, -0.4, 0.7])
@@ -146,13 +102,6 @@ def test_a_twisted_stack_of_cubes_slides_in_many_directions() -> None:
     angles = np.degrees(np.arctan2(*slip.T[::-1]))
     assert np.linalg.norm(slip, axis=1).min() > 0.1
     assert len(np.unique(angles.round())) >= 4
-
-
-def test_cubes_slide_down_slopes_steeper_than_their_friction() -> None:
-    for slope, rests in ((0.3, True), (0.4, False)):
-        problem = make_instance("cubes", boxes=3, friction=np.tan(0.35), push=0.0, slope=slope)
-        after = problem.velocity(solve(problem, "interior_point", tol=1e-10).impulse)
-        assert bool(np.abs(after).max() < 1e-8) is rests
 
 
 @pytest.mark.parametrize("ratio", [1e-3, 1.0, 1e6])
@@ -225,8 +174,3 @@ def test_recorded_steps_have_a_solution(case) -> None:
     assert gaps_only(problem) or problem.contacts <= 13  # where theory does not tell, a solver does
     if problem.contacts <= 13:
         assert residual(problem, solve(problem, "hybrid").impulse) <= 1e-8
-
-
-def test_an_unknown_step_is_refused() -> None:
-    with pytest.raises(InputError, match="case: unknown step 'other'; known are"):
-        make_instance("recorded_step", case="other")

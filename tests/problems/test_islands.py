@@ -102,14 +102,6 @@ def test_measures_of_problems_side_by_side_are_the_largest_of_theirs(seed, conve
     assert energy_within(whole, together, 1e-3) == pytest.approx(energies, rel=1e-6)
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_units_follow_units_order_and_observer(seed) -> None:
-    problem = cases(seed)
-    order = np.random.default_rng(seed).permutation(problem.contacts)
-    assert permuted(problem, order).units == pytest.approx(problem.units[order], rel=1e-12)
-    assert in_units(problem, 1e3, 1e-5).units == pytest.approx(1e-5 * problem.units, rel=1e-12)
-
-
 def test_islands_are_numbered_and_counted() -> None:
     two = side_by_side(scene("stack", blocks=2).problem(), block())
     for problem in (two, known_by_W(two)):

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem, InputError, mechanics
-from frictionbench.problems.forms import banded
 from frictionbench.problems.instances.rod_chain import rod_chain
-from frictionbench.problems.recorded import read
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
@@ -36,14 +34,6 @@ def test_contradictions_are_refused(kind) -> None:
     joints, bias = CONTRADICTIONS[kind]
     with pytest.raises(InputError, match=r"^joint_bias: the joint equations contradict each other: rows"):
         FrictionProblem(**FIELDS, joints=joints, joint_bias=bias)
-
-
-def test_contradiction_in_a_file_names_its_array(tmp_path) -> None:
-    letters = {"mass": "M", "normal": "N", "tangent": "T", "friction": "mu", "free_velocity": "v", "bias": "b"}
-    arrays = {letters[field]: value for field, value in FIELDS.items()}
-    np.savez(tmp_path / "p.npz", **arrays, F=[[1.0, 0.0, 0.0]] * 2, bF=[-0.5, 0.5])
-    with pytest.raises(InputError, match=r"p\.npz: bF: the joint equations"):
-        read(tmp_path / "p.npz")
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -102,21 +92,10 @@ def test_rows_that_rounding_leaves_unsatisfied_are_refused(angle, bias) -> None:
         assert np.abs(problem.joints @ v + problem.joint_bias).max() <= 1e-8 * max(np.abs(v).max(), 3.0)
 
 
-@pytest.mark.parametrize("speed", [1e8, 1e12])
-def test_no_speed_hides_a_contradiction(speed: float) -> None:
-    with pytest.raises(InputError, match=r"^joint_bias: the joint equations contradict each other: rows 0, 1 are missed by"):
-        FrictionProblem(**FIELDS | {"free_velocity": [speed, speed, 0.0]}, joints=[[1.0, 0.0, 0.0]] * 2, joint_bias=[-0.5, 0.5])
-
-
 def test_rounding_of_joints_that_move_fast_is_no_contradiction() -> None:
     joints, moving = np.array([[0.1, 0.7, 0.3]] * 2), np.array([1e9, 1e9, 1e9])
     bias = -joints @ moving * [1.0, 1.0 + 1e-15]
     assert FrictionProblem(**FIELDS | {"free_velocity": moving}, joints=joints, joint_bias=bias).contacts == 2
-
-
-def test_joints_of_a_scene_that_have_drifted() -> None:
-    problem = scene("slider_crank").problem()
-    assert problem.replace(joint_bias=np.full(6, 1e-3)).velocity(np.zeros((problem.contacts, 2))).shape == (9,)
 
 
 def _loops() -> FrictionProblem:
@@ -185,27 +164,3 @@ def test_contradictions_among_many_are_named() -> None:
     agreed = problem.replace(joints=F, joint_bias=bias)
     v = agreed.velocity(np.zeros((agreed.contacts, 2)))
     assert np.abs(F @ v + bias).max() <= 1e-12
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_band_factorisation_of_a_singular_matrix(seed: int) -> None:
-    """X A X = A with X zero in the rows left out, the entries of X in the band, and c'Xc."""
-    random = np.random.default_rng(seed)
-    n, b = 30, 4
-    B = np.array([[random.standard_normal() if 0 <= i - j <= 2 else 0.0 for j in range(n)] for i in range(n)])
-    B[[7, 19]] = B[[6, 17]]
-    A = B @ B.T
-    rows = [(i, j) for i in range(n) for j in range(n) if A[i, j] != 0]
-    start = np.searchsorted([i for i, _ in rows], np.arange(n + 1)).astype(np.int32)
-    L = banded.by_band(start, np.array([j for _, j in rows], np.int32), np.array([A[i, j] for i, j in rows]), b)
-    banded.factorise(L, 1e-12)
-    out = np.flatnonzero(L[:, b] == 0)
-    assert out.tolist() == [7, 19]
-    kept = np.setdiff1d(np.arange(n), out)
-    X = np.zeros((n, n))
-    X[np.ix_(kept, kept)] = np.linalg.inv(A[np.ix_(kept, kept)])
-    found = banded.inverse_in_band(L)
-    scale = np.abs(X).max()
-    for i in range(n):
-        for k in range(max(0, b - i), b + 1):
-            assert found[i, k] == pytest.approx(X[i, i - b + k], abs=1e-9 * scale)

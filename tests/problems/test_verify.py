@@ -52,19 +52,6 @@ def test_claim_within_a_factor_of_ten_is_near_miss(excess, status, verdict):
         assert finding.reason == f"claimed solved within 0.0001; the residual is {told}"
 
 
-def test_library_detail_is_reported_on_failure():
-    problem = block()
-    right, nothing = solve(problem, "lemke").impulse, np.zeros((1, 2))
-    for impulse, status, quiet, reason in (
-        (right, Status.SOLVED, True, ""),
-        (right, Status.SOLVED, False, "fine"),
-        (right, Status.STALLED, True, "fine"),
-        (nothing, Status.STALLED, True, "fine"),
-    ):
-        assert verify(problem, Answer(impulse, status, detail="fine"), LEMKE, 1e-8, quiet=quiet).reason == reason
-    assert verify(problem, Answer(nothing, Status.SOLVED, detail="fine"), LEMKE, 1e-8, quiet=True).reason.endswith("; fine")
-
-
 def test_relaxation_verdict_uses_model_residual():
     problem = random_problem(3, contacts=4, friction=1.0)
     r = solve(problem, "relaxation_ip", tol=1e-12).impulse
@@ -254,21 +241,6 @@ def test_huge_impulses_are_wrong(size, dimension):
     impulse = size * np.random.default_rng(0).uniform(0.1, 1, (problem.contacts, dimension))
     finding = verify(problem, claim(impulse), LEMKE, 1e-8)
     assert finding.verdict == "wrong"
-
-
-@pytest.mark.parametrize("kind", [np.float32, np.int64])
-def test_impulses_of_other_numbers_are_judged_as_floats(kind):
-    problem = block()
-    impulse = np.round(solve(problem, "lemke").impulse * 2**20)
-    assert verify(problem, Answer(impulse.astype(kind), Status.SOLVED), LEMKE, 1e-8).verdict == "wrong"
-
-
-def test_infinite_softness_is_refused():
-    answer = claim(np.zeros((1, 2)))
-    answer.softness = np.full((1, 2), np.inf)
-    finding = verify(block(), answer, "regularised", 1e-4)
-    assert finding.verdict == "wrong"
-    assert "above the 0.0001 allowed" in finding.reason
 
 
 def test_answer_as_good_as_rounding_allows_is_unjudgeable():

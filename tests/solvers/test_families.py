@@ -25,6 +25,13 @@ def test_random_problems(spec, tol) -> None:
         assert_solved(random_problem(seed, contacts=1 + seed, mass_ratio=1e6), spec, 1e-9)
 
 
+def test_dantzig_solves_little_friction_and_frictionless_contacts_of_any_rank() -> None:
+    """The former is a floor under regressions, not a promise."""
+    for seed in range(30):
+        assert_solved(random_problem(seed, contacts=1 + seed, friction=0.0), "dantzig", 1e-12)
+        assert_solved(random_problem(seed, contacts=1 + seed % 20, friction=0.2), "dantzig")
+
+
 @BOTH
 @pytest.mark.parametrize("mu", [0.0, 0.05, 0.5, 10.0])
 def test_stacks_and_pyramids_with_exact_ties(mu, spec, tol) -> None:

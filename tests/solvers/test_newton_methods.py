@@ -131,15 +131,3 @@ def test_the_gradient_of_the_merit() -> None:
     A, B = jacobian(M, y, M @ y + q)
     expected = [(merit(y + h * e) - merit(y - h * e)) / (2 * h) for e in np.eye(n)]
     assert A * phi + (B * phi) @ M == pytest.approx(expected, rel=1e-6, abs=1e-7)
-
-
-def test_jacobian_at_kink() -> None:
-    random, n = np.random.default_rng(5), 5
-    M, y, q = random.standard_normal((n, n)), random.standard_normal(n), np.zeros(n)
-    y[:2] = 0
-    q[:2] = -(M @ y)[:2]
-    w = M @ y + q
-    w[:2] = 0
-    along = np.array([1.0, 1, 0, 0, 0])
-    near = jacobian(M, y + 1e-8 * along, w + 1e-8 * M @ along)
-    assert np.array(jacobian(M, y, w)) == pytest.approx(np.array(near), abs=1e-6)

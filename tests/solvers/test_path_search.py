@@ -9,18 +9,14 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
-from frictionbench.solvers.pivots.lu_basis import Columns, column, new_basis
+from frictionbench.solvers.pivots.lu_basis import Columns, new_basis
 from frictionbench.solvers.pivots.natural import MARGIN, natural_weight
 from frictionbench.solvers.pivots.scaling import scaling
-from tests.helpers.friction_problems import assert_solved, block
+from tests.helpers.friction_problems import assert_solved
 from tests.helpers.kernels import (
     basic_z,
     factorise_basis,
-    ftran,
-    is_ray,
     natural_residual,
-    orientation,
-    replace_column,
     set_complementary_basis,
 )
 
@@ -52,28 +48,6 @@ def random_columns(n, rank, seed=0) -> tuple[Columns, np.ndarray]:
     return columns, np.column_stack([M, -np.eye(n), cover])
 
 
-def test_a_basis_solves_and_is_updated() -> None:
-    n, random = 20, np.random.default_rng(1)
-    columns, dense = random_columns(n, n)
-    few = {"update": np.empty((4, n)), "updated": np.zeros(4, np.int64)}
-    basis, A = new_basis(n)._replace(**few), random.random(n) < 0.5
-    set_complementary_basis(basis, A)
-    assert factorise_basis(basis, columns, 1e-12, np.inf) == 0
-    for position, entering in ((3, 2 * n), (5, int(np.flatnonzero(~A)[0])), (7, n + int(np.flatnonzero(A)[0]))):
-        d = np.empty(n)
-        column(columns, entering, d)
-        ftran(basis, columns, d)
-        replace_column(basis, position, entering, d)
-        y = random.standard_normal(n)
-        x = y.copy()
-        ftran(basis, columns, x)
-        assert dense[:, basis.head] @ x == pytest.approx(y, abs=1e-8)
-    assert factorise_basis(basis, columns, 1e-12, np.inf) == 0
-    x = y.copy()
-    ftran(basis, columns, x)
-    assert dense[:, basis.head] @ x == pytest.approx(y, abs=1e-8)
-
-
 def test_dependent_columns_are_left_out() -> None:
     n, rank = 12, 5
     columns, dense = random_columns(n, rank)
@@ -84,30 +58,6 @@ def test_dependent_columns_are_left_out() -> None:
     A = np.empty(n, bool)
     basic_z(basis, A)
     assert A.sum() == rank
-
-
-def test_orientation_is_the_sign_of_the_determinant() -> None:
-    signs = []
-    for seed in range(40):
-        n, random = 8, np.random.default_rng(seed)
-        columns, dense = random_columns(n, n, seed)
-        A = random.random(n) < 0.6
-        basis = new_basis(n)
-        set_complementary_basis(basis, A)
-        if factorise_basis(basis, columns, 1e-9, np.inf) == 0:
-            signs.append((orientation(basis), np.sign(np.linalg.det(dense[np.ix_(A, A)])) if A.any() else 1))
-    assert len(signs) > 10
-    assert {1, -1} == {sign for sign, _ in signs}
-    assert all(sign == expected for sign, expected in signs)
-
-
-def test_ray_classification() -> None:
-    columns, _ = random_columns(6, 6)
-    assert not is_ray(columns, np.ones(6))
-    assert not is_ray(columns, np.zeros(6))
-    sliding = sparse.csc_array(block().lcp().M)
-    columns = Columns(sliding.indptr.astype(np.int64), sliding.indices.astype(np.int64), sliding.data, np.zeros(4), np.zeros(4))
-    assert is_ray(columns, np.array([0.0, 0.0, 0.0, 1.0]))  # the sliding speed lambda, which copositive-plus would forbid
 
 
 def measured(problem, z) -> float:

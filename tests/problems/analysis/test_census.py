@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from frictionbench import solvers
-from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.census import Census, census, census_labels
 from frictionbench.problems.analysis.mode import mode
-from frictionbench.problems.analysis.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
+from frictionbench.problems.analysis.polyhedra import Polyhedron, Shape, contains, shape
 from frictionbench.problems.check import Array
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
@@ -193,31 +193,6 @@ def test_unsupported_problems_are_refused() -> None:
     assert set(census_labels(large).values()) == {None}
 
 
-def test_labels_are_plain() -> None:
-    assert census_labels(block()) == {"solutions": "one", "velocity_count": 1}
-    assert census_labels(scene("stack", blocks=1, push=0.0).problem()) == {
-        "solutions": "convex",
-        "velocity_count": 1,
-    }
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_lcp_census_against_principal_pivots(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    n = 4
-    M, q = random.standard_normal((n, n)), random.standard_normal(n)
-    basic = []
-    for pick in range(2**n):
-        a = np.flatnonzero([pick >> i & 1 for i in range(n)])
-        z = np.zeros(n)
-        z[a] = np.linalg.solve(M[np.ix_(a, a)], -q[a])
-        if z.min() >= 0 and (M @ z + q)[[i for i in range(n) if i not in a]].min(initial=0) >= 0:
-            basic.append(z)
-    found = lcp_census(LCP(M, q))
-    assert found.count == len(basic)
-    assert sorted(p.vertices[0].tolist() for p in found.pieces) == pytest.approx(np.array(sorted(z.tolist() for z in basic)))
-
-
 def test_modes_of_answers() -> None:
     rest = block(speed=0.0)
     assert mode(rest, solvers.solve(rest, "lemke").impulse) == "s"
@@ -226,27 +201,6 @@ def test_modes_of_answers() -> None:
     assert mode(left, solvers.solve(left, "lemke").impulse) == "l"
     assert mode(right, np.zeros((1, 2))) == "o"
     assert mode(nothing(), np.zeros((0, 2))) == ""
-
-
-def test_cutting_a_cube() -> None:
-    """The unit cube has 8 vertices; the plane through its middle across a diagonal meets it in a hexagon."""
-    eye = np.eye(4)
-    cone = simplicial(eye)
-    for i in range(3):
-        cone = cut(cone, eye[3] - eye[i], False)
-    cube = polyhedron(cone, "")
-    assert cube is not None
-    assert sorted(cube.vertices.tolist()) == sorted([x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1))
-    hexagon = polyhedron(cut(cone, np.array([1, 1, 1, -1.5]), True), "")
-    assert hexagon is not None
-    assert len(hexagon.vertices) == 6
-    assert hexagon.dimension == 2
-    assert is_subset(hexagon, cube)
-    assert not is_subset(cube, hexagon)
-    corner = polyhedron(cut(cone, np.array([1, 1, 1, -3]), False), "")
-    assert corner is not None
-    assert corner.vertices.tolist() == [[1, 1, 1]]
-    assert polyhedron(cut(cone, np.array([1, 1, 1, -3.1]), False), "") is None
 
 
 def test_shapes_of_unions() -> None:

@@ -16,12 +16,6 @@ def jam(friction: float) -> FrictionProblem:
     return Scene(bodies=(rigid_box(1, 1),), obstacles=walls, q0=np.zeros(3), friction=friction).problem()
 
 
-def test_one_box() -> None:
-    found = labels(scene("stack", blocks=1).problem())
-    assert (found.size, found.rank, found.pointedness, found.mass_ratio) == (8, 3, 0.0, 1.0)
-    assert found.trivial == ""
-
-
 @pytest.mark.parametrize("blocks", [2, 10, 60])
 @pytest.mark.parametrize("mass_ratio", [1.0, 1e6])
 def test_stack_velocity_rank(blocks: int, mass_ratio: float) -> None:

@@ -168,18 +168,6 @@ def test_ties_give_two_contacts_an_interface(turn: float, place: tuple[float, fl
     )
 
 
-def test_upright_rod_has_one_contact() -> None:
-    contacts = find_contacts(Geometry([rigid_rod(1.0)], [box(4, 1, (0, -0.5))]), np.array([0.3, 1.0, np.pi / 2]), 1e-6)
-    assert contacts.gap == pytest.approx([0.0], abs=1e-12)
-    assert contacts.direction == pytest.approx(np.array([[0.0, 1.0]]))
-
-
-def test_features_persist_while_sliding() -> None:
-    geometry = Geometry([rigid_box(1, 1)], [box(8, 1, (0, -0.5))])
-    first, later = (find_contacts(geometry, np.array([x, 0.5, 0.0]), 1e-6) for x in (-1.0, 1.0))
-    assert first.feature.tolist() == later.feature.tolist()
-
-
 def test_sweep_agrees_with_all_pairs() -> None:
     """The sweep finds what the pairs one by one find."""
     random = np.random.default_rng(5)
@@ -194,12 +182,6 @@ def test_sweep_agrees_with_all_pairs() -> None:
     ]
     assert len(together) > 20
     assert together.gap == pytest.approx(apart, abs=1e-12)
-
-
-def test_no_pairs() -> None:
-    assert len(find_contacts(Geometry([rigid_box(1, 1)], []), np.zeros(3), 1.0)) == 0
-    nothing = find_contacts(Geometry([rigid_box(1, 1)], [half_plane()]), np.array([0, 5.0, 0]), 0.1)
-    assert nothing.normal.shape == (0, 3)
 
 
 @pytest.mark.parametrize(

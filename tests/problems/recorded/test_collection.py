@@ -143,12 +143,6 @@ def test_pipe_in_the_cache(server) -> None:
         list(collection.fetch(FAMILY))
 
 
-def test_paths_of_the_registry_stay_in_the_cache() -> None:
-    for entries in collection.registry().values():
-        for entry in entries:
-            assert (Path("/cache") / entry.path).resolve() == Path("/cache") / entry.path
-
-
 def test_symbolic_links_are_not_followed(server, tmp_path) -> None:
     path = collection.cache_folder() / FAMILY / "chain-0.hdf5"
     path.parent.mkdir(parents=True)

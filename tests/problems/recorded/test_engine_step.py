@@ -40,9 +40,7 @@ def test_steps_are_numbered(tmp_path) -> None:
     ("settings", "named"),
     [
         ({"impulse": np.zeros((2, 3))}, "impulse: expected length 9, got 6"),
-        ({"impulse": np.full(9, np.nan)}, "impulse: entry 0 is nan"),
         ({"impulse": IMPULSE, "notes": {"limits": 1.5}}, "notes: the share of limits must be from 0 to 1"),
-        ({"impulse": IMPULSE, "notes": {"a\nb": 0.5}}, "notes: a name is a printable text"),
         ({"impulse": IMPULSE, "step": 0.0}, "step: must be positive"),
         ({"notes": NOTES}, "impulse: is missing"),
     ],
@@ -56,12 +54,9 @@ def test_unusable_steps_are_refused(tmp_path, settings, named) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "told"),
     [
-        ("notes", text("[1]"), "notes: expected at most 100 names"),
         ("notes", text("[" * 60_000), "notes: not a JSON object"),
         ("notes", text(json.dumps({"limits": "x"})), "notes: not an array of real numbers"),
-        ("notes", np.zeros(3), "notes: not the bytes of a short text"),
         ("impulse", IMPULSE.T[:2], "impulse: expected shape"),
-        ("step", np.array(-1.0), "step: must be positive"),
         ("impuls", IMPULSE, "impuls: unknown array; did you mean impulse"),
     ],
 )

@@ -52,30 +52,6 @@ def test_every_array_is_read(tmp_path) -> None:
     assert known.friction_bias.tolist() == [0.0, 0.1]
 
 
-@pytest.mark.parametrize(
-    ("arrays", "name", "meant"),
-    [
-        (BODIES, "J", "F"),
-        (BODIES, "Mu", "mu"),
-        (BODIES, "bf", "bF"),
-        (BODIES, "joints", "F"),
-        (BODIES, "friction_bias", "fb"),
-        (BODIES, "dimension", "d"),
-        (BODIES, "vfre", "vfree"),
-        (BODIES, "gap", None),
-        (DELASSUS, "F", None),
-        (DELASSUS, "Fb", "fb"),
-        (LCP, "mu", None),
-        (CONTACTBENCH, "mu", "mus"),
-    ],
-)
-def test_unknown_arrays_are_refused(tmp_path, arrays, name, meant) -> None:
-    told = complaint(tmp_path, arrays | {name: np.ones(2)})
-    assert told.startswith(f"{name}: unknown array")
-    assert told.partition("did you mean ")[2].partition("?")[0] == (meant or "")
-    assert {*arrays} <= {*told.partition("nown are ")[2].split(", ")}
-
-
 def test_unknown_arrays_of_our_own_format_are_refused(tmp_path) -> None:
     problem = fb.scene("stack", blocks=1).problem()
     for one in (problem, FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 2), problem.lcp()):
@@ -131,16 +107,6 @@ def test_wrong_sizes_are_blamed_on_the_array_that_has_them(tmp_path, form) -> No
 def test_what_is_no_number_is_blamed_on_its_array(tmp_path, form, spoil) -> None:
     for name, value in FORMS[form].items():
         assert complaint(tmp_path, FORMS[form] | {name: spoil(np.where(value == 0, 1.0, value))}).startswith(f"{name}: ")
-
-
-def test_messages_state_both_sizes(tmp_path) -> None:
-    three = {"mu": np.full(3, 0.5)}
-    assert complaint(tmp_path, BODIES | three) == "mu: states 3 contacts by its shape (3,), but N, T, b and fb 2; d is 3"
-    assert complaint(tmp_path, BODIES | {"d": None}) == (
-        "T: states 4 contacts by its shape (4, 6), but N, mu, b and fb 2; d is 2"
-    )
-    assert complaint(tmp_path, DELASSUS | {"d": np.array(2)}).endswith("; d is 2")
-    assert complaint(tmp_path, BODIES | {"F": None}) == "bF: given without F"
 
 
 def test_values_are_blamed_on_their_array(tmp_path) -> None:
