@@ -1,6 +1,6 @@
 """What the measures of an answer must not depend on: units, the order of contacts, frames and mirrors, contacts met twice.
 
-60 random problems, planar and spatial, with and without joints and friction biases; to each an exact answer and inexact ones.
+30 random problems, planar and spatial, with and without joints and friction biases; to each an exact answer and inexact ones.
 """
 
 from functools import cache
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from frictionbench.problems import FrictionProblem
+from frictionbench.harness.contract.check import mirrored, permuted, rotated
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
@@ -18,12 +18,7 @@ from frictionbench.problems.verify import verify
 from frictionbench.solvers import Answer, Status, solve
 from tests.helpers.friction_problems import spatial, with_joints
 
-SEEDS = range(60)
-
-
-def rebuilt(problem, **changes):
-    names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias", "friction_bias", "joints", "joint_bias")
-    return FrictionProblem(**{name: getattr(problem, name) for name in (*names, "dimension")} | changes)
+SEEDS = range(30)
 
 
 @cache
@@ -76,8 +71,7 @@ def in_other_units(problem, speed, work, random):
     """Velocities in other units and of other coordinates, contact velocities times `speed`, energies times `work`."""
     unit = 10 ** random.uniform(-2, 2, len(problem.free_velocity))
     S, joint = sparse.diags_array(unit), 10 ** random.uniform(-2, 2)
-    return rebuilt(
-        problem,
+    return problem.replace(
         mass=S @ problem.mass @ S * work,
         normal=problem.normal @ S * speed,
         tangent=problem.tangent @ S * speed,
@@ -102,39 +96,33 @@ def test_unit_invariance(seed):
 @pytest.mark.parametrize("seed", SEEDS)
 def test_contact_order_invariance(seed):
     problem, answers = met(seed)
-    d, order = problem.dimension, np.random.default_rng(seed).permutation(problem.contacts)
-    tangents = (order[:, None] * (d - 1) + np.arange(d - 1)).ravel()
-    changes = {name: getattr(problem, name)[order] for name in ("normal", "friction", "bias", "friction_bias")}
-    other = rebuilt(problem, tangent=problem.tangent[tangents], **changes)
+    order = np.random.default_rng(seed).permutation(problem.contacts)
     for r in answers:
-        assert_same(problem, r, other, r[order], units=False)
+        assert_same(problem, r, permuted(problem, order), r[order], units=False)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_frame_invariance(seed):
-    """Each contact's tangents turned by an angle of its own, and some of them mirrored; in the plane mirrored alone."""
+    """Each contact's tangents turned by an angle of its own, and all of them mirrored; in the plane mirrored alone."""
     problem, answers = met(seed)
-    random = np.random.default_rng(seed)
-    nc, d = problem.contacts, problem.dimension
-    turns = np.empty((nc, d - 1, d - 1))
-    for i in range(nc):
-        angle, mirror = random.uniform(0, 2 * np.pi), random.choice([-1.0, 1.0])
-        c, s = np.cos(angle), np.sin(angle)
-        turns[i] = [[mirror]] if d == 2 else np.array([[c, -s], [s, c]]) @ np.diag([mirror, 1.0])
-    other = rebuilt(problem, tangent=sparse.block_diag(turns, format="csr") @ problem.tangent)
+    angle = np.random.default_rng(seed).uniform(0, 2 * np.pi, problem.contacts)
+    other = mirrored(problem if problem.dimension == 2 else rotated(problem, angle))
     for r in answers:
-        assert_same(problem, r, other, np.column_stack([r[:, :1], np.einsum("iab,ib->ia", turns, r[:, 1:])]), units=False)
+        n, *t = r.T
+        turned = (
+            [-t[0]]
+            if len(t) == 1
+            else [-np.cos(angle) * t[0] - np.sin(angle) * t[1], np.cos(angle) * t[1] - np.sin(angle) * t[0]]
+        )
+        assert_same(problem, r, other, np.column_stack([n, *turned]), units=False)
 
 
 @pytest.mark.parametrize("seed", [seed for seed in SEEDS if seed % 6 != 3])  # without friction biases
 def test_duplicated_contact_invariance(seed):
     """The impulse of the second one is any part of the first one's; what is no solution stays as far from one."""
     problem, (best, off, garbage) = met(seed)
-    d, i = problem.dimension, seed % problem.contacts
-    twice = [*range(problem.contacts), i]
-    tangents = (np.array(twice)[:, None] * (d - 1) + np.arange(d - 1)).ravel()
-    changes = {name: getattr(problem, name)[twice] for name in ("normal", "friction", "bias", "friction_bias")}
-    other = rebuilt(problem, tangent=problem.tangent[tangents], **changes)
+    i = seed % problem.contacts
+    other = permuted(problem, np.array([*range(problem.contacts), i]))
     share = np.random.default_rng(seed).uniform()
     split = np.vstack([best, share * best[i]])
     split[i] *= 1 - share
@@ -147,5 +135,5 @@ def test_duplicated_contact_invariance(seed):
 def test_random_answers_cover_three_verdicts():
     """The answers above are of three kinds, so that equal verdicts mean something."""
     kinds = [[verify(met(seed)[0], Answer(r, Status.SOLVED), "lcp", 1e-5).verdict for r in met(seed)[1]] for seed in SEEDS]
-    assert sum(first == "solved" for first, _, _ in kinds) > 57
-    assert sum(last == "wrong" for _, _, last in kinds) > 57
+    assert sum(first == "solved" for first, _, _ in kinds) > 27
+    assert sum(last == "wrong" for _, _, last in kinds) > 27

@@ -47,6 +47,26 @@ def test_field_of_a_problem(field, kind) -> None:
         FrictionProblem(**GOOD | {field: UNREAL[kind](GOOD[field])})
 
 
+MISFITS = {
+    "mass": [np.eye(3), np.ones((2, 2)), -np.eye(2), [[1, 0.5], [0, 1]], np.diag([1.0, 0.0])],
+    "normal": [[[0.0, 1.0, 0.0]], np.zeros((2, 2)), [0.0, 1.0]],
+    "tangent": [[[1.0, 0.0, 0.0]], np.zeros((2, 2))],
+    "friction": [[-0.1], 0.5, [0.5, 0.5]],
+    "free_velocity": [[[1.0, 0.0]], [1.0, 2.0, 3.0]],
+    "bias": [[0.0, 0.0]],
+    "friction_bias": [[-1.0], [0.0, 0.0]],
+    "joints": [[[1.0, 0.0, 0.0]]],
+    "joint_bias": [[1.0, 0.0, 0.0]],
+    "dimension": [1, 4, "2"],
+}
+
+
+@pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in MISFITS.items() for value in values])
+def test_a_field_that_does_not_fit(name, value) -> None:
+    with pytest.raises(InputError, match=rf"^{name}: "):
+        FrictionProblem(**GOOD | {name: value})
+
+
 @pytest.mark.parametrize("kind", UNREAL)
 def test_fields_of_other_forms(kind) -> None:
     W, q, mu, unreal = np.eye(2), np.array([-1.0, 1.0]), np.array([0.5]), UNREAL[kind]
