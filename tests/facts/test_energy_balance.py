@@ -85,9 +85,7 @@ def test_energy_balance_of_arbitrary_impulses(seed) -> None:
 def test_penetration_injects_energy() -> None:
     """A resting particle that overlaps by phi is thrown out at phi/h: -c phi/h is its work, half of it its energy."""
     m, speed = 2.0, 0.1
-    problem = FrictionProblem(
-        mass=m * np.eye(2), normal=[[0, 1]], tangent=[[1, 0]], friction=[0.5], free_velocity=[0, 0], bias=[-speed]
-    )
+    problem = contacts_of([[0, 1]], [[1, 0]], 0.5, [0, 0], mass=m * np.eye(2), bias=-speed)
     r = solve(problem, "lemke", tol=1e-12).impulse
     assert r == pytest.approx(np.array([[m * speed, 0]]))
     assert kinetic(problem, problem.velocity(r)) == pytest.approx(m * speed**2 / 2)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.solvers import solve
@@ -62,9 +61,7 @@ def test_exact_sliding_at_gap_h_mu_v() -> None:
     """Smooth sliding: the block rides at the gap h mu |v_t|, where the relaxation's bias mends its own error."""
     mu, m, h, v = 0.6, 2.0, 0.01, 1.0
     u_t = v - mu * G * h
-    problem = FrictionProblem(
-        mass=m * np.eye(2), normal=[[0, 1]], tangent=[[1, 0]], friction=[mu], free_velocity=[v, -G * h], bias=[mu * u_t]
-    )
+    problem = block(v, mu, m, h).replace(bias=[mu * u_t])
     r = relaxed(problem)
     assert r == pytest.approx(np.array([[m * G * h, -mu * m * G * h]]))
     assert problem.velocity(r) == pytest.approx([u_t, 0], abs=1e-12)

@@ -13,14 +13,7 @@ from frictionbench.solvers import Status, solve
 
 
 def impact(base, velocity, bias=0.0) -> FrictionProblem:
-    return FrictionProblem(
-        mass=base.mass,
-        normal=base.normal,
-        tangent=base.tangent,
-        friction=base.friction,
-        free_velocity=velocity,
-        bias=np.broadcast_to(bias, base.contacts),
-    )
+    return base.replace(free_velocity=velocity, bias=np.broadcast_to(bias, base.contacts))
 
 
 def response(problem) -> tuple[Array, Array]:

@@ -93,10 +93,7 @@ def test_pointed_cone_is_solvable() -> None:
     seen = {True: 0, False: 0}
     for seed in range(80):
         base = random_problem(seed, contacts=1 + seed % 4, bodies=1)
-        names = ("mass", "normal", "tangent", "friction", "free_velocity")
-        problem = FrictionProblem(
-            **{name: getattr(base, name) for name in names}, bias=-np.random.default_rng(seed).random(base.contacts)
-        )
+        problem = base.replace(bias=-np.random.default_rng(seed).random(base.contacts))
         pointed = pointedness(problem) < 1e-7
         solvable = census(problem).shape is not Shape.NONE
         if pointed:

@@ -23,7 +23,6 @@ GOOD = ("lemke", "nsgs")
 LIMIT = 1.0
 VERDICTS = {
     "segfault": ("crashed", "SIGSEGV"),
-    "sends_sigkill": ("crashed", "SIGKILL"),
     "calls_os_exit": ("crashed", "exit code 0"),
     "hangs": ("timeout", "limit of 1 s"),
     "exhausts_memory": ("crashed", "MemoryError"),

@@ -57,12 +57,6 @@ def segfault(problem):
 
 
 @bad
-def sends_sigkill(problem):
-    """Sends SIGKILL to its own process."""
-    os.kill(os.getpid(), signal.SIGKILL)
-
-
-@bad
 def calls_os_exit(problem):
     """Ends the process with exit code 0."""
     os._exit(0)

@@ -24,15 +24,7 @@ def contacts_of(normal, tangent, friction, free_velocity, mass=None, bias=0.0, *
 
 def block(speed=1.0, friction=0.5, mass=2.0, h=0.01, **more) -> FrictionProblem:
     """A point mass on the ground under gravity, sliding at `speed`."""
-    return FrictionProblem(
-        mass=mass * np.eye(2),
-        normal=[[0.0, 1.0]],
-        tangent=[[1.0, 0.0]],
-        friction=[friction],
-        free_velocity=[speed, -9.81 * h],
-        bias=[0.0],
-        **more,
-    )
+    return contacts_of([[0.0, 1.0]], [[1.0, 0.0]], friction, [speed, -9.81 * h], mass=mass * np.eye(2), **more)
 
 
 def known_by_W(problem) -> FrictionProblem:
@@ -73,8 +65,7 @@ def spatial(seed, contacts=5, nv=18, friction=None, friction_bias=False, joints=
 
 def with_joints(problem, joints, friction_bias=None) -> FrictionProblem:
     """A problem with joints F v = 0 and a friction bias added."""
-    names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias", "dimension")
-    return FrictionProblem(**{name: getattr(problem, name) for name in names}, joints=joints, friction_bias=friction_bias)
+    return problem.replace(joints=joints, joint_bias=None, friction_bias=friction_bias)
 
 
 def lemke(problem, tol=1e-8) -> np.ndarray:

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem
 from frictionbench.problems.residual import residual
 from frictionbench.problems.verify import verify
 from frictionbench.solvers import Answer, Status, solve
+from tests.helpers.friction_problems import contacts_of
 
 
 def held(seed, gap=1.0):
@@ -19,9 +19,7 @@ def held(seed, gap=1.0):
     normal[1, 3] = tangent[1, 4] = 1.0
     mass = np.diag([*10 ** random.uniform(-2, 2, 3), 2.0, 2.0])
     free = np.array([0.0, 0.0, 0.0, -1.0, 3.0])
-    return FrictionProblem(
-        mass=mass, normal=normal, tangent=tangent, friction=[0.5, 0.5], free_velocity=free, bias=[gap, 0.0], joints=joints
-    )
+    return contacts_of(normal, tangent, 0.5, free, mass=mass, bias=[gap, 0.0], joints=joints)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -52,7 +50,6 @@ def test_force_on_closed_locked_contact(seed):
 @pytest.mark.parametrize("seed", range(5))
 def test_locked_contact_unit_invariance(seed):
     problem = held(seed)
-    names = ("normal", "tangent", "friction", "free_velocity", "bias", "joints")
-    heavy = FrictionProblem(mass=1e9 * problem.mass, **{name: getattr(problem, name) for name in names})
+    heavy = problem.replace(mass=1e9 * problem.mass)
     pushed = solve(problem, "lemke", tol=1e-12).impulse + np.array([[1.0, 0.0], [0.0, 0.0]])
     assert residual(heavy, 1e9 * pushed) == pytest.approx(residual(problem, pushed), rel=1e-9)

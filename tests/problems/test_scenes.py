@@ -8,13 +8,11 @@ import pytest
 from frictionbench import problem
 from frictionbench.problems import InputError
 from frictionbench.problems.instances import instances
-from frictionbench.problems.planar.bodies import Geometry, half_plane, hollow, rigid_box
+from frictionbench.problems.planar.bodies import Geometry, hollow, rigid_box
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes import scene, scenes
 from frictionbench.solvers import solve
-
-SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {"rows": 3}}
 
 
 @pytest.mark.parametrize("name", scenes())
@@ -64,7 +62,7 @@ def test_unknown_names_and_values() -> None:
             problem(name, **{parameter: value})
 
 
-@pytest.mark.parametrize("name", [*scenes(), *instances()])
+@pytest.mark.parametrize("name", sorted({*scenes(), *instances()} - {"random"}))
 def test_no_parameter_takes_what_is_no_number(name: str) -> None:
     for parameter in (scenes() | instances())[name].parameters.keys() - {"seed", "case"}:
         for value in (float("nan"), "rough", [1.0]):
@@ -129,20 +127,6 @@ def test_large_stack_is_sparse() -> None:
     assert problem.contacts == 2000
     assert problem.jacobian.nnz <= 6 * 4000
     assert problem.W.nnz <= 12 * 4000  # a contact meets those of its own and the two neighbouring interfaces
-
-
-@pytest.mark.parametrize("name", ["stack", "wall", "pyramid", "two_blocks"])
-@pytest.mark.parametrize("shift", [0.1, -3.3, 1e3])
-def test_translation_invariance(name: str, shift: float) -> None:
-    made = scene(name, **SMALL.get(name, {}))
-    moved = Scene(
-        bodies=made.bodies, obstacles=(half_plane(),), friction=0.5, q0=made.q0 + np.tile([shift, 0, 0], len(made.bodies))
-    )
-    here = Scene(bodies=made.bodies, obstacles=(half_plane(),), friction=0.5, q0=made.q0)
-    a, b = here.problem(), moved.problem()
-    assert a.contacts == b.contacts
-    assert abs(a.jacobian - b.jacobian).max() < 1e-9
-    assert b.q == pytest.approx(a.q, abs=1e-9)
 
 
 def test_first_problem_of_a_resting_box() -> None:

@@ -54,15 +54,6 @@ def test_phases_of_a_step() -> None:
     assert [s.phase for s in last(ball(e=0.5), 1).solved] == ["step"]  # at rest: no impact
 
 
-@pytest.mark.parametrize("e", [0.2, 0.9, 1.0])
-def test_poisson_restitution_of_ball(e: float) -> None:
-    step = last(ball(speed=-2.0, e=e), 1)
-    assert step.v[1] == pytest.approx(2 * e - 9.81 * 0.01)
-    compression, decompression, _ = step.solved
-    assert compression.impulse[0, 0] == pytest.approx(2 * np.pi / 4)
-    assert decompression.impulse[0, 0] == pytest.approx(0, abs=1e-12)
-
-
 def test_decompression_friction() -> None:
     """A spinning disc that hits the ground: in each phase it gains speed mu times the normal impulse, until it rolls."""
     made = ball(speed=-1.0, e=0.5, friction=0.1)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from frictionbench.harness.contract.check import permuted
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.scenes import scene
@@ -18,16 +19,13 @@ def whole(request) -> FrictionProblem:
     apart = side_by_side(*PROBLEMS)
     random = np.random.default_rng(0)
     contact, v = random.permutation(apart.contacts), random.permutation(len(apart.free_velocity))
-    mixed = FrictionProblem(
+    rows = permuted(apart, contact)
+    mixed = rows.replace(
         mass=apart.mass[v][:, v],
-        normal=apart.normal[contact][:, v],
-        tangent=apart.tangent[contact][:, v],
-        friction=apart.friction[contact],
+        normal=rows.normal[:, v],
+        tangent=rows.tangent[:, v],
         free_velocity=apart.free_velocity[v],
-        bias=apart.bias[contact],
-        friction_bias=apart.friction_bias[contact],
         joints=apart.joints[:, v],
-        joint_bias=apart.joint_bias,
     )
     return known_by_W(mixed) if request.param else mixed
 

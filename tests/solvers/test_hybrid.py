@@ -13,12 +13,7 @@ from frictionbench.problems.scenes import scene
 from frictionbench.solvers import clock
 from frictionbench.solvers.hybrid import few_pivots, few_pivots_each
 from frictionbench.solvers.interface import Answer, Status, find, solve
-
-
-def by_delassus(problem: FrictionProblem) -> FrictionProblem:
-    """The same, of which only W and q are known."""
-    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension)
-
+from tests.helpers.friction_problems import known_by_W
 
 FIRST_BY_PIVOTS = {
     "a small random problem": (random_problem(1, 30), True),
@@ -41,7 +36,7 @@ def test_pivots_come_first_in_small_problems_and_sticking_chains(name: str) -> N
 
 def test_packed_problems_take_the_same_member_first() -> None:
     problems: list[FrictionProblem] = [problem for problem, _ in FIRST_BY_PIVOTS.values()]
-    problems.append(by_delassus(problems[2]))
+    problems.append(known_by_W(problems[2]))
     np.testing.assert_array_equal(few_pivots_each(pack(problems)), [few_pivots(problem) for problem in problems])
 
 
@@ -54,7 +49,7 @@ def test_a_claim_within_the_floor_of_rounding_is_an_answer() -> None:
 
 def test_newtons_method_is_first_where_contacts_in_space_are_few() -> None:
     """Not of cubes in a long stack, whose W is singular, nor where only W is known."""
-    for problem, first in ((cubes(3), True), (cubes(4), False), (by_delassus(cubes(3)), False)):
+    for problem, first in ((cubes(3), True), (cubes(4), False), (known_by_W(cubes(3)), False)):
         assert ("newton steps" in solve(problem, "hybrid").work) is first
 
 
@@ -63,7 +58,7 @@ def test_newtons_method_is_first_where_contacts_in_space_are_few() -> None:
     [
         (random_problem(1, 4), ("lemke", "interior_point", "staggered")),
         (random_problem(1, 40), ("interior_point", "lemke", "staggered")),
-        (by_delassus(cubes(1)), ("nsgs", "interior_point", "proximal_newton")),
+        (known_by_W(cubes(1)), ("nsgs", "interior_point", "proximal_newton")),
         (cubes(4), ("interior_point", "nsgs", "proximal_newton")),
     ],
 )

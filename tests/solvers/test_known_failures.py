@@ -10,7 +10,7 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded import own
 from frictionbench.problems.spec import parse
-from tests.helpers.friction_problems import assert_solved, contacts_of, spatial
+from tests.helpers.friction_problems import assert_solved, contacts_of, known_by_W, spatial
 from tests.helpers.paths import DATA
 
 IP, BARE, RELAXED = "interior_point", "interior_point[shortcut=false]", "relaxation_ip"
@@ -50,7 +50,7 @@ def table() -> FrictionProblem:
     normal[16, 8] = tangent[32, 6] = tangent[33, 7] = 1
     mass = np.diag([1e5] * 6 + [1.0] * 3)
     problem = contacts_of(normal, tangent, 0.7, [0.1, 0, -1, 0, 0, 0.05, 0, 0, 1e-7], mass=mass)
-    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 3)
+    return known_by_W(problem)
 
 
 # (solver, problem, the largest count of pivots or factorisations)

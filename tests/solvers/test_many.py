@@ -8,6 +8,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.packed import Packed
 from frictionbench.solvers import many
 from frictionbench.solvers.interface import Solved, find
+from tests.helpers.friction_problems import known_by_W
 
 LOOPED = ("lemke", "dantzig", "nsgs", "path_search", "interior_point", "hybrid")
 
@@ -28,7 +29,7 @@ def spatial() -> list[FrictionProblem]:
     """Spheres and cubes, with W only as well; the last but one is left to the interior point, by hybrid and by nsgs, with and
     without a start."""
     spheres, cubes = fb.instance("sphere_pyramid", levels=2), fb.instance("cubes", boxes=1)
-    known = FrictionProblem.from_delassus(spheres.W, spheres.q, spheres.friction, 3)
+    known = known_by_W(spheres)
     left = fb.instance("cubes", boxes=1, friction=0.8, twist=3.0), fb.instance("random_bodies", contacts=5)
     return [spheres, cubes, known, *left, fb.instance("cubes", boxes=2)]
 

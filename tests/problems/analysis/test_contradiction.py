@@ -12,6 +12,7 @@ from frictionbench.problems import Status
 from frictionbench.problems.analysis.contradiction import FAR, contradiction
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import save
+from frictionbench.problems.residual import residual
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
 from tests.helpers.command_line import frictionbench
@@ -106,11 +107,13 @@ def test_solve_says_so(tmp_path) -> None:
     assert "no solution exists: the conditions of contacts 0, 1 contradict each other" in " ".join(done.stdout.split())
 
 
-@pytest.mark.parametrize("name", ["lemke", "interior_point", "nsgs"])
+@pytest.mark.parametrize("name", ["lemke", "interior_point", "nsgs", "hybrid"])
 def test_every_own_method_says_so(name) -> None:
-    answer = solve(between_walls(), name, limit=200)
+    problem = between_walls()
+    answer, proof = solve(problem, name, limit=200), contradiction(problem)
     assert answer.status is Status.INFEASIBLE
-    assert answer.detail == str(contradiction(between_walls()))
+    assert answer.detail == str(proof)
+    assert residual(problem, answer.impulse) >= proof.least_residual * (1 - 1e-9)
 
 
 def test_a_limit_alone_proves_nothing() -> None:

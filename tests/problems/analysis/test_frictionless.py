@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.reference import Reference
-from frictionbench.problems.analysis.frictionless import frictionless_answer, idle
+from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.mode import distance_to_next_mode, mode, mode_counts
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.scenes import scene
@@ -66,12 +66,6 @@ def test_found_wherever_an_independent_search_finds_it(seed):
     tangent = draw.normal(size=(2 * nc, nv)) * np.repeat(draw.random(nc) < 0.5, 2)[:, None]
     problem = contacts_of(normal, tangent, draw.choice([0.0, 0.5, 3.0], nc), draw.normal(size=nv), mass=mass)
     assert idle(problem, Reference()) == (not friction_at_work(problem))
-
-
-def test_the_frictionless_answer_has_normal_impulses_alone():
-    r = frictionless_answer(scene("stack", blocks=3, push=1.0).problem(), Reference())
-    assert (r[:, 1:] == 0).all()
-    assert r[:, 0].sum() > 0
 
 
 def test_contacts_are_counted_by_mode():

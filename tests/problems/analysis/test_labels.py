@@ -9,6 +9,8 @@ from frictionbench.problems.planar.bodies import half_plane, rigid_box
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes import scene
+from frictionbench.problems.subproblems import side_by_side
+from tests.helpers.friction_problems import block, contacts_of, known_by_W
 
 
 def jam(friction: float) -> FrictionProblem:
@@ -46,24 +48,14 @@ def test_a_jam_is_not_pointed(friction: float) -> None:
 
 def test_joint_momentum() -> None:
     """A contact on a body that a joint holds in place exchanges impulses with the joint."""
-    bead = {
-        "mass": np.eye(2),
-        "normal": [[0, 1]],
-        "tangent": [[1, 0]],
-        "friction": [0.5],
-        "free_velocity": [0, -1],
-        "bias": [0],
-    }
-    assert pointedness(FrictionProblem(**bead)) == 0
-    assert pointedness(FrictionProblem(**bead, joints=np.eye(2))) == pytest.approx(1)
+    assert pointedness(block()) == 0
+    assert pointedness(block(joints=np.eye(2))) == pytest.approx(1)
 
 
 def test_spatial_pointedness() -> None:
     eye = np.eye(3)
     normal, tangent = np.vstack([eye[2], -eye[2]]), np.vstack([eye[:2], eye[:2]])
-    squeezed = FrictionProblem(
-        mass=eye, normal=normal, tangent=tangent, friction=[0.1] * 2, free_velocity=np.zeros(3), bias=[0, 0], dimension=3
-    )
+    squeezed = contacts_of(normal, tangent, 0.1, np.zeros(3))
     assert pointedness(squeezed) == pytest.approx(2)
     assert labels(squeezed).size == 20
 
@@ -86,23 +78,11 @@ def test_the_rank_does_not_depend_on_units_or_masses():
     """Rows of bodies of unlike masses are as independent as others, and what a joint locks leaves no rank by rounding."""
     for ratio in (1.0, 1e6, 1e12):
         assert labels(scene("stack", blocks=4, mass_ratio=ratio).problem()).rank == 12
-    eye, one = np.eye(2), np.array([[1.0, 0.0]])
-    for heavy in (1.0, 1e14):
-        law = {"friction": [0.5, 0.5], "free_velocity": np.ones(4), "bias": np.zeros(2)}
-        apart = {"normal": np.kron(eye, one), "tangent": np.kron(eye, one[:, ::-1])}
-        problem = FrictionProblem(mass=np.diag([1.0, 1.0, heavy, heavy]), **apart, **law)
-        assert labels(problem).rank == 4
+    assert labels(side_by_side(block(mass=1.0), block(mass=1e14))).rank == 4
     random = np.random.default_rng(0)
     links = random.normal(size=(5, 6)) * 10.0 ** random.uniform(-4, 4, (5, 1))
-    locked = FrictionProblem(
-        mass=np.diag(10.0 ** random.uniform(-6, 6, 6)),
-        normal=random.normal(size=(3, 6)),
-        tangent=random.normal(size=(3, 6)),
-        friction=[0.5] * 3,
-        free_velocity=np.ones(6),
-        bias=np.zeros(3),
-        joints=links,
-    )
+    mass, (N, T) = np.diag(10.0 ** random.uniform(-6, 6, 6)), random.normal(size=(2, 3, 6))
+    locked = contacts_of(N, T, 0.5, np.ones(6), mass=mass, joints=links)
     found = labels(locked)
     assert found.rank == 1  # five of six velocities are locked
     assert found.condition == pytest.approx(1)
@@ -114,16 +94,10 @@ def test_islands_are_counted():
     assert labels(scene("long_bar").problem()).islands == 0
 
 
-@pytest.mark.parametrize("known", ["mechanics", "W"])
-def test_rows_of_joints_are_counted(known) -> None:
+def test_rows_of_joints_are_counted() -> None:
     """A contact, a frictionless contact with its tangents, a limit, dry friction, and a locked contact with friction."""
     N, T = np.zeros((5, 3)), np.zeros((10, 3))
     N[[0, 1, 2, 4], 2] = T[[0, 2, 6, 8], 0] = 1.0
-    given = {"friction": [0.5, 0, 0, 0, 0.3], "friction_bias": [0, 0, 0, 0.1, 0]}
-    problem = FrictionProblem(
-        mass=np.eye(3), normal=N, tangent=T, free_velocity=[1.0, 0, -1], bias=[0, 0, 0, 1, 0], dimension=3, **given
-    )
-    if known == "W":
-        problem = FrictionProblem.from_delassus(problem.W, problem.q, d=3, **given)
-    found = labels(problem)
-    assert (found.limits, found.dry_friction) == (1, 1)
+    problem = contacts_of(N, T, [0.5, 0, 0, 0, 0.3], [1.0, 0, -1], bias=[0, 0, 0, 1, 0], friction_bias=[0, 0, 0, 0.1, 0])
+    for form in (problem, known_by_W(problem)):
+        assert (labels(form).limits, labels(form).dry_friction) == (1, 1)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import frictionbench as fb
-from frictionbench.problems import FrictionProblem
+from frictionbench.harness.contract.check import permuted
 from frictionbench.problems.analysis.outcomes import FINEST, refined, velocity_distance
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
-from tests.helpers.friction_problems import block, nothing, spatial
+from tests.helpers.friction_problems import block, known_by_W, nothing, spatial
 
 
 def test_distance_of_a_sliding_block_from_the_same_with_less_friction() -> None:
@@ -20,7 +20,7 @@ def test_distance_of_a_sliding_block_from_the_same_with_less_friction() -> None:
     less = exact * [1.0, 0.8]
     expected = 0.2 * 0.5 / np.sqrt(1 + 0.5**2)
     assert velocity_distance(problem, less, exact) == pytest.approx(expected, rel=1e-12)
-    alone = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 2)
+    alone = known_by_W(problem)
     assert velocity_distance(alone, less, exact) == pytest.approx(expected, rel=1e-12)
     assert velocity_distance(problem, exact[:0], exact) is None
     assert velocity_distance(nothing(), np.zeros((0, 2)), np.zeros((0, 2))) is None
@@ -29,13 +29,7 @@ def test_distance_of_a_sliding_block_from_the_same_with_less_friction() -> None:
 def test_distance_does_not_see_how_impulses_are_distributed() -> None:
     """A block on twice the same contact."""
     one = block(speed=0.0)
-    twice = one.replace(
-        normal=np.vstack([one.normal.toarray()] * 2),
-        tangent=np.vstack([one.tangent.toarray()] * 2),
-        friction=[0.5, 0.5],
-        bias=[0.0, 0.0],
-        friction_bias=[0.0, 0.0],
-    )
+    twice = permuted(one, np.array([0, 0]))
     share = solve(one, "lemke").impulse
     assert velocity_distance(twice, np.vstack([share, 0 * share]), np.vstack([0.3 * share, 0.7 * share])) < 1e-15
 

@@ -76,15 +76,7 @@ def test_a_motion_of_the_bodies_with_the_same_contact_velocities_is_the_same_pro
     problem = random_problem(3, contacts=4, bodies=6) if d == 2 else spatial(3, contacts=3)
     J = np.vstack([problem.normal.toarray(), problem.tangent.toarray()])
     null = np.linalg.svd(J)[2][np.linalg.matrix_rank(J) :]
-    moved = FrictionProblem(
-        mass=problem.mass,
-        normal=problem.normal,
-        tangent=problem.tangent,
-        friction=problem.friction,
-        free_velocity=problem.free_velocity + 1e3 * null[-1],
-        bias=problem.bias,
-        dimension=d,
-    )
+    moved = problem.replace(free_velocity=problem.free_velocity + 1e3 * null[-1])
     assert np.abs(J @ null[-1]).max() < 1e-12
     one, other = (scaled_program(p, p.qp() if d == 2 else p.cone(), from_free=True) for p in (problem, moved))
     assert not one.q.any()

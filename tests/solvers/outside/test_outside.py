@@ -31,7 +31,7 @@ from frictionbench.solvers.outside.mujoco import whitened
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.outside.siconos import PYTHON
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
-from tests.helpers.friction_problems import block, nothing, spatial, with_joints
+from tests.helpers.friction_problems import block, known_by_W, nothing, spatial, with_joints
 from tests.helpers.paths import HELPERS, ROOT
 from tools.direct.page import FIELDS, facts, outcomes, page
 
@@ -305,7 +305,7 @@ def test_siconos_solves_an_exported_file(tmp_path, form) -> None:
     d = problem.dimension
     if form != "global":
         path = tmp_path / "local.hdf5"
-        fclib.write(FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, d), path)
+        fclib.write(known_by_W(problem), path)
     with h5py.File(path) as file:
         group = "fclib_global" if form == "global" else "fclib_local"
         names = {"mu": "mu", **({"q": "f", "b": "w"} if form == "global" else {"q": "q"})}
