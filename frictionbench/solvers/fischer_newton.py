@@ -56,7 +56,7 @@ class FischerNewton(MeritNewton):
 
     regularisation: eps, on the scaled M in the Newton system. facets: of the polygon that approximates the cone's section.
     limit bounds the iterations, by default 200.
-    work: newton and gradient steps, evaluations of the merit, factorisations. history: the natural residual, per iteration.
+    work: newton and gradient steps, evaluations of the merit, factorisations. history: the residual, per iteration.
     """
 
     regularisation: float = 1e-5

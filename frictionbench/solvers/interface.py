@@ -18,9 +18,8 @@ solves `problem.balanced()`, where separate islands have like units; this is don
 factor, as large as the criterion can underestimate it:
 
     1      sweeps, projected gradients and splittings: their residual equals the verifier's up to rounding
-    1/2    interior points and pivoting: other units, and a contact's normal and tangential rows are measured separately, which
-           differs by up to sqrt(2), and sums are taken in another order
-    1/10   Newton's methods on an LCP: the natural residual bounds this one up to a small factor (solvers.pivots.natural)
+    1/2    interior points and methods on an LCP: other units, and a contact's normal and tangential rows are measured
+           separately, which differs by up to sqrt(2), and sums are taken in another order
     own    outside libraries: each file in solvers/outside states what is requested of the library, and why
 
 If the residual exceeds tol nevertheless, the verifier reports `near_miss` or `wrong` (problems.verify). `limit` bounds the

@@ -92,11 +92,8 @@ class InteriorPoint(Phased):
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
     A portfolio where it is trapped: paths start around the results of nsgs and relaxation_ip, and proximal_newton refines
-    nearly solved points; their work is counted under their names. shortcut: try the predictor-corrector and, in the
-    plane, semismooth Newton first; otherwise follow the path from the beginning.
+    nearly solved points; their work is counted under their names.
     """
-
-    shortcut: bool = True
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the factorisations."""
@@ -138,8 +135,7 @@ class InteriorPoint(Phased):
         if start is not None:
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
         trapped = first_point(system)
-        if self.shortcut:
-            yield predictor_corrector, trapped, SHARE
+        yield predictor_corrector, trapped, SHARE
         if np.bincount(parts_of(problem)[: problem.contacts]).max(initial=0) < GIANT * problem.contacts:
             parts += separate(problem)
             return
@@ -148,7 +144,7 @@ class InteriorPoint(Phased):
         def relaxed() -> Array:
             return _nested(problem, "relaxation_ip", spent)
 
-        space, large = problem.dimension == 3, self.shortcut and problem.contacts >= LARGE
+        space, large = problem.dimension == 3, problem.contacts >= LARGE
         if (space or large) and residual(problem, relaxed()) <= CLOSE:
             yield predictor_corrector, _around(problem, system, relaxed(), LEAST_DISTANCE), SHARE
         if space:

@@ -9,9 +9,9 @@ the LCP, or on a secondary ray. For a friction step with b >= 0 there is no seco
 
 In floating point this is preserved by the following:
 
-* The problem is scaled (solvers.pivots.scaling), so that tolerances are dimensionless. Pivoting uses the inverse of the basis's
-  active part with iterative refinement against M; where that is no longer accurate the inverse is recomputed. Small problems
-  are pivoted on a dense tableau first (solvers.pivots.tableau), whose last basis is refined and checked in the same way.
+* The problem is scaled (solvers.pivots.scaled_lcp), so that tolerances are dimensionless. Pivoting uses the inverse of the
+  basis's active part with iterative refinement against M; where that is no longer accurate the inverse is recomputed. Small
+  problems are pivoted on a dense tableau first (solvers.pivots.tableau), whose last basis is refined and checked alike.
 * Ties. q is perturbed along a vector with random positive entries, which makes every basis nondegenerate with probability
   one, and a path through nondegenerate bases cannot return to one of them. Near ties go to the largest pivot (Harris 1973).
   The last basis is solved for q itself; if a negative entry leaves more of a residual than round-off does, the method goes on
@@ -47,6 +47,7 @@ from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
 from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, make_slack, refactor
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
+    CERTIFICATE,
     COMPLEMENTARY,
     FULL,
     HARRIS,
@@ -57,11 +58,11 @@ from frictionbench.solvers.pivots.lemke_path import (
     USUAL,
     LemkeState,
     add_coordinates,
-    add_matrix_product,
     basic_values,
     draw,
     first_unknowns,
     follow_lemke_path,
+    is_ray,
     lemke_state,
 )
 from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
@@ -82,7 +83,6 @@ CLEAN = 1e-14  # residual at which the solution that a tableau gives is not refi
 EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
 NONE = np.empty(0, np.int64)  # no guess of the basis
 NEGLIGIBLE = 1e-9  # an impulse relative to the largest of a start below which it is taken for none
-CERTIFICATE = 1e-12  # largest defect of a ray, relative to its size: that of entering columns (lemke_path.ACCURACY)
 ROUGH = 1e-3  # the largest residual that may pass for rounding: where rounding causes more, impulses are far too large
 NOISE = 1e3 * EPSILON  # of a basic variable relative to the largest: a perturbation must exceed it
 COARSEST = 1e-3  # the largest perturbation
@@ -244,24 +244,15 @@ def refined(memory: Memory, state: LemkeState, problem: LemkeProblem, tol: float
 
 @lean
 def certified(state: LemkeState, q: Array, copositive: bool) -> bool:
-    """Whether (v, v0) = a is a secondary ray: v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0.
-
-    Where M is copositive it then follows that v0 = 0 and q'v < 0, which is also checked.
-    """
-    v, v0, s, n = state.a, state.a[len(q)], state.v, len(q)
-    size = along = 0.0
+    """Whether (v, v0) = a is a secondary ray. Where M is copositive, v0 = 0 and q'v < 0 follow, which is also checked."""
+    v, v0, n = state.a, state.a[len(q)], len(q)
+    if not copositive:
+        return is_ray(state.basis.M, state.basis.d, v[:n], v0, state.v)
+    along = 0.0
     for i in range(n):
-        s[i] = state.basis.d[i] * v0
-        size = max(size, abs(v[i]))
         along += q[i] * v[i]
-    add_matrix_product(state.basis.M, v, s)
-    slack = CERTIFICATE * size
-    if not (size > CERTIFICATE * abs(v0) and v0 >= -slack):
-        return False
-    for i in range(n):
-        if not (v[i] >= -slack and s[i] >= -slack) or min(v[i], s[i]) > slack:
-            return False
-    return not copositive or (v0 <= slack and along < -slack)
+    slack = CERTIFICATE * largest(v, n)
+    return is_ray(state.basis.M, state.basis.d, v[:n], v0, state.v) and v0 <= slack and along < -slack
 
 
 @lean_loop
@@ -314,7 +305,7 @@ class Lemke:
         limits = MARGIN * tol, limit or 100_000 + 100 * len(q), self.restarts, deadline()
         given = M, q, unit, cover, guess, scaled.basis is not None
         ended, pivots, restarts, inversions, y = lemke(*given, *limits)
-        return scaled.answer(y, ended, pivots=pivots, restarts=restarts, inversions=inversions)
+        return scaled.answer(y, STATUSES[ended], pivots=pivots, restarts=restarts, inversions=inversions)
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         basis = tangent_basis(packed.dimension, self.facets)

@@ -53,7 +53,7 @@ class MinmapNewton(MeritNewton):
     globalised: false for full steps only. regularisation: eps, on the scaled M in the Newton system. facets: of the polygon
     that approximates the cone's section. limit bounds the iterations, by default 200. work: newton and gradient steps,
     evaluations of the merit, factorisations.
-    history: the natural residual, per iteration.
+    history: the residual, per iteration.
     """
 
     regularisation: float = 1e-4

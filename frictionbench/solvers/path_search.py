@@ -42,32 +42,46 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, loop, part
-from frictionbench.problems.forms.lcp import friction_rows, tangent_basis
-from frictionbench.problems.packed import Packed, Q, blocks_of, law_of
+from frictionbench.problems.forms.lcp import tangent_basis
+from frictionbench.problems.packed import Packed
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, is_over
 from frictionbench.solvers.interface import Answer, Solved, Status, solver
 from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
+from frictionbench.solvers.pivots.lemke_path import add_matrix_product, is_ray
 from frictionbench.solvers.pivots.lu_basis import (
     Columns,
     LUBasis,
-    add_columns_product,
     basic_point,
     basic_z,
     factorise_basis,
     largest_magnitude,
+    new_basis,
     orientation,
     overflowed,
     room,
-    roomier_basis,
-    roomy_basis,
     set_complementary_basis,
-    stored_basis,
 )
-from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, own_measures, scaled_and_weighed
-from frictionbench.solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow_newton_path, is_ray
+from frictionbench.solvers.pivots.newton_path import (
+    FACTORISATIONS,
+    LIMIT,
+    NEWTON,
+    RAY,
+    RETURNED,
+    SINGULAR,
+    follow_newton_path,
+)
 from frictionbench.solvers.pivots.ordering import in_order
-from frictionbench.solvers.pivots.packed_lcp import write_stretched
+from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
+from frictionbench.solvers.pivots.scaled_lcp import (
+    MARGIN,
+    STATUSES,
+    ScaledLCP,
+    measured,
+    scaled_lcp,
+    scaled_residual,
+    scaled_rounding,
+)
 from frictionbench.solvers.pivots.vectors import fill, put
 
 SHIFT = 0.3  # size of the residual at a crash point, relative to the largest scaled q: smaller ones leave paths with near ties
@@ -75,8 +89,8 @@ SPREAD = 0.1  # relative randomness of its entries: enough to resolve ties, with
 DEPENDENT = 1e-9  # a column of a guessed basis keeping less of its size in elimination is left out
 DECREASE = 0.9  # required of a new residual, relative to the worst recent one (Dirkse and Ferris 1995)
 MEMORY = 3  # recent residuals that a new one is compared with
+WELL = 1 / 16  # of a bound of rounding, what is left even where it goes well: less is not worth a further step
 RESTART_CRASH, RESTART_PROX = 3, 1e-2  # crash steps, and eps over residual, in every second restart: as in PATH's first
-EPSILON = float(np.finfo(float).eps)  # rounding
 
 CRASH, STEPS, RESTARTS = 2, 3, 4  # counted in work, after pivots and factorisations
 
@@ -101,40 +115,31 @@ class PathSearch:
         for name in ("crash", "proximal", "restarts"):
             require(getattr(self, name) >= 0, name, f"must not be negative, got {getattr(self, name)!r}")
 
-    def form(self, problem: FrictionProblem | LCP) -> "Formed":
-        lcp = problem if isinstance(problem, LCP) else problem.lcp(self.facets)
-        return Formed(problem, lcp, *scaled_and_weighed(*lcp.rows, lcp.q, *own_measures(problem)))
+    def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
+        return scaled_lcp(problem, self.facets)
 
-    def setup(self, formed: "Formed") -> "Prepared":
-        problem, lcp, *parts = formed
-        n = lcp.size
-        start, row, value, q, weight, order, stretch = in_order(*lcp.rows, lcp.q, *parts, lcp.contacts[0])
-        columns = Columns(start, row, value, np.zeros(n), np.zeros(n))
-        noise = perturbations(self.seed, self.restarts + 1, n)
-        return Prepared(problem, lcp, stretch, order, columns, roomy_basis(columns), q, weight, noise)
+    def setup(self, scaled: ScaledLCP) -> "Prepared":
+        n = len(scaled.q)
+        columns, q, unit, order = columns_in_order(scaled.M, scaled.q, scaled.unit, scaled.contacts[0])
+        basis, noise = new_basis(n, room(n, len(columns.column))), perturbations(self.seed, self.restarts + 1, n)
+        return Prepared(scaled, order, columns, basis, q, unit, noise)
 
     def solve(self, prepared: "Prepared", tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        problem, lcp, stretch, order, columns, basis, q, weight, noise = prepared
-        limit = default_limit(lcp.size) if limit is None else limit
-        target = MARGIN * tol
-        settings = q, weight, noise, target, limit, deadline(), self.crash, self.proximal
-        y, least, end, ray, work = search(columns, basis, *settings)
+        scaled, order, columns, basis, q, unit, noise = prepared
+        n, target = len(q), MARGIN * tol
+        limit = default_limit(n) if limit is None else limit
+        settings = q, unit, noise, target, limit, deadline(), self.crash, self.proximal
+        found, least, end, ray, work = search(columns, basis, *settings)
         while basis.size[2] > 0 and not is_over():  # the factors did not fit
-            basis = roomier_basis(basis)
-            y, least, end, ray, work = search(columns, basis, *settings)
-        z = np.empty(lcp.size)
-        z[order] = y
-        z *= stretch
-        impulse = lcp.impulse(z)
-        if least <= target or exact_residual(problem, lcp, z, impulse) <= tol:
-            status = Status.SOLVED
-        elif end == LIMIT:
-            status = Status.WORK_LIMIT
-        elif end == SINGULAR:
-            status = Status.BREAKDOWN
-        else:
-            status = Status.RAY if ray else Status.STALLED
-        return Answer(impulse, status, dict(zip(COUNTS, work.tolist(), strict=True)), z=z)
+            basis = new_basis(n, min(n * n, 4 * len(basis.L.value)))
+            found, least, end, ray, work = search(columns, basis, *settings)
+        y = np.empty(n)
+        y[order] = found
+        if least <= target or scaled.residual(y) <= tol:
+            end = NEWTON
+        elif end not in (LIMIT, SINGULAR):
+            end = RAY if ray else RETURNED
+        return scaled.answer(y, STATUSES[end], **dict(zip(COUNTS, work.tolist(), strict=True)))
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
         """One compiled loop; what it does not solve is left to `solve`, which judges it by the exact residual."""
@@ -146,21 +151,11 @@ class PathSearch:
             first[n] = sum(map(len, noise))
             noise.append(perturbations(self.seed, self.restarts + 1, n).ravel())
         settings = self.restarts + 1, MARGIN * tol, limit or 0, self.crash, float(self.proximal)
-        r, ended, work = search_loop(packed, basis, np.concatenate(noise), first, *settings)
+        r, ended, work = search_loop(packed, basis, lcp_space(packed, basis), np.concatenate(noise), first, *settings)
         return solved(r, ended, (Status.SOLVED,), work, COUNTS)
 
 
 COUNTS = "pivots", "factorisations", "crash", "newton", "restarts"
-
-
-class Formed(NamedTuple):
-    """The LCP, its scaling D and theta, and the weight of the natural residual."""
-
-    problem: FrictionProblem | LCP
-    lcp: LCP
-    D: Array
-    theta: float
-    weight: Array
 
 
 @lru_cache(maxsize=64)
@@ -170,20 +165,22 @@ def perturbations(seed: int, attempts: int, n: int) -> Array:
 
 
 class Prepared(NamedTuple):
-    """The scaled LCP in an order of little fill, storage for one basis, and the perturbations of all attempts.
+    """The scaled LCP, the same in an order of little fill, storage for one basis, and the perturbations of all attempts."""
 
-    stretch (n,): theta D, in the LCP's own order.
-    """
-
-    problem: FrictionProblem | LCP
-    lcp: LCP
-    stretch: Array
+    scaled: ScaledLCP
     order: Index64
     columns: Columns
     basis: LUBasis
     q: Array
-    weight: Array
+    unit: Array
     noise: Array
+
+
+@kernel
+def columns_in_order(M, q, unit, nc):  # type: ignore[no-untyped-def]
+    """The columns to choose from, q, the unit and the order: see in_order."""
+    start, row, value, own_q, own_unit, order = in_order(M, q, unit, nc)
+    return Columns(start, row, value, np.zeros(len(q)), np.zeros(len(q))), own_q, own_unit, order
 
 
 @kernel
@@ -193,7 +190,7 @@ def default_limit(n):  # type: ignore[no-untyped-def]
 
 
 @loop
-def search_loop(packed, basis, noise, place, attempts, tol, limit, steps, proximal):  # type: ignore[no-untyped-def]
+def search_loop(packed, basis, space, noise, place, attempts, tol, limit, steps, proximal):  # type: ignore[no-untyped-def]
     """Packed problems one after the other: impulses, how each ended, 0 where solved, and the counts (N, 5).
 
     noise: the perturbations of all attempts on n unknowns from place[n] on.
@@ -202,18 +199,15 @@ def search_loop(packed, basis, noise, place, attempts, tol, limit, steps, proxim
     for k in range(len(ended)):
         if is_alone(packed, k):
             continue
-        first, neighbours, block = blocks_of(packed, k)
-        mu, wider, scale, units = law_of(packed, k)
-        q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]]
-        start, column, value, right = friction_rows(first, neighbours, block, q, mu, wider, basis)
-        D, theta, weight = scaled_and_weighed(start, column, value, right, scale, units)
-        begin, row, entry, own_q, own_weight, order, stretch = in_order(start, column, value, right, D, theta, weight, len(mu))
-        n = len(right)
-        columns = Columns(begin, row, entry, np.zeros(n), np.zeros(n))
-        lu = stored_basis(n, room(n, len(entry)))
+        fits, stretch, M, right, unit = scaled_lcp_of(packed, k, basis, space)
+        if not fits:
+            continue
+        own, n = impulses_of(packed, k, r), len(right)
+        columns, q, own_unit, order = columns_in_order(M, right, unit, len(own))
+        lu = new_basis(n, room(n, len(columns.column)))
         own_noise = noise[place[n] : place[n] + attempts * n].reshape(attempts, n)
         most = limit if limit else default_limit(n)
-        y, least, _, _, counts = search(columns, lu, own_q, own_weight, own_noise, tol, most, np.inf, steps, proximal)
+        y, least, _, _, counts = search(columns, lu, q, own_unit, own_noise, tol, most, np.inf, steps, proximal)
         if least <= tol and not overflowed(lu):
             ended[k] = 0
             z = np.empty(n)
@@ -221,22 +215,22 @@ def search_loop(packed, basis, noise, place, attempts, tol, limit, steps, proxim
                 z[order[i]] = y[i]
             for i in range(5):
                 work[k, i] = counts[i]
-            write_stretched(basis, z, stretch, impulses_of(packed, k, r))
+            write_stretched(basis, z, stretch, own)
     return r, ended, work
 
 
 @kernel
-def search(columns, basis, q, weight, noise, tol, limit, until, steps, proximal):  # type: ignore[no-untyped-def]
+def search(columns, basis, q, unit, noise, tol, limit, until, steps, proximal):  # type: ignore[no-untyped-def]
     """Newton's method from z = 0: the best z found, its residual, how the last path ended, whether on a true ray; work."""
     n = len(q)
     work = np.zeros(5, np.int64)
     z, w, v, A = np.zeros(n), np.empty(n), np.zeros(n), np.zeros(n, np.bool_)
     delta, right, along, best = np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
     put(w, q)
-    least = natural_residual(weight, z, w)
+    least = measured(unit, z, w)
     recent = np.empty(MEMORY)
     fill(recent, least)
-    residual, end, ray = least, NEWTON, False
+    residual, end, ray = 1.0, NEWTON, False
     while least > tol:
         shift = SHIFT * min(1.0, max(residual, 1e-4))
         eps = proximal * residual
@@ -255,14 +249,14 @@ def search(columns, basis, q, weight, noise, tol, limit, until, steps, proximal)
         if overflowed(basis):
             break
         if end == NEWTON:
-            residual = newton_point(basis, columns, q, weight, v, z, w, until, work)
+            residual = newton_point(basis, columns, q, unit, v, z, w, until, work)
             if residual < least:
                 put(best, z)
                 least = residual
-            if residual <= round_off(columns, q, weight, z):
+            if residual <= WELL * scaled_rounding(columns, q, unit, z, w):
                 break
         elif end == RAY and eps == 0.0:
-            ray = ray or is_ray(columns, v)
+            ray = ray or is_ray(columns, columns.cover, v, 0.0, w)
         if residual < DECREASE * largest_magnitude(recent):
             recent[work[STEPS] % MEMORY] = residual
             basic_z(basis, A)
@@ -339,8 +333,8 @@ def complementary(basis, columns, A, until, work):  # type: ignore[no-untyped-de
 
 
 @part
-def newton_point(basis, columns, q, weight, end, z, w, until, work):  # type: ignore[no-untyped-def]
-    """Write over z and w = M z + q the Newton point, solved and refined by the basis; its natural residual.
+def newton_point(basis, columns, q, unit, end, z, w, until, work):  # type: ignore[no-untyped-def]
+    """Write over z and w = M z + q the Newton point, solved and refined by the basis; its residual.
 
     Of an ill-conditioned basis the end of the path can be better: variables that left the basis within the slip of zero are not
     zero.
@@ -357,31 +351,15 @@ def newton_point(basis, columns, q, weight, end, z, w, until, work):  # type: ig
     basic_point(basis, columns, right, z, w)
     for i in range(n):
         right[i], point[i] = w[i] - q[i], -z[i]
-    add_columns_product(columns, point, right)
+    add_matrix_product(columns, point, right)
     basic_point(basis, columns, right, correction, w)
     residual = np.inf
     for refined in (True, False):
         for i in range(n):
             point[i] = max(z[i] + correction[i], 0.0) if refined else max(end[i], 0.0)
-        put(w, q)
-        add_columns_product(columns, point, w)
-        here = natural_residual(weight, point, w)
+        here = scaled_residual(columns, q, unit, point, w)
         if here < residual:
             put(best, point)
             residual = here
     put(z, best)
     return residual
-
-
-@part
-def round_off(columns, q, weight, z):  # type: ignore[no-untyped-def]
-    """The natural residual that rounding leaves in w = M z + q even when it goes well: less is not worth a further step."""
-    size = np.empty(len(q))
-    for i in range(len(q)):
-        size[i] = abs(q[i])
-    for j in range(len(z)):
-        for k in range(columns.start[j], columns.start[j + 1]):
-            size[columns.row[k]] += abs(z[j] * columns.value[k])
-    for i in range(len(q)):
-        size[i] *= weight[i]
-    return EPSILON / 8 * largest_magnitude(size)

@@ -3,7 +3,7 @@
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers import fischer_newton, proximal_newton
 from frictionbench.solvers.interior import newton, point
-from frictionbench.solvers.pivots import lemke_path, lu_basis, merit_newton, natural
+from frictionbench.solvers.pivots import lemke_path, lu_basis, merit_newton
 from frictionbench.solvers.sparse_lu import multifrontal
 from frictionbench.solvers.sweeps import gauss_seidel, laws
 
@@ -76,11 +76,6 @@ def basic_z(*arguments):
 @kernel
 def replace_column(*arguments):
     return lu_basis.replace_column(*arguments)
-
-
-@kernel
-def natural_residual(*arguments):
-    return natural.natural_residual(*arguments)
 
 
 @kernel

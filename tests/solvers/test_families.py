@@ -9,7 +9,7 @@ from frictionbench.problems.scenes import scene
 from tests.helpers.friction_problems import assert_solved, spatial
 
 PIVOTS = {"lemke": 1e-11, "path_search": 1e-8}
-POINTS = dict.fromkeys(("interior_point", "interior_point[shortcut=false]", "relaxation_ip"), 1e-8)
+POINTS = dict.fromkeys(("interior_point", "relaxation_ip"), 1e-8)
 BOTH = pytest.mark.parametrize(("spec", "tol"), (PIVOTS | POINTS).items())
 IN_SPACE = pytest.mark.parametrize("spec", POINTS)
 

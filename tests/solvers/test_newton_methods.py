@@ -51,7 +51,7 @@ def test_fischer_local_minimum_beyond_p0(spec) -> None:
 def test_line_search_avoids_min_map_cycle(a) -> None:
     M, q = np.array([[1, 0, a], [a, 1, 0], [0, a, 1]]), np.ones(3)
     start = np.array([-1.0, 0, 0])
-    plain, searching = (new_descent(np.ones(3), 1e-10, 200, 15) for _ in range(2))
+    plain, searching = (new_descent(np.ones((2, 3)), 1e-10, 200, 15) for _ in range(2))
     end, k, period = iterate_minmap(M, q, start, plain, 0.0, False)
     assert (end, period) == (STALLED, 3)
     assert plain.work[NEWTON] < 10

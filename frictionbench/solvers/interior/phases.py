@@ -20,7 +20,7 @@ from frictionbench.solvers.interior.central_path import Path
 from frictionbench.solvers.interior.newton import last_step, new_work
 from frictionbench.solvers.interior.point import Point, centred_point, start_pairs, start_point
 from frictionbench.solvers.interior.predictor_corrector import Best, nothing_yet, predictor_corrector
-from frictionbench.solvers.interior.system import System, build_system, in_velocities, space_of, system_of, units_of
+from frictionbench.solvers.interior.system import System, build_system, space_of, system_of, units_of
 from frictionbench.solvers.loops import ALONE, impulses_of, is_alone, solved, unsolved
 
 POLISHABLE = 1e-5  # residual up to which polishing is tried: from there Newton's method mostly converges
@@ -42,7 +42,8 @@ class Phased:
     relaxed = False
 
     def form(self, problem: FrictionProblem) -> FrictionProblem:
-        return in_velocities(problem)
+        _ = problem.units, problem.scale, problem.mechanical or problem.blocks  # what build_system reads is computed
+        return problem
 
     def setup(self, problem: FrictionProblem) -> Prepared:
         return problem, build_system(problem, self.relaxed)
@@ -55,7 +56,7 @@ def first_point(system: System) -> Point:
 
 def one_start(problem: FrictionProblem, tol: float, limit: int, patience: int) -> Answer:
     """Mehrotra's predictor-corrector on Coulomb's law from the first start, and nothing after it."""
-    prepared = in_velocities(problem), build_system(in_velocities(problem), False)
+    prepared = Phased().setup(problem)
     return run(prepared, [(predictor_corrector, first_point(prepared[1]), limit)], tol, limit, patience, residual)
 
 

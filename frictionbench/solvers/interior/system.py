@@ -77,12 +77,6 @@ def space_of(system: System) -> Space:
     return True if system.offset.shape[1] == 3 else None
 
 
-def in_velocities(problem: FrictionProblem) -> FrictionProblem:
-    """The problem, with what `build_system` reads computed: units, s, and W where only W is known."""
-    _ = problem.units, problem.scale, problem.mechanical or problem.blocks
-    return problem
-
-
 class Units(NamedTuple):
     """The units of a system.
 

@@ -112,13 +112,13 @@ def _quadratic(method: str, n: int, eps: float, limit: int) -> Any:
 
 def _by_ipopt(given: DenseLCP, eps: float, limit: int, tuned: bool) -> Answer:
     if not len(given.q):
-        return given.answer(np.zeros(0), Status.SOLVED)
+        return given.scaled.answer(np.zeros(0), Status.SOLVED)
     made = _complementarity(len(given.q), max(eps**2, 1e-15), limit, tuned)
     found = made(x0=0.0, lbx=0.0, lbg=0.0, p=np.concatenate([given.M.ravel(order="F"), given.q]))
     y, stats = np.array(found["x"]).ravel(), made.stats()
     accurate = np.abs(np.minimum(y, given.M @ y + given.q)).max() <= eps
     status = Status.SOLVED if stats["success"] and accurate else Status.FAILED
-    return given.answer(y, status, stats["return_status"], iterations=int(stats["iter_count"]))
+    return given.scaled.answer(y, status, stats["return_status"], iterations=int(stats["iter_count"]))
 
 
 @lru_cache(maxsize=16)

@@ -74,7 +74,7 @@ class Drake:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         drake: Any = import_module("pydrake.solvers")
         if not len(prepared.given.q):
-            return prepared.given.answer(np.zeros(0), Status.SOLVED)
+            return prepared.given.scaled.answer(np.zeros(0), Status.SOLVED)
         found = getattr(drake, _METHODS[self.method])().Solve(prepared.program, None, None)
         status = Status.SOLVED if found.is_success() else Status.FAILED
-        return prepared.given.answer(found.GetSolution(prepared.z), status, found.get_solution_result().name)
+        return prepared.given.scaled.answer(found.GetSolution(prepared.z), status, found.get_solution_result().name)

@@ -62,7 +62,7 @@ class Path:
     def solve(self, given: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         gp: Any = import_module("gamspy")
         if not len(given.q):
-            return given.answer(np.zeros(0), Status.SOLVED)
+            return given.scaled.answer(np.zeros(0), Status.SOLVED)
         path = _model(len(given.q))
         path.z.setRecords(np.zeros(len(given.q)))
         log = io.StringIO()
@@ -74,14 +74,14 @@ class Path:
         except gp.exceptions.GamspyException as error:
             if "license" not in str(error):
                 raise
-            return given.answer(
+            return given.scaled.answer(
                 np.zeros(len(given.q)), Status.FAILED, "not attempted: the problem is larger than the GAMS licence allows"
             )
         total = re.search(r"Total Time[. ]*([\d.]+)", log.getvalue())
         minor = re.search(r"Minor Iterations[. ]*(\d+)", log.getvalue())
         status = Status.SOLVED if path.model.status.name in ("OptimalGlobal", "OptimalLocal") else Status.FAILED
         work = {"pivots": int(minor[1])} if minor else {}
-        return given.answer(
+        return given.scaled.answer(
             path.z.records["level"].to_numpy(), status, path.model.status.name, float(total[1]) if total else None, **work
         )
 

@@ -48,4 +48,4 @@ class QuantEcon:
         options = import_module("quantecon.optimize").PivOptions(tol_ratio_diff=_TIES[self.settings])
         lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
         found = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
-        return prepared.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))
+        return prepared.scaled.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))

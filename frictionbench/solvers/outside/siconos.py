@@ -133,8 +133,9 @@ class Siconos:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         kind, given, message = prepared
         if not len(given.q):
-            z = np.zeros(0)
-            return given.answer(z, Status.SOLVED) if isinstance(given, DenseLCP) else Answer(given.impulse(z), Status.SOLVED)
+            if isinstance(given, DenseLCP):
+                return given.scaled.answer(np.zeros(0), Status.SOLVED)
+            return Answer(given.impulse(np.zeros(0)), Status.SOLVED)
         integers, reals = _TUNED[self.method] if self.settings == "tuned" else ({}, {})
         asked = {
             "kind": kind,
@@ -151,7 +152,7 @@ class Siconos:
         status, detail = (Status.FAILED if found["code"] else Status.SOLVED), f"Siconos' code {found['code']}"
         work = {"iterations": found["iterations"]}
         if isinstance(given, DenseLCP):
-            return given.answer(found["r"], status, detail, found["clock"], **work)
+            return given.scaled.answer(found["r"], status, detail, found["clock"], **work)
         return Answer(given.impulse(found["r"]), status, work, detail=detail, clock=found["clock"])
 
 

@@ -1,42 +1,32 @@
-"""The dense LCP, scaled so that tolerances are dimensionless (solvers.pivots.scaling)."""
+"""The scaled LCP (solvers.pivots.scaled_lcp) with a dense matrix."""
 
 from typing import NamedTuple
 
-import numpy as np
-
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.solvers.interface import Answer, Status
-from frictionbench.solvers.pivots.scaling import Scaling, scaling
+from frictionbench.problems.forms.lcp import by_unknown, dense_matrix
+from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, scaled_lcp
 
 
 class DenseLCP(NamedTuple):
-    """The scaled w = M y + q, M (n, n) and q (n,), the LCP and the scaling that it comes from, and the contacts' units."""
+    """The scaled w = M y + q, M (n, n) and q (n,), and what it comes from."""
 
-    lcp: LCP
-    scale: Scaling
+    scaled: ScaledLCP
     M: Array
     q: Array
-    units: Array
 
     @property
     def share(self) -> float:
         """By how much smaller an error of a scaled row must be than tol, so that each contact's is within tol of its unit."""
-        nc = len(self.units)
-        if not nc:
+        nc = self.scaled.contacts[0]
+        if not nc or isinstance(self.scaled.problem, LCP):
             return 1.0
-        D = np.minimum(self.scale.D[:nc], self.scale.D[nc:-nc].reshape(nc, -1).min(axis=1))
-        return min(1.0, float((D * self.units).min()) / self.scale.theta)
-
-    def answer(self, y: Array, status: Status, detail: str = "", clock: float | None = None, **work: int) -> Answer:
-        """The answer of a scaled solution y (n,)."""
-        z = self.scale.solution(y)
-        return Answer(self.lcp.impulse(z), status, work, z=z, detail=detail, clock=clock)
+        more = 1 + by_unknown(self.scaled.problem.friction, len(self.q))  # a tangential defect counts 1 + mu times
+        more[:nc] = 1.0
+        return min(1.0, float((more / self.scaled.unit[1])[:-nc].min()))
 
 
 def dense_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> DenseLCP:
     """The scaled dense LCP of a friction problem, in space with so many facets, or of a bare LCP."""
-    lcp = problem if isinstance(problem, LCP) else problem.lcp(facets)
-    scale = scaling(lcp)
-    units = np.zeros(0) if isinstance(problem, LCP) else problem.units
-    return DenseLCP(lcp, scale, scale.matrix(lcp), scale.vector(lcp.q), units)
+    scaled = scaled_lcp(problem, facets)
+    return DenseLCP(scaled, dense_matrix(scaled.M.start, scaled.M.rows, scaled.M.row, len(scaled.q)), scaled.q)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, lean, part
-from frictionbench.problems.rows import Index64, Rows
+from frictionbench.problems.rows import Index64
 
 
 class Matrix(NamedTuple):
@@ -53,13 +53,9 @@ class InverseBasis(NamedTuple):
     work: Array
 
 
-def compress(M: Rows, D: Array) -> Matrix:
-    """D M D (n, n) on its symmetrised pattern."""
-    return Matrix(*symmetrised(*M, D))
-
-
 @kernel
-def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
+def symmetrised(indptr, indices, data):  # type: ignore[no-untyped-def]
+    """The Matrix of rows."""
     n, entries = len(indptr) - 1, len(indices)
     below = np.zeros(n + 1, np.int64)  # the columns of M, by counting
     for k in range(entries):
@@ -83,16 +79,16 @@ def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
             right = indices[k] if k < indptr[j + 1] else n
             down = above[m] if m < below[j + 1] else n
             i = min(right, down)
-            rows[at], scale = i, D[j] * D[i]
+            rows[at] = i
             if right == i:
-                row[at] = data[k] * scale
+                row[at] = data[k]
                 k += 1
             if down == i:
-                column[at] = value[m] * scale
+                column[at] = value[m]
                 m += 1
             at += 1
         start[j + 1] = at
-    return start, rows[:at], column[:at], row[:at]
+    return Matrix(start, rows[:at], column[:at], row[:at])
 
 
 @part

@@ -27,6 +27,7 @@ ACCURACY = 1e-12  # relative defect above which a transformed column is refined:
 FINEST = 4e-16  # relative defect that refinement can reach: twice the unit of rounding
 # The smallest pivot and the accuracy of columns, usually and in restarts.
 USUAL, FULL = (PIVOT, ACCURACY), (1e-13, FINEST)
+CERTIFICATE = ACCURACY  # largest defect of a ray, relative to its size: that of entering columns
 LOSS = 1e-9  # relative defect after refinement above which the inverse is computed anew
 
 
@@ -66,20 +67,19 @@ def first_unknowns(state: LemkeState, n: int) -> LemkeState:
 
 
 @lean
-def ratio_test(state: LemkeState, least: float, slack: float) -> int:
-    """The pair whose basic variable blocks x - t a >= 0 first, z0 if possible; the largest pivot among near ties; -1 on a ray.
+def ratio_test(x: Array, a: Array, blocking: Flags, z0: int, least: float, slack: float) -> int:
+    """The basic variable that blocks x - t a >= 0 first, the z0-th if possible; the largest pivot among near ties; -1 on a ray.
 
     least: the smallest entry of a that counts. slack: how far below zero a variable may go for the sake of a larger pivot.
     """
-    n, x, a, blocking = len(state.q), state.x, state.a, state.blocking
     bound = np.inf
-    for i in range(n + 1):
+    for i in range(len(a)):
         if a[i] > least and blocking[i]:
             bound = min(bound, (max(x[i], 0.0) + slack) / a[i])
-    if a[n] > least and x[n] <= bound * a[n]:
-        return n
+    if a[z0] > least and x[z0] <= bound * a[z0]:
+        return z0
     best, pivot = -1, least
-    for i in range(n):
+    for i in range(len(a)):
         if a[i] > pivot and blocking[i] and x[i] <= bound * a[i]:
             best, pivot = i, a[i]
     return best
@@ -137,7 +137,7 @@ def follow_lemke_path(state: LemkeState, slack: float, precision: tuple[float, f
     while True:
         defect, size = entering_column(state, p, z_enters, accuracy)
         if p < n:
-            s = ratio_test(state, pivot * size, slack)
+            s = ratio_test(x, a, state.blocking, n, pivot * size, slack)
             t = max(x[s], 0.0) / a[s] if s >= 0 else 0.0
         else:  # to the level at which the last basic variable becomes nonnegative
             s, t = -1, 0.0
@@ -188,6 +188,21 @@ def add_matrix_product(M: Matrix, v: Array, u: Array) -> None:
         if v[j] != 0.0:
             for e in range(M.start[j], M.start[j + 1]):
                 u[M.rows[e]] += M.column[e] * v[j]
+
+
+@lean
+def is_ray(M: Matrix, d: Array, v: Array, v0: float, s: Array) -> bool:
+    """Whether v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0; s is written."""
+    size = 0.0
+    for i in range(len(v)):
+        s[i] = d[i] * v0
+        size = max(size, abs(v[i]))
+    add_matrix_product(M, v, s)
+    slack = CERTIFICATE * size
+    within = size > CERTIFICATE * abs(v0) and v0 >= -slack
+    for i in range(len(v)):
+        within = within and v[i] >= -slack and s[i] >= -slack and min(v[i], s[i]) <= slack
+    return within
 
 
 @lean

@@ -32,8 +32,8 @@ class Columns(NamedTuple):
     """The columns to choose from: M (n, n) compressed by columns, prox (n,) added to its diagonal, cover (n,)."""
 
     start: Index64
-    row: Index64
-    value: Array
+    rows: Index64
+    column: Array
     prox: Array
     cover: Array
 
@@ -65,17 +65,9 @@ class LUBasis(NamedTuple):
     updated: Index64
 
 
-def new_basis(n: int, entries: int | None = None) -> LUBasis:
-    """Storage for a basis of n columns with at most UPDATES updates and factors of `entries` each, by default of any number.
-
-    The basis is all w, and not yet factorised.
-    """
-    return stored_basis(n, n * n if entries is None else min(entries, n * n))
-
-
 @kernel
-def stored_basis(n, storage):  # type: ignore[no-untyped-def]
-    """A new basis with so much storage for each factor."""
+def new_basis(n, storage):  # type: ignore[no-untyped-def]
+    """A basis of n columns, all w and not yet factorised, for at most UPDATES updates, with so much storage for each factor."""
     L = Factor(np.zeros(n + 1, np.int64), np.empty(storage, np.int64), np.empty(storage))
     U = Factor(np.zeros(n + 1, np.int64), np.empty(storage, np.int64), np.empty(storage))
     rows, values = np.zeros((5, n), np.int64), np.zeros((2, n))
@@ -89,17 +81,6 @@ def stored_basis(n, storage):  # type: ignore[no-untyped-def]
 def room(n, entries):  # type: ignore[no-untyped-def]
     """Entries of a factor that suffice for most bases of n unknowns and so many entries of M."""
     return min(n * n, max(DENSE * DENSE, FILL * entries))
-
-
-def roomy_basis(columns: Columns) -> LUBasis:
-    """A new basis with room for the fill of most bases of these columns."""
-    n = len(columns.cover)
-    return stored_basis(n, room(n, len(columns.value)))
-
-
-def roomier_basis(basis: LUBasis) -> LUBasis:
-    """A new basis with four times the room."""
-    return new_basis(len(basis.head), 4 * len(basis.L.value))
 
 
 @part
@@ -136,7 +117,7 @@ def column(columns, j, y):  # type: ignore[no-untyped-def]
     else:
         fill(y, 0.0)
         for k in range(columns.start[j], columns.start[j + 1]):
-            y[columns.row[k]] = columns.value[k]
+            y[columns.rows[k]] = columns.column[k]
         y[j] += columns.prox[j]
     return largest_magnitude(y)
 
@@ -228,7 +209,7 @@ def scatter(columns, j, y, listed, seen, place, slack):  # type: ignore[no-untyp
     n, count, most, first = len(y), 0, 0.0, len(y)
     begin, end = (0, n) if j == 2 * n else (columns.start[j], columns.start[j + 1])
     for k in range(begin, end):
-        i, entry = (k, columns.cover[k]) if j == 2 * n else (columns.row[k], columns.value[k])
+        i, entry = (k, columns.cover[k]) if j == 2 * n else (columns.rows[k], columns.column[k])
         most = np.inf if np.isnan(entry) else max(most, abs(entry))
         if entry != 0.0 and not slack[i]:
             y[i], listed[count], seen[i] = entry, i, j
@@ -269,7 +250,7 @@ def ftran(basis, columns, y):  # type: ignore[no-untyped-def]
             j = basis.core[k]
             begin, end = (0, n) if j == 2 * n else (columns.start[j], columns.start[j + 1])
             for a in range(begin, end):
-                i, entry = (a, columns.cover[a]) if j == 2 * n else (columns.row[a], columns.value[a])
+                i, entry = (a, columns.cover[a]) if j == 2 * n else (columns.rows[a], columns.column[a])
                 if slack[i]:
                     y[i] += x[k] * entry
             if j < n and slack[j]:
@@ -327,12 +308,3 @@ def orientation(basis):  # type: ignore[no-untyped-def]
             seat[i], seat[j] = seat[j], j
             sign = -sign
     return sign
-
-
-@part
-def add_columns_product(columns, z, y):  # type: ignore[no-untyped-def]
-    """y += M z."""
-    for j in range(len(z)):
-        if z[j] != 0.0:
-            for k in range(columns.start[j], columns.start[j + 1]):
-                y[columns.row[k]] += z[j] * columns.value[k]

@@ -5,7 +5,7 @@ iteration, and the answer, whose status rests on the exact residual.
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from frictionbench.problems.compiled import part
 from frictionbench.solvers.clock import SPEED, deadline, is_past, late
 from frictionbench.solvers.interface import Answer, Status, dense_storage
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
-from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
+from frictionbench.solvers.pivots.scaled_lcp import MARGIN, measured
 
 STATUS = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN, Status.TIME_LIMIT)
 SOLVED, STALLED, LIMIT, BREAKDOWN, TIME = range(5)  # how an iteration ends
@@ -27,22 +27,21 @@ NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work: ste
 
 
 class Formed(NamedTuple):
-    """The problem, its scaled dense LCP, None if there is no time to form it, and the weight (n,) of the natural residual."""
+    """The problem, and its scaled dense LCP, None if there is no time to form it."""
 
     problem: FrictionProblem | LCP
     dense: DenseLCP | None
-    weight: Array
 
 
 class Descent(NamedTuple):
     """A Newton iteration with a line search: its criteria, and the record of its iterates.
 
-    weight (n,), tol: of the natural residual. limit: of the iterations. best (n,), least (1,): the point of the least residual
-    and that. history: the residual of every iterate. recent: the last merits, for a nonmonotone search. work: counted by UNITS.
-    until, slowness: the deadline, and the seconds that an operation of a factorisation takes.
+    unit (2, n), tol: of the residual (ScaledLCP). limit: of the iterations. best (n,), least (1,): the point of the least
+    residual and that. history: the residual of every iterate. recent: the last merits, for a nonmonotone search. work: counted
+    by UNITS. until, slowness: the deadline, and the seconds that an operation of a factorisation takes.
     """
 
-    weight: Array
+    unit: Array
     tol: float
     limit: int
     best: Array
@@ -54,16 +53,16 @@ class Descent(NamedTuple):
     slowness: float
 
 
-def new_descent(weight: Array, tol: float, limit: int, memory: int) -> Descent:
-    n = len(weight)
+def new_descent(unit: Array, tol: float, limit: int, memory: int) -> Descent:
+    n = unit.shape[1]
     history, work = np.empty(limit + 1), np.zeros(len(UNITS), np.int64)
-    return Descent(weight, tol, limit, np.zeros(n), np.full(1, np.inf), history, np.zeros(memory), work, deadline(), 1 / SPEED)
+    return Descent(unit, tol, limit, np.zeros(n), np.full(1, np.inf), history, np.zeros(memory), work, deadline(), 1 / SPEED)
 
 
 @part
 def record(descent, k, y, w, merit, size):  # type: ignore[no-untyped-def]
     """Record the k-th iterate y, w = M y + q and its merit; GOING, or how the method ended. size: of the next linear system."""
-    descent.history[k] = natural_residual(descent.weight, y, w)
+    descent.history[k] = measured(descent.unit, y, w)
     if descent.history[k] < descent.least[0]:
         descent.least[0] = descent.history[k]
         descent.best[:] = y
@@ -104,29 +103,27 @@ class MeritNewton(ABC):
 
     def form(self, problem: FrictionProblem | LCP) -> Formed:
         if is_past(deadline(written=dense_storage(self, problem))):
-            return Formed(problem, None, np.zeros(0))
-        dense = dense_lcp(problem, self.facets)
-        return Formed(problem, dense, natural_weight(problem, dense.lcp, dense.scale))
+            return Formed(problem, None)
+        return Formed(problem, dense_lcp(problem, self.facets))
 
     def solve(self, form: Formed, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the iterations, 200 by default.
 
         The status is SOLVED also where the method gave up and its best point's exact residual is within tol.
         """
-        problem, dense, weight = form
+        problem, dense = form
         if dense is None:
             return _nothing(problem)
-        descent = new_descent(weight, MARGIN * tol, 200 if limit is None else limit, self.memory)
+        descent = new_descent(dense.scaled.unit, MARGIN * tol, 200 if limit is None else limit, self.memory)
         end, iterations, period = self.iterate(dense, descent)
-        z = dense.scale.solution(np.maximum(descent.best, 0.0))
+        y = np.maximum(descent.best, 0.0)
         if isinstance(problem, FrictionProblem):  # a normal impulse that acts on nothing, as of a joint's dry friction
-            z[: problem.contacts][(dense.M.diagonal()[: problem.contacts] == 0) & (problem.friction == 0)] = 0.0
-        impulse = dense.lcp.impulse(z)
-        if end != SOLVED and exact_residual(problem, dense.lcp, z, impulse) <= tol:
+            y[: problem.contacts][(dense.M.diagonal()[: problem.contacts] == 0) & (problem.friction == 0)] = 0.0
+        if end != SOLVED and dense.scaled.residual(y) <= tol:
             end = SOLVED
         work = dict(zip(UNITS, descent.work.tolist(), strict=True))
-        history = tuple(descent.history[: iterations + 1].tolist())
-        return Answer(impulse, STATUS[end], work, history, z, self.describe_end(STATUS[end], period))
+        answer = dense.scaled.answer(y, STATUS[end], self.describe_end(STATUS[end], period), **work)
+        return replace(answer, history=tuple(descent.history[: iterations + 1].tolist()))
 
 
 def _nothing(problem: FrictionProblem | LCP) -> Answer:

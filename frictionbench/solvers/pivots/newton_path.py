@@ -11,7 +11,6 @@ import numpy as np
 from frictionbench.problems.compiled import part
 from frictionbench.solvers.clock import late
 from frictionbench.solvers.pivots.lu_basis import (
-    add_columns_product,
     column,
     factorise_basis,
     ftran,
@@ -25,7 +24,7 @@ PIVOT = 1e-9  # smaller rates of change, relative to the largest, count as zero:
 UNRELIABLE = 1e-7  # smaller pivots are taken only from a fresh factorisation, without the rounding of updates
 SLIP = 1e-10  # how far below zero a basic variable may go for the sake of a larger pivot, in units of the scaled q
 
-NEWTON, RETURNED, RAY, LIMIT, SINGULAR = range(5)  # how a path ends: t = 1, t = 0, a ray, the limit, a singular basis
+NEWTON, RAY, LIMIT, SINGULAR, RETURNED = range(5)  # how a path ends, as STATUSES: t = 1, a ray, the limit, no basis, t = 0
 PIVOTS, FACTORISATIONS = 0, 1  # counted in work
 
 
@@ -106,17 +105,3 @@ def write_z(basis, x, z):  # type: ignore[no-untyped-def]
     for i in range(len(z)):
         if basis.head[i] < len(z):
             z[basis.head[i]] = x[i]
-
-
-@part
-def is_ray(columns, v):  # type: ignore[no-untyped-def]
-    """Whether 0 != v >= 0, Mv >= 0 and v_i (Mv)_i = 0, up to 1e-9 of the largest v."""
-    size = largest_magnitude(v)
-    unit, Mv = np.empty(len(v)), np.zeros(len(v))
-    for i in range(len(v)):
-        unit[i] = v[i] / size if size > 0.0 else v[i]
-    add_columns_product(columns, unit, Mv)
-    for i in range(len(v)):
-        if v[i] < -1e-9 * size or Mv[i] < -1e-9 or abs(v[i] * Mv[i]) > 1e-9 * size:
-            return False
-    return 0.0 < size < np.inf

@@ -7,28 +7,23 @@ from frictionbench.solvers.sparse_lu.minimum_degree import minimum_degree
 
 
 @kernel
-def in_order(start, column, value, q, D, theta, weight, nc):  # type: ignore[no-untyped-def]
+def in_order(M, q, unit, nc):  # type: ignore[no-untyped-def]
     """A scaled LCP of nc contacts, or a bare one with nc = 0, with its unknowns in this order, a contact's together.
 
-    M by rows, D and theta: solvers.pivots.scaling. Returns D M D by columns (start, row, value), rows ascending, D q / theta,
-    the weight (n,), the order (n,) and, not in it, theta D.
+    Returns M by columns (start, row, value), rows ascending, q (n,), the unit (2, n) and the order (n,).
     """
     n = len(q)
-    order = _least_fill(start, column, n, nc)
-    own_q, own_weight, stretch = np.empty(n), np.empty(n), np.empty(n)
+    order = _least_fill(M.start, M.rows, n, nc)
+    own_q, own_unit = np.empty(n), np.empty((2, n))
     for i in range(n):
-        own_q[i], own_weight[i] = D[order[i]] * q[order[i]] / theta, weight[order[i]]
-        stretch[i] = theta * D[i]
-    begin, row, entry = _reordered(start, column, value, D, order)
-    return begin, row, entry, own_q, own_weight, order, stretch
+        own_q[i], own_unit[0, i], own_unit[1, i] = q[order[i]], unit[0, order[i]], unit[1, order[i]]
+    return *_reordered(M, order), own_q, own_unit, order
 
 
 @part
-def _least_fill(start, column, n, nc):  # type: ignore[no-untyped-def]
+def _least_fill(start, rows, n, nc):  # type: ignore[no-untyped-def]
     groups = nc if nc else n
-    group = np.empty(
-        n, np.int64
-    )  # unknowns are ordered by contact: normal impulses, tangential ones, lambda (problems.forms.lcp)
+    group = np.empty(n, np.int64)  # of the normal impulses, the tangential ones, lambda (problems.forms.lcp)
     facets = n // nc - 2 if nc else 1
     for i in range(n):
         group[i] = i if i < groups else i - (n - nc) if i >= n - nc else (i - nc) // facets
@@ -42,7 +37,7 @@ def _least_fill(start, column, n, nc):  # type: ignore[no-untyped-def]
         first[g], member[g], seen[g] = g, g, g
     for g in range(groups):
         for k in range(start[g], start[g + 1]):
-            other = group[column[k]]
+            other = group[rows[k]]
             if other != g and seen[other] != groups + g:
                 seen[other] = groups + g
                 first[groups + pairs], member[groups + 2 * pairs], member[groups + 2 * pairs + 1] = groups + 2 * pairs, g, other
@@ -62,19 +57,20 @@ def _least_fill(start, column, n, nc):  # type: ignore[no-untyped-def]
 
 
 @part
-def _reordered(start, column, value, D, order):  # type: ignore[no-untyped-def]
+def _reordered(M, order):  # type: ignore[no-untyped-def]
     n = len(order)
     place, begin = np.empty(n, np.int64), np.zeros(n + 2, np.int64)
     for i in range(n):
         place[order[i]] = i
-    for k in range(len(column)):
-        begin[place[column[k]] + 2] += 1
+    for k in range(M.start[n]):
+        begin[place[M.rows[k]] + 2] += M.row[k] != 0.0
     for i in range(n):
         begin[i + 2] += begin[i + 1]
-    row, entry = np.empty(len(column), np.int64), np.empty(len(column))
+    row, entry = np.empty(begin[n + 1], np.int64), np.empty(begin[n + 1])
     for i in range(n):
-        for k in range(start[order[i]], start[order[i] + 1]):
-            j = place[column[k]] + 1
-            row[begin[j]], entry[begin[j]] = i, D[order[i]] * value[k] * D[column[k]]
-            begin[j] += 1
+        for k in range(M.start[order[i]], M.start[order[i] + 1]):
+            if M.row[k] != 0.0:
+                j = place[M.rows[k]] + 1
+                row[begin[j]], entry[begin[j]] = i, M.row[k]
+                begin[j] += 1
     return begin[: n + 1], row, entry

@@ -7,7 +7,7 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import Answer
-from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, scaled_lcp
+from frictionbench.solvers.pivots.scaled_lcp import MARGIN, STATUSES, ScaledLCP, scaled_lcp
 
 
 @kernel
@@ -35,4 +35,4 @@ class PrincipalPivoting(ABC):
 
     def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         ended, y, pivots, inversions = self.pivot(prepared, MARGIN * tol, limit or default_limit(len(prepared.q)))
-        return prepared.answer(y, ended, pivots=pivots, inversions=inversions)
+        return prepared.answer(y, STATUSES[ended], pivots=pivots, inversions=inversions)

@@ -1,4 +1,13 @@
-"""The scaled LCP that all pivoting methods work on, and the conversion back to impulses."""
+"""The scaled LCP that all methods on it work on, its residual, and the conversion back to impulses.
+
+With a positive diagonal D and a number theta, z = theta D y turns LCP(M, q) into
+
+    w^ = (D M D) y + (D q) / theta,      D_i = 1/sqrt(M_ii),      theta = max |D q|,
+
+which has a unit diagonal and a unit right side, the same solutions, the same signs, so that tolerances inside a method are
+dimensionless. A row without a diagonal (the sliding speed of a friction contact) is scaled by the column through which it acts:
+D_i = 1 / max_j D_j |M_ji|. Rows and columns of zeros are not scaled.
+"""
 
 from typing import NamedTuple
 
@@ -9,10 +18,10 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.delassus import with_partners, write_partners
 from frictionbench.problems.forms.lcp import impulse, tangent_basis, write_in_basis
+from frictionbench.problems.residual import polygon_residual, residual
 from frictionbench.solvers.interface import Answer, Status
-from frictionbench.solvers.pivots.inverse_basis import Matrix, compress
+from frictionbench.solvers.pivots.inverse_basis import Matrix, symmetrised
 from frictionbench.solvers.pivots.lemke_path import FINEST, LemkeState, add_matrix_product, basic_values
-from frictionbench.solvers.pivots.scaling import complete, scale_reached, scaling
 from frictionbench.solvers.pivots.vectors import put
 
 EPSILON = float(np.finfo(float).eps)
@@ -41,30 +50,55 @@ class ScaledLCP(NamedTuple):
         """The unscaled LCP, built on access."""
         return self.problem if isinstance(self.problem, LCP) else self.problem.lcp(self.facets)
 
-    def answer(self, y: Array, ended: int, **work: int) -> Answer:
+    def answer(self, y: Array, status: Status, detail: str = "", clock: float | None = None, **work: int) -> Answer:
+        """The answer of a scaled solution y (n,)."""
         z = self.stretch * y
         r = np.zeros((0, 0)) if self.basis is None else impulse(self.basis, z, self.contacts[0])
-        return Answer(r, STATUSES[ended], work, z=z)
+        return Answer(r, status, work, z=z, detail=detail, clock=clock)
+
+    def residual(self, y: Array) -> float:
+        """What `tol` refers to: the residual of the friction problem in the plane, of its polygon in space, of a bare LCP."""
+        z = self.stretch * y
+        if isinstance(self.problem, LCP):
+            return self.problem.residual(z)
+        if self.problem.dimension == 3:
+            return polygon_residual(self.problem, self.lcp, z)
+        return residual(self.problem, impulse(self.basis, z, self.contacts[0]))
 
 
 def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
     """The scaled LCP of a friction problem, in space with so many facets, or a bare LCP scaled."""
     if isinstance(problem, LCP):
-        scale = scaling(problem)
-        unit = scale.theta * np.array([scale.D, 1 / scale.D]) / (np.abs(problem.q).max(initial=0.0) or 1.0)
-        M, q = compress(problem.rows, scale.D), scale.vector(problem.q)
-        return ScaledLCP(problem, facets, problem.contacts, problem.basis, scale.theta * scale.D, M, q, unit)
+        M, *scaled = scaled_bare_lcp(*problem.rows, problem.q)
+        return ScaledLCP(problem, facets, problem.contacts, problem.basis, scaled[0], M, *scaled[1:])
     d, mu, b_f = problem.dimension, problem.friction, problem.friction_bias
     basis = tangent_basis(d, facets)
-    start, rows, column, row, *parts = scaled_friction_lcp(
-        *problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.units
-    )
-    return ScaledLCP(problem, facets, (len(mu), d), basis, parts[0], Matrix(start, rows, column, row), *parts[1:])
+    M, *scaled = scaled_friction_lcp(*problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.units)
+    return ScaledLCP(problem, facets, (len(mu), d), basis, scaled[0], M, *scaled[1:])
+
+
+@kernel
+def scaled_bare_lcp(start, column, value, q):  # type: ignore[no-untyped-def]
+    """The scaled matrix on its symmetrised pattern, the stretch, the scaled right side and the units, those of LCP.residual."""
+    M, n, size = symmetrised(start, column, value), len(q), 0.0
+    D, right, unit = np.zeros(n), np.empty(n), np.empty((2, n))
+    for j in range(n):
+        size = max(size, abs(q[j]))
+        for e in range(M.start[j], M.start[j + 1]):
+            if M.rows[e] == j and M.column[e] != 0.0:
+                D[j] = 1 / np.sqrt(abs(M.column[e]))
+    theta = _scale_symmetrised(M.start, M.rows, M.column, M.row, q, D, unit[0])
+    size = size if size > 0 else 1.0
+    for j in range(n):
+        _write_unit(unit, D, theta, j, 1.0 / size, 1.0 / size)
+        right[j] = D[j] * q[j] / theta
+        D[j] *= theta
+    return M, D, right, unit
 
 
 @kernel
 def scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, basis, scale, units):  # type: ignore[no-untyped-def]
-    """The scaled matrix on its symmetrised pattern, the stretch, the scaled right side and the units."""
+    """The same of a friction LCP; the units are those of problems.residual."""
     nc, width = len(friction), basis.shape[1]
     n, partner, following = nc * (width + 1), np.empty(len(neighbours), np.int32), np.empty(nc, np.int32)
     if not write_partners(first, neighbours, partner, following):
@@ -79,7 +113,7 @@ def scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, ba
     write_scaled_lcp(
         first, neighbours, part, partner, q, *law, basis, scale, units, start, rows, column, row, stretch, right, unit
     )
-    return start, rows[: start[n]], column[: start[n]], row[: start[n]], stretch, right, unit
+    return Matrix(start, rows[: start[n]], column[: start[n]], row[: start[n]]), stretch, right, unit
 
 
 @lean
@@ -148,22 +182,29 @@ def write_scaled_lcp(  # type: ignore[no-untyped-def]
 
 @lean
 def _scale_symmetrised(start, rows, column, row, q, D, reach):  # type: ignore[no-untyped-def]
-    """Scale the matrix as solvers.pivots.scaling says, D there where the diagonal is not zero; theta. reach (n,): workspace."""
-    n = len(q)
+    """Scale the matrix, D given where the diagonal is not zero; theta. reach (n,): workspace.
+
+    Rows without a diagonal are scaled by their columns, then the remaining ones by their rows.
+    """
+    n, theta = len(q), 0.0
     for by_rows in range(2):
         for j in range(n):
             reach[j] = 0.0
             if D[j] == 0.0:
                 for e in range(start[j], start[j + 1]):
                     reach[j] = max(reach[j], D[rows[e]] * abs(row[e] if by_rows else column[e]))
-        scale_reached(D, reach)
-    theta = complete(D, q)
+        for j in range(n):
+            if reach[j] > 0:
+                D[j] = 1 / reach[j]
+    for j in range(n):
+        D[j] = D[j] if D[j] != 0 else 1.0
+        theta = max(theta, abs(D[j] * q[j]))
     for j in range(n):
         for e in range(start[j], start[j + 1]):
             share = D[j] * D[rows[e]]
             column[e] *= share
             row[e] *= share
-    return theta
+    return theta if theta > 0 else 1.0
 
 
 @lean
@@ -190,11 +231,17 @@ def _write_unit(unit, D, theta, j, force, speed):  # type: ignore[no-untyped-def
 
 @lean
 def scaled_residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
-    """max |min(unit_0 y, unit_1 w)|, w = M y + q; infinity where that is not a number."""
+    """The residual of y; w = M y + q is written."""
     put(w, q)
     add_matrix_product(M, y, w)
+    return measured(unit, y, w)
+
+
+@lean
+def measured(unit: Array, y: Array, w: Array) -> float:
+    """max |min(unit_0 y, unit_1 w)|; infinity where that is not a number."""
     worst = 0.0
-    for i in range(len(q)):
+    for i in range(len(y)):
         defect = abs(min(unit[0, i] * y[i], unit[1, i] * w[i]))
         worst = max(worst, defect) if defect < np.inf else np.inf
     return worst

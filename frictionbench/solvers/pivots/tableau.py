@@ -17,7 +17,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import lean, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis
-from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, PIVOT, RAY, LemkeState
+from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, PIVOT, RAY, LemkeState, ratio_test
 from frictionbench.solvers.pivots.vectors import fill
 
 SMALL = 64  # unknowns up to which it is the faster way: from some 80 on lemke_path is, as it leaves out zeros of M
@@ -67,7 +67,10 @@ def follow_in_tableau(state: LemkeState, tableau: Tableau, slack: float, limit: 
             break
         entering = leaving - n if leaving >= n else leaving + n
         p = at[n + entering]
-        s = _blocking_row(n, x, T, p, z0_row, slack)
+        size = 0.0
+        for i in range(n):
+            size = max(size, abs(T[p, i]))
+        s = ratio_test(x, T[p, :n], state.blocking, z0_row, PIVOT * size, slack)
     if s < 0 and z0_row >= 0:
         _write_ray(tableau, p, entering, state.a)
         return RAY
@@ -99,25 +102,6 @@ def _most_negative(q: Array, d: Array) -> int:
     for i in range(len(q)):
         if -q[i] > t * d[i]:
             s, t = i, -q[i] / d[i]
-    return s
-
-
-@lean
-def _blocking_row(n: int, x: Array, T: Array, p: int, z0_row: int, slack: float) -> int:
-    """As lemke_path.ratio_test, by rows."""
-    size = 0.0
-    for i in range(n):
-        size = max(size, abs(T[p, i]))
-    least, bound = PIVOT * size, np.inf
-    for i in range(n):
-        if T[p, i] > least:
-            bound = min(bound, (max(x[i], 0.0) + slack) / T[p, i])
-    if T[p, z0_row] > least and x[z0_row] <= bound * T[p, z0_row]:
-        return z0_row
-    s, pivot = -1, least
-    for i in range(n):
-        if T[p, i] > pivot and x[i] <= bound * T[p, i]:
-            s, pivot = i, T[p, i]
     return s
 
 

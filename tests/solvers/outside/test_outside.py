@@ -139,8 +139,10 @@ def test_share_of_the_dense_lcp_bounds_every_contacts_residual() -> None:
     far = FrictionProblem.from_delassus(problem.W, problem.q + 1e6 * np.eye(1, 8, 6).ravel(), problem.friction, 2)
     near, given = dense_lcp(problem), dense_lcp(far)
     assert near.share > 0.05
-    D = np.minimum(given.scale.D[:4], given.scale.D[4:12].reshape(4, 2).min(axis=1))
-    assert given.share * given.scale.theta == pytest.approx((D * far.units).min())
+    stretch, lcp = given.scaled.stretch, far.lcp()
+    D = np.minimum(stretch[:4], stretch[4:12].reshape(4, 2).min(axis=1))  # theta times it
+    square = stretch[3] * lcp.q[3] / given.q[3]  # theta^2
+    assert given.share * square == pytest.approx((D * far.units).min())
     assert given.share < 1e-4
     assert dense_lcp(far.lcp()).share == 1
 
