@@ -15,6 +15,7 @@ from frictionbench.harness import Plan, Source
 from frictionbench.problems import ACCEPTED, FrictionProblem, simulation
 from frictionbench.reports import INK, Panel, seconds
 from frictionbench.solvers import solve
+from studies.motions import apart
 from studies.study import COLOURS, Array, Row, Study, Summary, Tables, curve, finish, order, require
 
 KINK = 1e-9  # errors below it are rounding
@@ -108,16 +109,10 @@ def problems(facets: Iterable[int] = FACETS[:-1], sources: Iterable[Source] = SP
                 "unknowns": problem.contacts * (count + 2),  # of the LCP
                 "residual": fb.residual(problem, impulse),  # of Coulomb's law
                 # |v - v_cone|_M / |v*|_M to the nearer of the known solutions with the cone
-                "error": min(_apart(problem, v, known) for known in velocities),
+                "error": min(apart(problem, v, known) for known in velocities),
                 # the same between these: above 0 there are two
-                "solutions_apart": _apart(problem, velocities[0], velocities[-1]),
+                "solutions_apart": apart(problem, velocities[0], velocities[-1]),
             }
-
-
-def _apart(problem: FrictionProblem, v: Array, w: Array) -> float:
-    """|v - w| over the free velocity, in the norm of the kinetic energy."""
-    free = problem.free_velocity
-    return float(np.sqrt((v - w) @ (problem.mass @ (v - w)) / (free @ (problem.mass @ free))))
 
 
 def interior(facets: Iterable[int] = (0, *FACETS), sources: Iterable[Source] = SPACE, repeats: int = 7) -> Iterator[Row]:

@@ -23,8 +23,8 @@ from frictionbench.problems import (
     simulation,
 )
 from frictionbench.reports import ALARM, GRID, INK, Panel
-from frictionbench.solvers import solve
-from studies.study import Array, Row, Study, Summary, Tables, listing, require, share
+from studies.motions import coulomb, problem_of, thrown
+from studies.study import Row, Study, Summary, Tables, listing, require, share
 
 BLUE = "#0077bb"
 ROUNDING = 1e-12  # residuals below it are rounding
@@ -36,8 +36,7 @@ SHAPES = {shape: shape.value.replace(" ", "_") for shape in Shape}
 def scenes() -> Iterator[Row]:
     """The first problems of scenes and instances with few contacts."""
     for source in (*families.sources(families.ONE, families.SMALL), *JAMMED):
-        make = fb.instance if source.scene in fb.instances() else lambda name, **given: first_problem(fb.scene(name, **given))
-        problem = make(source.scene, **source.parameters)
+        problem = problem_of(source.scene, source.parameters)
         if problem.contacts > MOST or (found := listed(problem)) is None:
             continue
         yield {
@@ -87,10 +86,9 @@ def block(
     """Random free velocities of a block on two corners, of uniform direction in the metric of the kinetic energy."""
     for aspect in aspects:
         for friction in frictions:
-            random = np.random.default_rng(0)  # the same draws at each point, so that neighbours differ by the problem alone
             problem = first_problem(fb.scene("two_corner_block", aspect=aspect, friction=friction))
-            root = np.sqrt(problem.mass.diagonal())
-            found = [census(problem.replace(free_velocity=random.normal(size=3) / root)) for _ in range(draws)]
+            # The same draws at each point, so that neighbours differ by the problem alone.
+            found = [census(one) for one in thrown(problem, draws, 0)]
             yield {
                 "friction": friction,  # mu
                 "aspect": aspect,  # height over width
@@ -106,7 +104,7 @@ def motions(names: Iterable[str] = EXAMPLES, steps: int | None = None, most: int
     source: motion; problems: problems with one to 5 contacts; listed: those whose solutions are listed.
     """
     for name in names:
-        met = [one.problem for step in simulation(fb.scene(name), answer, steps=steps) for one in step.solved]
+        met = [one.problem for step in simulation(fb.scene(name), coulomb, steps=steps) for one in step.solved]
         few = [problem for problem in met if 0 < problem.contacts <= MOST]
         yield {"source": name, **counted(few[:: -(-len(few) // most) or 1])}
     kept = [fb.instance("recorded_step", case=case) for case in recorded_steps()]
@@ -135,11 +133,6 @@ def listed(problem: FrictionProblem) -> Census | None:
         return census(problem)
     except ArithmeticError:
         return None
-
-
-def answer(problem: FrictionProblem) -> Array:
-    """The impulses by which motions continue."""
-    return solve(problem, "hybrid", tol=1e-10).impulse
 
 
 def summary(found: Tables) -> Summary:

@@ -12,6 +12,7 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem, census, first_problem
 from frictionbench.reports import INK, Panel
 from frictionbench.solvers import solve
+from studies.motions import thrown
 from studies.study import COLOURS, Array, Row, Study, Summary, Tables, finish, listing, require, share
 
 ROUNDING = 1e-6  # of the free motion's energy
@@ -27,11 +28,9 @@ def ambiguous(draws: int = 120, angles: Iterable[float] = (1.0, 1.1, 1.2, 1.3)) 
     """Problems with several isolated solutions: thrown blocks, and Painlevé's rod whose tip lifts."""
     for aspect, friction in CORNERS:
         block = first_problem(fb.scene("two_corner_block", aspect=aspect, friction=friction))
-        draw, root = np.random.default_rng(1), np.sqrt(block.mass.diagonal())
-        for _ in range(draws):
-            thrown = block.replace(free_velocity=draw.normal(size=3) / root)
-            if (census(thrown).velocity_count or 1) > 1:
-                yield "block", thrown
+        for one in thrown(block, draws, 1):
+            if (census(one).velocity_count or 1) > 1:
+                yield "block", one
     for angle in angles:
         for friction in (1.6, 2.2, 3.0):
             rod = first_problem(fb.scene("painleve_rod", angle=angle, friction=friction, lift=0.002, step=1e-4))

@@ -11,10 +11,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import SCHEMES, FrictionProblem, simulation
+from frictionbench.problems import SCHEMES, simulation
 from frictionbench.reports import Panel
-from frictionbench.solvers import solve
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require
+from studies.motions import by
+from studies.study import Row, Study, Summary, Tables, curve, finish, listing, require, widest
 
 SMALL = 0.05  # a last change below this share of the quantity, and below the one before, counts as settling
 APART = 0.01  # m/s, or a share of normal impulses: more is another answer
@@ -55,11 +55,7 @@ def accumulated(stage: Any, solver: str, steps: int) -> Row:
     With J'r the impulse of a step, v* the free and v+ the new velocity the ledger has T(v*) - T(v+) >= |J'r|^2/2 in M^-1, so
     that the sum of these squares is at most the energy at the start and the work of the external force.
     """
-
-    def answer(problem: FrictionProblem) -> Array:
-        return solve(problem, solver, tol=1e-9).impulse
-
-    states = list(simulation(stage, answer, SCHEMES["anitescu_potra"], steps))
+    states = list(simulation(stage, by(solver, 1e-9), SCHEMES["anitescu_potra"], steps))
     weights, mass = stage.weights, np.sqrt(stage.weights)
     normal, net, squares, work = 0.0, np.zeros(len(weights)), 0.0, 0.0
     largest = 0.0
@@ -97,7 +93,7 @@ def summary(found: Tables) -> Summary:
     )
     finest = rows[rows["step"] == rows["step"].min()]
     spread = finest.groupby("scene").agg(
-        normal=("normal", np.ptp), middle=("normal", "median"), net=("net", _apart), velocity=("velocity", _apart)
+        normal=("normal", np.ptp), middle=("normal", "median"), net=("net", widest), velocity=("velocity", widest)
     )
     parted = spread[spread["velocity"] > APART]
     loose = spread[(spread["velocity"] <= APART) & (spread["normal"] > APART * spread["middle"])]
@@ -130,12 +126,6 @@ def summary(found: Tables) -> Summary:
         ),
     }
     return Summary(numbers, figures)
-
-
-def _apart(values: pd.Series) -> float:
-    """The largest distance between any two of the vectors."""
-    vectors = np.array([np.atleast_1d(value) for value in values], dtype=float)
-    return float(np.linalg.norm(vectors[:, None] - vectors[None], axis=2).max())
 
 
 def _settles(values: pd.Series) -> bool:

@@ -12,6 +12,7 @@ import frictionbench as fb
 from frictionbench.problems import LCP, FrictionProblem, census, first_problem, is_p0, relaxation_residual
 from frictionbench.reports import INK, Panel
 from frictionbench.solvers import one_start, solve
+from studies.motions import thrown
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, share, wilson
 
 METHODS = {"plain": "Coulomb, predictor-corrector", "paths": "Coulomb, then paths", "relaxation": "relaxation"}
@@ -55,15 +56,13 @@ def threshold(ratios: Iterable[float] = (0.25, 0.5, 0.9, 1.1, 2, 3, 4, 6), draws
     """Random free velocities of a square block on two corners, of uniform direction in the metric of the kinetic energy."""
     for ratio in ratios:
         problem = first_problem(fb.scene("two_corner_block", friction=ratio))
-        draw = np.random.default_rng(0)
-        root = np.sqrt(problem.mass.diagonal())
-        thrown = [problem.replace(free_velocity=draw.normal(size=3) / root) for _ in range(draws)]
-        rows = [compared(one) for one in thrown]
+        blocks = thrown(problem, draws, 0)
+        rows = [compared(one) for one in blocks]
         yield {
             "ratio": ratio,  # mu H/w
             "p0": is_p0(problem),  # whether the LCP has a P0 matrix
             "draws": draws,  # free velocities
-            "several": sum(census(one).velocity_count != 1 for one in thrown),  # how many have several velocities as solutions
+            "several": sum(census(one).velocity_count != 1 for one in blocks),  # how many have several velocities as solutions
             **{name: sum(row[name] for row in rows) for name in ("plain", "paths", "relaxation")},
             # median factorisations of the predictor-corrector where it solves
             "plain_work": float(np.median([row["plain_work"] for row in rows if row["plain"]] or [np.nan])),

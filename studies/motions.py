@@ -1,10 +1,24 @@
-"""Motions that studies compare: by the event-driven scheme of a given accuracy, and by solvers at a tight tolerance."""
+"""What studies compare: motions, by events to a given accuracy or by solvers at a tight tolerance, and problems."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
-from frictionbench.problems import SCHEMES, FrictionProblem, Impact, NoSolution, Scene, Step, follow, simulation, start
+import frictionbench as fb
+from frictionbench.problems import (
+    SCHEMES,
+    FrictionProblem,
+    Impact,
+    NoSolution,
+    Scene,
+    Solve,
+    Step,
+    first_problem,
+    follow,
+    simulation,
+    start,
+)
 from frictionbench.solvers import solve
 from studies.study import Array
 
@@ -13,7 +27,7 @@ FINEST = 1e-11  # the accuracy of the motion that the others are compared with
 TOL = 1e-10
 
 
-def by_events(law: Impact, accuracy: float) -> Callable[[Scene, Step, Callable[[FrictionProblem], Array]], Step]:
+def by_events(law: Impact, accuracy: float) -> Callable[[Scene, Step, Solve], Step]:
     """The event-driven scheme with this law and accuracy."""
     return lambda made, now, answer: follow(made, now, answer, law, accuracy)
 
@@ -32,21 +46,33 @@ def sampled(made: Scene, scheme: Callable[..., Step], every: int = 1) -> tuple[A
     return np.array(path).reshape(len(path), len(made.q0)), work
 
 
-def path(stage: Scene, answer: Callable[[FrictionProblem], Array], scheme: str, steps: int | None = None) -> Array:
+def path(stage: Scene, answer: Solve, scheme: str, steps: int | None = None) -> Array:
     """The positions (steps + 1, nv) of a motion."""
     return np.array([step.q for step in simulation(stage, answer, SCHEMES[scheme], steps)])
 
 
-def exact(problem: FrictionProblem) -> Array:
-    """The impulses (nc, d) by a solver that is exact up to rounding."""
-    return solve(problem, "lemke", tol=1e-12).impulse
+def problem_of(name: str, settings: Mapping[str, Any]) -> FrictionProblem:
+    """An instance, or the first problem of a scene."""
+    return fb.instance(name, **settings) if name in fb.instances() else first_problem(fb.scene(name, **settings))
 
 
-def coulomb(problem: FrictionProblem) -> Array:
-    """The impulses (nc, d) of Coulomb's law, by the portfolio."""
-    return solve(problem, "hybrid", tol=TOL).impulse
+def thrown(problem: FrictionProblem, draws: int, seed: int) -> list[FrictionProblem]:
+    """The problem with random free velocities, of uniform direction in the metric of the kinetic energy; M is diagonal."""
+    random, root = np.random.default_rng(seed), np.sqrt(problem.mass.diagonal())
+    return [problem.replace(free_velocity=random.normal(size=len(root)) / root) for _ in range(draws)]
 
 
-def relaxed(problem: FrictionProblem) -> Array:
-    """The impulses (nc, d) of the convex relaxation."""
-    return solve(problem, "relaxation_ip", tol=TOL).impulse
+def apart(problem: FrictionProblem, v: Array, w: Array) -> float:
+    """|v - w|_M / |v*|_M, in the norm of the kinetic energy."""
+    free = problem.free_velocity
+    return float(np.sqrt((v - w) @ (problem.mass @ (v - w)) / (free @ (problem.mass @ free))))
+
+
+def by(spec: str, tol: float = TOL) -> Solve:
+    """The impulses (nc, d) of a problem by this solver."""
+    return lambda problem: solve(problem, spec, tol=tol).impulse
+
+
+exact = by("lemke", 1e-12)
+coulomb = by("hybrid")
+relaxed = by("relaxation_ip")

@@ -12,10 +12,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import SCHEMES, FrictionProblem, NoSolution, Scene, census, first_problem, simulation
+from frictionbench.problems import SCHEMES, NoSolution, Scene, census, first_problem, simulation
 from frictionbench.reports import INK, Panel
-from frictionbench.solvers import solve
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require
+from studies.motions import by
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require, widest
 
 PARTED = 20.0  # times the change of the start: farther apart at the end than smooth growth in so short a motion explains
 SAME = 1e-6  # m/s: answers of two solvers that differ by less
@@ -85,13 +85,9 @@ def begin(case: str) -> Scene:
 
 def motion(stage: Scene, scheme: str, solver: str, steps: int = STEPS) -> Array:
     """The velocities (steps, nv) after each step, fewer where the scheme has no solution."""
-
-    def answer(problem: FrictionProblem) -> Array:
-        return solve(problem, solver, tol=1e-10).impulse
-
     found = []
     try:
-        for now in simulation(stage, answer, SCHEMES[scheme], steps):
+        for now in simulation(stage, by(solver), SCHEMES[scheme], steps):
             found.append(now.v)  # noqa: PERF401, what was found before the failure is kept
     except NoSolution:
         pass
@@ -146,7 +142,7 @@ def summary(found: Tables) -> Summary:
     silent = pairs[pairs["none"]]
     told = [f"{case} ({_pairs(own)})" for case, own in parted.groupby("case")]
     jam = rows[(rows["case"] == JAM) & ~rows["none"]].drop_duplicates(["scheme", "solver"])
-    between = _spread(jam)
+    between = widest(jam["velocity"])
     edge = rows[(rows["case"] == EDGE) & rows["parted"]]
     events = landings[landings["scheme"] == EVENTS].sort_values("spin")
     others = landings[landings["scheme"] != EVENTS]
@@ -198,12 +194,6 @@ def _pairs(own: pd.DataFrame) -> str:
 
 def _gain(rows: pd.DataFrame) -> float:
     return float((rows["apart"] / rows["size"]).max())
-
-
-def _spread(rows: pd.DataFrame) -> float:
-    """The largest distance between velocities at the end."""
-    ends = np.array(rows["velocity"].tolist(), dtype=float)
-    return float(np.linalg.norm(ends[:, None] - ends[None], axis=2).max())
 
 
 def _apart(distance: float) -> str:

@@ -14,7 +14,7 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem, refined, velocity_distance
 from frictionbench.reports import INK, Panel
 from frictionbench.solvers import solve
-from studies.motions import coulomb, path
+from studies.motions import coulomb, path, problem_of
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require, share
 
 APART = 1e-3  # of what contact changes: velocities further apart are two outcomes
@@ -45,7 +45,7 @@ def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STAR
     """Every method's answer to the same problem, refined to rounding, and to which outcome it belongs."""
     for name, settings in scenes:
         for friction in frictions:
-            problem = made(name, settings | {"friction": friction})
+            problem = problem_of(name, settings | {"friction": friction})
             outcomes: list[Array] = []
             for method, start, answer in found(problem, starts):
                 finest = None if answer is None else refined(problem, answer)
@@ -88,12 +88,6 @@ def refined_answers(problem: FrictionProblem, starts: int) -> list[Array]:
     return [r for r in refinements if r is not None]
 
 
-def made(name: str, settings: dict[str, Any]) -> FrictionProblem:
-    """The first problem of a scene, or an instance, at these settings; random ones have one friction everywhere."""
-    problem: FrictionProblem = fb.instance(name, **settings) if name in fb.instances() else fb.scene(name, **settings).problem()
-    return problem
-
-
 def motions(
     scenes: Any = (("disc_pile", {"rows": 5, "push": 0.1}), ("disc_pile", {"rows": 10, "push": 0.1})),
     frictions: Any = FRICTIONS,
@@ -132,7 +126,7 @@ def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADD
     """Residual and velocity error of answers at a ladder of tolerances, v* shared by two refined methods."""
     for name, settings in scenes:
         for friction in frictions:
-            problem = made(name, settings | {"friction": friction})
+            problem = problem_of(name, settings | {"friction": friction})
             finest = refined_answers(problem, 0)
             if len(finest) < 2 or any((velocity_distance(problem, r, finest[0]) or 0.0) > 1e-9 for r in finest[1:]):
                 continue

@@ -15,6 +15,7 @@ from frictionbench.problems import FrictionProblem, frictionless_answer, idle, r
 from frictionbench.reports import Look, Panel, looks
 from frictionbench.solvers import Answer, Status, available, find, solve
 from studies.findings import AGREES, DIFFERS, LOOSE, OPEN, PAIRS, PARTLY, TIGHT, findings, needing, without_rank
+from studies.motions import by
 from studies.study import RECORDED, Array, Row, Study, Summary, Tables, curve, finish, require, share, wilson
 
 START = {"resting": "given", "lifted": "zero"}  # the start that is told, of problems that need no friction
@@ -128,12 +129,13 @@ def evidence(blocks: int = 5) -> Iterator[Row]:
         for spec, info in sorted(available().items())
         if info.ours and not info.needs and info.model != "relaxation"
     ]
+    reference = by("hybrid", 1e-12)
     for kind, push in WITHOUT_FRICTION.items():
         problem = fb.scene("stack", blocks=blocks, push=push).problem()
         if kind == "lifted":
             problem = problem.replace(free_velocity=-problem.free_velocity)
-        given = frictionless_answer(problem, _exact)
-        facts = {"kind": kind, "idle": idle(problem, _exact), "trivial": bool((problem.q.reshape(-1, 2)[:, 0] >= 0).all())}
+        given = frictionless_answer(problem, reference)
+        facts = {"kind": kind, "idle": idle(problem, reference), "trivial": bool((problem.q.reshape(-1, 2)[:, 0] >= 0).all())}
         for spec, info in exact:
             solver = find(spec)[0]
             if 2 not in solver.dimension:
@@ -147,10 +149,6 @@ def evidence(blocks: int = 5) -> Iterator[Row]:
                     "iterations": work,  # all that the method counts as such
                     "residual": fb.residual(problem, answer.impulse),  # of Coulomb's law
                 }
-
-
-def _exact(problem: FrictionProblem) -> Array:
-    return solve(problem, "hybrid", tol=1e-12).impulse
 
 
 def plan() -> Plan:

@@ -13,7 +13,7 @@ import frictionbench as fb
 from frictionbench.problems import GRAVITY, FrictionProblem, census
 from frictionbench.reports import INK, Panel
 from frictionbench.solvers import solve
-from studies.motions import coulomb, path, relaxed
+from studies.motions import apart, coulomb, path, relaxed
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require
 
 PILES: dict[str, dict[str, Any]] = {
@@ -52,13 +52,9 @@ def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEP
                     "step": step,  # s
                     "residual": fb.residual(problem, relaxed(problem)),  # of the relaxation's answer by Coulomb's law
                     # |v_relaxed - v_Coulomb|_M / |v*|_M
-                    "error": energy_norm(problem, w - v) / energy_norm(problem, problem.free_velocity),
+                    "error": apart(problem, w, v),
                     **counts,
                 }
-
-
-def energy_norm(problem: FrictionProblem, v: Array) -> float:
-    return float(np.sqrt(v @ (problem.mass @ v)))
 
 
 def cycle(frictions: Iterable[float] = np.linspace(0.45, 1, 12), b: float = 0.97, rounds: int = 300) -> Iterator[Row]:

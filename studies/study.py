@@ -102,6 +102,12 @@ def listing(items: Sequence[str], last: str = "and") -> str:
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} {last} {items[-1]}" if items else "none"
 
 
+def widest(values: pd.Series) -> float:
+    """The largest distance between any two of the vectors."""
+    vectors = np.array([np.atleast_1d(value) for value in values], dtype=float)
+    return float(np.linalg.norm(vectors[:, None] - vectors[None], axis=2).max())
+
+
 def curve(ax: Axes, k: int, x: ArrayLike, y: ArrayLike, label: str = "", **more: Any) -> None:
     """The k-th curve of a panel."""
     look = {"color": COLOURS[k % 8], "marker": _MARKERS[k % 8], "ls": _DASHES[k % 8], "ms": 3.5} | more

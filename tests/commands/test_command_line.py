@@ -1,7 +1,6 @@
 """Output of the command line on terminals and pipes: help, lists, tables, summaries, errors and interruptions."""
 
 import json
-import re
 import signal
 import subprocess
 import sys
@@ -10,13 +9,12 @@ import pytest
 from typer.testing import CliRunner
 
 from frictionbench.commands.cli import app
-from frictionbench.commands.summary import folder_for, summary
+from frictionbench.commands.summary import folder_for
 from frictionbench.harness import process
 from frictionbench.harness.plans.choose import choose
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import ShardWriter
-from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
 
 
 def output_of(*arguments: str) -> str:
@@ -63,26 +61,6 @@ def test_default_folder_depends_on_settings() -> None:
     assert str(folder_for(whole)) == str(folder_for(same)) == "runs/smoke"
     assert str(folder_for(other)).startswith("runs/smoke-")
     assert folder_for(other) == folder_for(choose("smoke", [], (), "1e-6", None))
-
-
-def test_run_summary(tmp_path) -> None:
-    solves = [
-        solve_row("a", "p"),
-        solve_row("a", "q"),
-        solve_row("b", "p"),
-        unanswered_row("b", "q", "timeout"),
-        unanswered_row("b", "s", "skipped"),
-    ]
-    write_folder(tmp_path, [*solves, solve_row("a", "r", trivial=True)], [simulation_row("a")])
-    lines = summary(tmp_path).splitlines()
-    assert lines[0].endswith(": 5")  # cells of problems that are not trivial
-    assert [line.split() for line in lines[1:4]] == [
-        ["solver", "solved", "timeout", "skipped"],
-        ["a", "2"],
-        ["b", "1", "1", "1"],
-    ]
-    assert [line for line in lines if re.search(r"\b1\b.*\bb\b.*skipped.*for a reason", line)]
-    assert lines[-1].endswith(f"frictionbench report {tmp_path}")
 
 
 def test_abbreviated_keys(tmp_path) -> None:

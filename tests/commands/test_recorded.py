@@ -33,16 +33,6 @@ def test_file_is_solved_and_ranked(tmp_path, capsys) -> None:
     assert told.splitlines()[-2].split()[:2] == ["3", "osqp:"]  # planar only: skipped, and so last
 
 
-def test_bare_lcp_is_solved_by_lcp_solvers(tmp_path, capsys) -> None:
-    np.savez(tmp_path / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
-    solve_one(str(tmp_path / "lcp.npz"), ["lemke", "nsgs"], 1e-8, 10.0, 1)
-    told = capsys.readouterr().out
-    assert "lcp.npz: LCP of 2 unknowns" in told
-    assert "not bare LCPs" in told
-    assert "ranked from the method's own form" in told
-    assert "use lemke: solved from the method's own form" in told
-
-
 def test_export(tmp_path) -> None:
     (path,) = export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5")
     assert read(path).hash == make_instance("cubes", boxes=2, friction=0.3).hash

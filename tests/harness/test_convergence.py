@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness import convergence
-from frictionbench.harness.convergence import chosen, history
+from frictionbench.harness.convergence import history
 from frictionbench.harness.run import run
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
@@ -50,22 +50,6 @@ def test_history_uses_verified_residuals() -> None:
     assert units == [1, 2, 3]
     assert residuals == [residual(problem, impulse)] * 3
     assert residuals[0] > 1e-3
-
-
-def test_chosen_problems() -> None:
-    def entry(name, contacts, scene="stack", redundancy=0, trivial=False, idle=False):
-        facts = {"problem": name, "contacts": contacts, "scene": scene, "redundancy": redundancy}
-        return facts | {"trivial": trivial, "idle": idle}
-
-    entries = [
-        entry("huge", 500),
-        entry("large", 40),
-        entry("small", 2, redundancy=1),
-        entry("slack", 4, "jam", 1, trivial=True),
-        entry("resting", 4, "stack", 4, idle=True),
-    ]
-    entries += [entry("bare", None, "set", None), entry("", 3, "torn"), *(entry(name, 3, name) for name in "abcd")]
-    assert [one["problem"] for one in chosen(entries)] == ["large", "a", "b", "c", "small"]
 
 
 def test_run_writes_histories(tmp_path) -> None:

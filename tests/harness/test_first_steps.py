@@ -9,10 +9,8 @@ import pytest
 from frictionbench.harness.maps import EVERY, STEPS, store_first_steps
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import simulate
-from frictionbench.reports.drawing.first_steps import picture
 from frictionbench.results.files import ResultsError
-from frictionbench.results.maps import Axis, FirstSteps, Map, first_steps_file, read_first_steps
-from frictionbench.results.motion import Outline
+from frictionbench.results.maps import Axis, Map, first_steps_file, read_first_steps
 from frictionbench.solvers import solve
 
 SPEC = Map("rods", "painleve_rod", Axis("friction", 0.1, 1.0, 3), Axis("angle", 0.5, 1.0, 2))
@@ -38,27 +36,6 @@ def test_scenes_in_space_are_left_out(tmp_path) -> None:
     spec = Map("boxes", "sliding_box", Axis("friction", 0.1, 1.0, 2), Axis("speed", 0.5, 1.0, 2))
     store_first_steps(spec, tmp_path)
     assert read_first_steps(tmp_path, spec) == []
-
-
-def test_picture_of_a_rod_a_disc_and_the_ground() -> None:
-    shapes = (
-        Outline(0, np.array([[-1.0, 0.0], [1.0, 0.0]]), 0.0, False),
-        Outline(1, np.zeros((1, 2)), 0.5, False),
-        Outline(-1, np.array([[1.0, 0.0], [0.0, 0.0]]), 0.0, True),
-    )
-    poses = np.array([[[0.0, 1.0, 0.0], [3.0, 0.5, 0.0]], [[0.0, 1.0, np.pi / 2], [3.0, 0.5, 0.0]]])
-    drawn = picture(FirstSteps((1.0, 2.0), shapes, poses))
-    left, top, width, height = map(float, drawn["view"].split())
-    assert (left, left + width) == pytest.approx((-1.675, 4.175))  # bodies from -1 to 3.5, and a margin
-    assert (top, top + height) == pytest.approx((-2.675, 0.675))  # y points down
-    first, last = drawn["frames"]
-    assert first.startswith("M-1 -1L1 -1Z")
-    turned = [float(number) for number in last[1:].partition("Z")[0].replace("L", " ").split()]
-    assert turned == pytest.approx([0, 0, 0, -2], abs=1e-12)
-    assert first.partition("Z")[2] == last.partition("Z")[2]
-    ends = [float(pair.split()[0]) for pair in drawn["ground"][1:].split("L")]
-    assert min(ends) < left
-    assert max(ends) > left + width
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from frictionbench.harness.judge import judge, judge_file
 from frictionbench.problems.measures import judged, violations
 from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
-from frictionbench.results.judgement import NAME, forces_right, impossible, percentiles, read_judgements, worst
+from frictionbench.results.judgement import NAME, forces_right, impossible, percentiles, read_judgements
 from frictionbench.results.store import read_table
 from tests.helpers.command_line import frictionbench
 
@@ -123,12 +123,3 @@ def test_hyperstatic_contacts_are_marked(tmp_path) -> None:
     assert difference < 1e-6
     assert nets == pytest.approx([-0.05, 2 * 9.81 * STEP] * 2)
     assert "In 1 of 1 the forces of single contacts are not determined (hyperstatic)" in forces_right([one])
-
-
-def test_the_worst_steps_are_apart(folder) -> None:
-    step = read_judgements(folder)[0]
-    row = [step._replace(file=f"{k}", contacts=1, residual=1.0 / (1 + abs(k - 50))) for k in range(100)]
-    shown = [int(one.file) for one in worst(row, 5)]
-    assert shown[0] == 50
-    assert all(abs(a - b) >= 10 for a in shown for b in shown if a != b)
-    assert len(worst(row[:3], 5)) == 3

@@ -1,12 +1,10 @@
 """The recorded steps of robots: what the table says of them is true, their answers and starts are those of the files."""
 
-from collections import Counter
-
 import numpy as np
 import pytest
 
 from frictionbench.harness.cells.collect import collect, stored_start
-from frictionbench.harness.plans.robots import ARRAYS, chosen, kept, one_of_each, steps
+from frictionbench.harness.plans.robots import ARRAYS, chosen, kept, steps
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.labels import labels
@@ -29,20 +27,6 @@ def test_table_files_and_arrays_name_the_same_steps() -> None:
     with np.load(ARRAYS) as arrays:
         assert set(arrays.files) == {*NAMES, *(f"{name} start" for name in NAMES)}
     assert [source.parameters["case"] for source in steps()] == NAMES
-
-
-def test_many_models_behave_in_many_ways() -> None:
-    models, behaviours = (Counter(row[name] for row in ROWS) for name in ("model", "behaviour"))
-    assert len(models) >= 20
-    assert max(models.values()) <= 8
-    assert len(behaviours) == 6
-    lengths = {float(row["length"]) for row in ROWS}
-    assert min(lengths) == 1e-4
-    assert max(lengths) == 0.02
-    for name in ("limits", "dry_friction", "equations"):
-        assert sum(int(row[name]) > 0 for row in ROWS) >= 20, name
-    picked = [source.parameters["case"].split("-")[0] for source in one_of_each()]
-    assert Counter(picked) == Counter(models.keys())
 
 
 @pytest.mark.parametrize("row", ROWS, ids=NAMES)

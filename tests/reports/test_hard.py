@@ -2,7 +2,6 @@
 
 import pytest
 
-from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
 from frictionbench.reports.tables import gaps, hard_shares
 from tests.helpers.made_results import solve_row, unanswered_row, write_folder
@@ -26,12 +25,6 @@ def test_shares_by_label(tmp_path) -> None:
     assert list(table.index) == ["one", "two"]  # a solver that was skipped everywhere has no share
     assert table.loc["one"].to_list() == [1, 1, 1, 1]
     assert table.loc["two"].to_list() == pytest.approx([1 / 3, 1 / 2, 1, 0])
-
-
-def test_no_table_without_labels(tmp_path) -> None:
-    folder = write_folder(tmp_path, [solve_row("one", "a")])
-    assert hard_shares(read_run(folder)) == []
-    assert 'id="hard"' not in write_report(folder).read_text(encoding="utf-8")
 
 
 def test_plane_and_space_have_a_table_each(tmp_path) -> None:

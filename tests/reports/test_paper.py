@@ -5,15 +5,10 @@ import re
 import shutil
 import subprocess
 
-import numpy as np
 import pytest
-from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 
 from frictionbench.commands.options import parse_length, split_names
 from frictionbench.reports.charts import pareto, profiles
-from frictionbench.reports.drawing import tiles
-from frictionbench.reports.drawing.tiles import polylines
 from frictionbench.reports.latex import cited, escaped, references
 from frictionbench.reports.paper import Layout, booktabs, chosen, of_scenes, write_paper
 from frictionbench.reports.printed import Table, one_unit
@@ -84,45 +79,6 @@ def test_every_solver_has_its_references() -> None:  # but for the plug-ins that
     assert named - set(available()) == {"all"}
     keys = [entry.key for entry in references()]
     assert len(keys) == len(set(keys)) == (ROOT / "reports/references.bib").read_text().count("\n@")
-
-
-def test_asterisk_is_explained_where_a_portfolio_is_drawn(tmp_path) -> None:
-    rows = [solve_row(name, p) for name in ("lemke", "hybrid") for p in "pqr"]
-    for row in rows:
-        row["members"] = "lemke" if row["variant"] == "hybrid" else None
-    run = read_run(write_folder(tmp_path / "run", rows, [simulation_row("lemke")]))
-    paper = write_paper(tmp_path, run, figures=["profiles", "energy"])
-    captions = (paper / "captions.tex").read_text().splitlines()
-    told = {name: "asterisk" in line for line in captions for name in ("profiles", "energy") if f"caption@{name}\\" in line}
-    assert told == {"profiles": True, "energy": False}
-
-
-def test_map_drawing() -> None:
-    """Ground, tiles and curve, each with its colour and at its place."""
-    across, upwards = tiles.Axis("friction", ((0.0, "0"), (3.0, "1")), 4), tiles.Axis("mass, kg", ((0.0, "1"),), 4)
-    grid = tiles.Grid(across, upwards, {"#112233": [[(0, 0), (3, 3)]]})
-    wrong = [tiles.Tile(0, 0, 1, "#cc0000", "a"), tiles.Tile(1, 0, 1, "#cc0000", "b"), tiles.Tile(3, 3, 1, "#0000cc")]
-    field = tiles.Field("lemke 90 %", wrong, "#a9d8b8")
-    ax = Figure().subplots()
-    tiles.draw(ax, field, grid)
-    bars = {
-        to_hex(part.get_facecolor()[0]): [path.get_extents().extents for path in part.get_paths()] for part in ax.collections
-    }
-    assert to_hex(ax.get_facecolor()) == "#a9d8b8"
-    assert bars["#cc0000"][1] == pytest.approx([0.5, -0.5, 1.5, 0.5])
-    assert bars["#0000cc"][0] == pytest.approx([2.5, 2.5, 3.5, 3.5])
-    assert (ax.get_xlim(), ax.get_ylim()) == ((-0.5, 3.5), (-0.5, 3.5))
-    curve = next(line for line in ax.lines if line.get_color() == "#112233")
-    assert (tuple(curve.get_xdata()), ax.get_xlabel(), ax.get_ylabel()) == ((0, 3), "friction", "mass, kg")
-
-
-def test_points_are_joined_along_a_curve() -> None:
-    arc = [(5 * np.cos(angle), 5 * np.sin(angle)) for angle in np.linspace(0.1, 3, 20)]
-    far = [(20.0, 20.0), (21.0, 20.5)]
-    shuffled = [*arc[::2], *far, *arc[1::2]]
-    assert sorted(map(len, polylines(shuffled))) == [2, 20]
-    longest = max(polylines(shuffled), key=len)
-    assert longest in (arc, arc[::-1])
 
 
 def test_figures_fit_the_page(run, tmp_path) -> None:

@@ -13,10 +13,7 @@ from frictionbench.commands.single import advice
 from frictionbench.reports import accuracy, choice, tables
 from frictionbench.reports.charts import profiles
 from frictionbench.reports.choice import headline
-from frictionbench.reports.drawing.text import ahead, count, percent
-from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
-from frictionbench.reports.paper import write_paper
 from frictionbench.reports.recorded import motions
 from frictionbench.reports.run import annotate, read_run
 from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, RankBy, ending, law
@@ -63,32 +60,6 @@ def test_order_is_reversed_without_form():
     # form is left out tolerance by tolerance: another tolerance may be the fastest then
     times = accuracy.times_to(run.ranked, 1e-8, RankBy.FORM)
     assert times.set_index("label").loc["nsgs", "charged"].tolist() == pytest.approx([2e-4] * 8)
-
-
-def test_levels_counts_and_shares_in_words():
-    assert ahead(1.0004, "b") == "level with b"
-    assert ahead(1.02, "b") == "1.02 times ahead of b"
-    assert [percent(one) for one in (0.0, 1e-5, 0.123, 0.996, 0.9999, 1.0)] == ["0 %", "1 %", "12 %", "99 %", "99 %", "100 %"]
-    assert [percent(one, 1) for one in (0.0004, 1 / 3, 0.9996, 1 - 1e-12)] == ["0.1 %", "33.3 %", "99.9 %", "100 %"]
-    assert [count(one, "problem") for one in (0, 1, 2)] == ["0 problems", "1 problem", "2 problems"]
-
-
-@pytest.mark.slow  # a page and a paper: one of them ranked by the other time
-def test_both_rankings_on_page_and_the_chosen_one_in_paper_and_markdown(tmp_path):
-    folder = write_folder(tmp_path / "run", robot())
-    run = read_run(folder, RankBy.FORM)
-    page = write_report(folder, run).read_text(encoding="utf-8")
-    assert 'id="rank-by-form" checked' in page
-    assert 'id="rank-by-bodies">' in page
-    assert "The two rankings differ." in page
-    for words in ("from bodies", "from the method&#39;s own form"):
-        assert f"In the plane, {words}, to 1e-8" in page
-        assert f"Performance profiles, {words}" in page
-    captions = (write_paper(folder, run) / "captions.tex").read_text(encoding="utf-8")
-    assert captions.count("from the method's own form (setup and solve)") >= 4
-    told = write_markdown(folder, run).read_text(encoding="utf-8")
-    assert "The solver with the least mean time from the method's own form (setup and solve)" in told
-    assert "from bodies interior_point has the least mean" in told
 
 
 def uneven():
@@ -284,16 +255,6 @@ def test_advice_by_both_rankings():
     told = "use a: solved from bodies in 1.1 ms; 1 other solves it as well; from the method's own form b is faster: 500 µs"
     assert advice([a, b], budget=2e-3) == f"{told}; within 2 ms: 1 of 2"
     assert advice([b, a], RankBy.FORM).startswith("use b: solved from the method's own form in 500 µs")
-
-
-def test_disturbed_cells_are_counted():
-    """Form and setup take a millisecond beside: 2 ms in the fastest repeat, 2.2 ms in the median."""
-    rows = [solve_row("a", f"p{i}", disturbed=True, core=0, solve_times=[1e-3, 1.2e-3, 1.2e-3]) for i in range(3)]
-    rows[0]["core"] = None
-    told = tables.disturbed(run_of(*rows, *uneven()))
-    assert told.startswith("Of 39 cells 2 waited for their core and 1 had none while they were timed")
-    assert "by 10 %, at most by 10 %" in told
-    assert tables.disturbed(run_of(*uneven())) == ""
 
 
 def test_another_law_and_a_polygon_are_told_apart(tmp_path):

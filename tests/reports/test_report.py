@@ -10,16 +10,12 @@ import pytest
 from markupsafe import Markup
 
 from frictionbench.reports import accuracy, choice, tables
-from frictionbench.reports.charts import CHARTS, MAPS, growth, pareto, profiles, speed_accuracy, steps
+from frictionbench.reports.charts import CHARTS, MAPS, growth, pareto, speed_accuracy, steps
 from frictionbench.reports.drawing.files import save_sheet
-from frictionbench.reports.drawing.style import looks
-from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
-from frictionbench.reports.recorded import recorded_problems
 from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
-from frictionbench.reports.sheets import sheets
 from frictionbench.reports.tables import reliabilities, sentences
 from frictionbench.reports.templates import script
 from frictionbench.results.conventions import ENDINGS
@@ -156,18 +152,6 @@ for _row in RUN[:-2]:
     _row |= {"sensitivity": 2.0, "backward_error": 1e-9, "work": '{"iterations": 3}'}
 
 
-def test_portfolios_are_marked(tmp_path):
-    rows = [solve_row("mixture", "p", members="lemke, nsgs", solve_time=1e-3), solve_row("nsgs", "p")]
-    folder = write_folder(tmp_path / "run", rows, [simulation_row("mixture", members="lemke, nsgs")])
-    page, run = Page(write_report(folder)), read_run(folder)
-    assert "mixture* may run lemke, nsgs." in page.text
-    assert re.search(r"(?<!check-solver ')mixture(?!\*)", page.text) is None
-    assert set(run.looks) == {"mixture*", "nsgs"}
-    assert set(run.simulations["label"]) == {"mixture*"}
-    assert looks(["hybrid*"])["hybrid*"].colour == looks(["hybrid"])["hybrid"].colour
-    assert r"mixture* &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
-
-
 def test_page_is_complete_and_self_contained(tmp_path):
     torn = unanswered_row(
         "nsgs", "", "skipped", scene="Chain", parameters='{"file": "torn.dat"}', contacts=None, dimension=None
@@ -264,16 +248,6 @@ def test_charts_on_page_and_in_paper(tmp_path):
         assert Markup(chart.caption).striptags() in page.text
 
 
-def test_seconds():
-    assert [seconds(value) for value in (0.0, 2.5e-6, 9.99e-4, 3e-3, 120.0)] == ["0 µs", "2.5 µs", "999 µs", "3 ms", "120 s"]
-
-
-def test_hosts_are_separate() -> None:
-    two = annotated(solve_row("lemke", "p", host="left"), solve_row("lemke", "q", host="right"))
-    assert two["label"].tolist() == ["lemke on left", "lemke on right"]
-    assert annotated(solve_row("lemke", "p", start="warm"))["label"].tolist() == ["lemke, warm"]
-
-
 def test_which_solver_by_hand():
     def entry(name, *times, **given):
         sizes = (2, 2, 50)
@@ -305,17 +279,6 @@ def test_pareto_front():
 def test_pareto_requires_all_problems():
     rows = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), unanswered_row("b", "q", "skipped")]
     assert pareto.means(run_of(*rows).ranked)["label"].tolist() == ["a"]
-
-
-def test_style_is_equal_in_every_report():
-    names = [f"solver {i}" for i in range(30)]
-    assert looks(names) == looks(reversed(names))
-    assert len(set(looks(names).values())) == 30
-    assert looks(["lemke", "nsgs"])["nsgs"] == looks(["nsgs", "somebody"])["nsgs"]
-    assert looks(["x", "y"])["y"] == looks(["y"])["y"]
-    family = looks(["ccp[backend=osqp]", "ccp[backend=clarabel]"])
-    assert len({look.colour for look in family.values()}) == 1
-    assert len(set(family.values())) == 2
 
 
 HANDS = """
@@ -350,23 +313,6 @@ def test_page_controls(tmp_path):
     assert f'data-seen="{wanted}"' in opening
 
 
-def test_recorded_problems_are_listed(tmp_path) -> None:
-    chain = {"scene": "Chain", "parameters": '{"file": "a.hdf5"}', "dimension": 3, "contacts": 4, "rank": 9, "asymmetry": 1e-3}
-    torn = {"scene": "Chain", "parameters": '{"file": "torn.dat"}', "contacts": None, "dimension": None, "trivial": None}
-    rows = [
-        *(solve_row(name, "a", time_limit=1.0, solve_time=time, **chain) for name, time in (("slow", 0.5), ("fast", 0.1))),
-        solve_row("poor", "a", residual=1e-3, **chain),
-        unanswered_row("left", "a", "skipped", **chain),
-        unanswered_row("slow", "", "skipped", **torn),
-        solve_row("slow", "scene of ours"),
-    ]
-    run = read_run(write_folder(tmp_path / "run", rows))
-    whole, broken = recorded_problems(run)
-    assert (whole.file, whole.dimension, whole.contacts, whole.rank_ratio) == ("a.hdf5", 3, 4, 0.75)
-    assert (list(whole.solvers), whole.tried, whole.remarks) == (["fast", "slow"], 3, "unsymmetric by 1e-3")
-    assert (broken.file, broken.reason) == ("torn.dat", "for a reason")
-
-
 def test_common_denominator():
     """Ten problems, four of them of a class that b is skipped on; warm starts are judged by the three that have one."""
     names = [(scene, f"{scene}{i}") for scene, n in (("bar", 6), ("rod", 4)) for i in range(n)]
@@ -398,49 +344,12 @@ def test_rank_with_larger_penalty_by_hand():
     assert table["rank 10"].to_dict() == {"a": 2, "b": 1}
 
 
-def test_work_by_unit():
-    work = {"a": '{"pivots": 4}', "b": '{"pivots": 9}', "c": '{"sweeps": 3}', "d*": '{"a pivots": 4}'}
-    rows = [solve_row(name, f"p{i}", work=text) for name, text in work.items() for i in range(2)]
-    rows[-1]["work"] = '{"c sweeps": 7}'  # on one of its problems it counts something else
-    (panel,) = profiles.work(run_of(*rows))
-    assert panel.title == f"{PLANE}, pivots"
-    assert {name: profile.cost.tolist() for name, profile in panel.draw.keywords["costs"].items()} == {"a": [1, 1], "b": [2, 2]}
-    assert profiles.counted('{"lemke pivots": 3, "pivots": 2, "restarts": 9}') == {"pivots": 5}
-
-
 def test_growth_exponent_by_hand():
     sizes = np.array([10.0, 20.0, 50.0, 100.0])
     assert growth.exponent(sizes, 3e-6 * sizes**1.5) == pytest.approx((1.5, 0.0), abs=1e-12)
     slope, error = growth.exponent(sizes, 3e-6 * sizes**1.5 * np.array([1.1, 0.9, 1.1, 0.9]))
     assert abs(slope - 1.5) < 2 * error < 0.5
     assert np.isnan(growth.exponent(sizes[:2], sizes[:2])[0])
-
-
-def test_solver_sheet(tmp_path):
-    rows = [solve_row("a", f"p{i}", contacts=i + 2, family="some") for i in range(4)]
-    for row, verdict in zip(rows[1:], ("unsolved", "unsolved", "wrong"), strict=True):
-        row |= {"verdict": verdict, "residual": 2.4e-3, "reason": "so it says"}
-    folder = write_folder(tmp_path / "run", [*rows, solve_row("b", "p0")], solvers={"a": "Pivots.\n\nIt always ends."})
-    first, second = sheets(read_run(folder))
-    assert first.description == ["Pivots.", "It always ends."]
-    assert [(lost.verdict, lost.cells, lost.of, lost.contacts) for lost in first.failures] == [
-        ("unsolved", 2, 4, 3),
-        ("wrong", 1, 4, 5),
-    ]
-    assert [row["reached"] for row in first.results if row["target"] == 1e-8] == [1]
-    assert (second.failures, second.description) == ([], [])
-    page = Page(write_report(folder)).text
-    for text in ("It always ends.", "No failures.", "2.4e-3", "so it says"):
-        assert text in page
-
-
-def test_unfinished_run_explains_missing_comparison(tmp_path):
-    folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p")])
-    assert "Partial: 1 pairs" in Page(write_report(folder)).text
-    (folder / "manifest.json").write_text('{"schema": 3, "settings": {}}', encoding="utf-8")
-    text = Page(write_report(folder)).text
-    assert "This run has not finished. 1 pairs of a problem and a solver have no row yet" in text
-    assert "Partial" not in text
 
 
 def test_accuracy_by_hand(tmp_path):

@@ -152,12 +152,6 @@ def test_solved_without_the_residual_for_it_is_unusable(runs, residual):
     assert "a-p0-1e-08: solved, with a residual of" in result.unusable
 
 
-def test_another_time_limit_is_told(runs):
-    result = runs(rows(["solved"] * 2, time_limit=10.0), rows(["solved"] * 2, time_limit=2.5))
-    assert result.exit_code == 0
-    assert "Another time limit: 2 cells, the first with 2.5 s in place of 10 s." in result.notes
-
-
 def pivots(counts, **given):
     return [solve_row("a", f"p{i}", work=json.dumps({"pivots": count}), **given) for i, count in enumerate(counts)]
 

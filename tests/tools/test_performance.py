@@ -4,7 +4,7 @@ from pathlib import Path
 
 import frictionbench as fb
 from tests.helpers.made_results import batch_row, write_folder
-from tools import large_problems, performance
+from tools import performance
 from tools.hard_families import Family, section
 
 
@@ -19,23 +19,6 @@ def test_rates_stand_in_a_table_for_each_batch(tmp_path: Path) -> None:
     assert "| lemke | packed | cold | 1,000 | 2 | 0.50 | 0.50 | 0.50 | 1.90 |" in told
     assert "| osqp | calls | cold | 50 % verified | – |" in told
     assert max(map(len, told.splitlines())) <= 128
-
-
-def test_large_problems_are_told_with_what_was_not_run(monkeypatch) -> None:
-    monkeypatch.setattr(
-        large_problems, "FAMILIES", {"stack of boxes": ("stack", "blocks", (2, 4)), "chain": ("chain", "links", (3,))}
-    )
-    monkeypatch.setattr(large_problems, "ROUNDS", 1)
-    monkeypatch.setattr(large_problems, "STORAGE", 8 * 2 * 16**2)  # of two matrices of the first stack's size
-    rows = [
-        line.split("|")[1:-1]
-        for line in large_problems.section().splitlines()
-        if line.startswith("| ") and "growth" not in line
-    ]
-    assert [[cell.strip() for cell in row[:3]] for row in rows] == [["2", "4", "16"], ["4", "8", "32"], ["3", "6", "24"]]
-    assert all(float(row[4]) > 0 for row in rows)
-    assert float(rows[0][6]) > 0
-    assert [row[6].strip() for row in rows[1:]] == ["–", "–"]
 
 
 def _cells(family: Family) -> list[str]:

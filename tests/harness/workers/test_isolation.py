@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -37,28 +36,6 @@ class BlocksSignals:
         while True:
             pass
 """
-RAISES = "raise RuntimeError('the code of the current folder was run')"
-
-
-def frictionbench(*arguments: str, **options) -> subprocess.CompletedProcess[str]:
-    command = [Path(sys.executable).with_name("frictionbench"), *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, **options)
-
-
-@pytest.fixture
-def shadowing_folder(tmp_path) -> Path:
-    for package in ("problems", "solvers", "harness", "results", "reports"):
-        (tmp_path / package).mkdir()
-        (tmp_path / package / "__init__.py").write_text(RAISES, encoding="utf-8")
-    (tmp_path / "numpy.py").write_text(RAISES, encoding="utf-8")
-    return tmp_path
-
-
-def test_current_folder_is_not_imported(shadowing_folder) -> None:
-    options = ("run", "smoke", "--scene", "stack", "--solver", "nsgs", "--tol", "1e-4", "--out", "run")
-    done = frictionbench(*options, cwd=shadowing_folder)
-    assert done.returncode == 0, done.stderr
-    assert set(store.read_table(shadowing_folder / "run", "solves")["verdict"]) == {"solved"}
 
 
 @pytest.mark.parametrize(
