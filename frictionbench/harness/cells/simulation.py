@@ -103,7 +103,7 @@ def _usable(problem: FrictionProblem, impulse: Array) -> Array:
 
 
 def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
-    """The columns of a simulation's row (results.schema.SIMULATIONS) that the simulation gives."""
+    """The columns of a simulation's row (results.schema) that the simulation gives."""
     stage = scene(cell.scene, **cell.parameters)
     planned = stage.steps if cell.steps is None else cell.steps
     loop = _ClosedLoop(info, solver, cell)
