@@ -199,8 +199,7 @@ def compare(
         list[Path],
         typer.Argument(
             metavar="DIR",
-            help="A baseline file or a results folder, and a results folder; both may also be results of pytest-benchmark. "
-            "With --history any number.",
+            help="A baseline file or a results folder, and a results folder. With --history any number.",
         ),
     ],
     accept: Annotated[bool, typer.Option("--accept", help="Write the run DIR as the baseline BASELINE.")] = False,

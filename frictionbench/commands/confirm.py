@@ -46,7 +46,7 @@ def confirmed(
     named: outside solvers that the user trusts. code: the location of the baseline's code. tell: prints a line of progress.
     Errors: InputError naming the option, ResultsError where a run fails.
     """
-    if comparison.unusable or comparison.benchmarks:
+    if comparison.unusable:
         return comparison
     if code:
         require_code(code)

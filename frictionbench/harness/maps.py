@@ -9,8 +9,8 @@ An axis is written on the command line as
 
 First the grid points are run, then the points of finer grids where verdicts differ. Each round is the run of a plan with more
 grid points, in the same folder, so that an interrupted run resumes: which points to add follows from the rows found. At the end
-the thresholds of theory are traced over each map (along lines, by bisection, without a solver), its scene's first steps are
-recorded, and for each map and exact solver the smallest failing problem is reduced further.
+the thresholds of theory are traced over each map (along lines, by bisection, without a solver), and for each map and exact
+solver the smallest failing problem is reduced further.
 """
 
 import json
@@ -23,7 +23,6 @@ from typing import get_args
 
 import numpy as np
 
-from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.plans.choose import tolerances
 from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
@@ -44,15 +43,12 @@ from frictionbench.results.files import subfolder, write_text
 from frictionbench.results.maps import (
     THEORY,
     Axis,
-    FirstSteps,
     GridPoint,
     Map,
     Scale,
     at_grid_points,
     failed_rows,
-    first_steps_file,
     thresholds_file,
-    write_first_steps,
 )
 from frictionbench.results.store import Row
 
@@ -60,9 +56,6 @@ SCALES = get_args(Scale)
 SOLVERS = (*MAPPED, "relaxation_ip")  # of a map whose command names none
 MOST_LINES = 200  # along an axis: finer than a map can show
 REPEATS = 2  # timed solves: a map shows times by colour, to a factor
-STEPS, EVERY = 12, 4  # steps of a picture of a scene, and steps between two frames
-PICTURED = 8  # grid lines of each axis at most: a picture of another tile is the nearest of these
-SOLVER = "hybrid"
 LINES = 11  # along each axis at least, so that a curve drawn through the points looks smooth
 HALVINGS = 7  # of half a grid line: to 1/256 of it, finer than a printed map shows
 MOST_SHRUNK = 100  # failures: with shrink.ENOUGH seconds each, a quarter of an hour at most
@@ -251,7 +244,6 @@ def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: s
         run(_with_points(plan, points), folder, jobs, progress, cluster)
     for spec in plan.maps:
         trace(spec, folder)
-        store_first_steps(spec, folder)
     _shrink_failures(plan, folder, jobs, progress)
 
 
@@ -284,14 +276,3 @@ def _with_points(plan: Plan, points: list[dict[GridPoint, None]]) -> Plan:
     found = {source.key: source for spec, known in both for source in sources(spec, known)}
     simulated = tuple(cell for spec, known in both for cell in simulation_cells(spec, known, plan))
     return replace(plan, map_sources=tuple(found.values()), map_simulations=simulated)
-
-
-def store_first_steps(spec: Map, folder: Path) -> None:
-    """Write the first steps to folder, unless they have been written; of scenes in the plane."""
-    if scene(spec.scene, **spec.at((0.0, 0.0))).dimension != 2 or first_steps_file(folder, spec).exists():
-        return
-    found = []
-    for point in ((float(i), float(j)) for i in spec.x.lines(PICTURED) for j in spec.y.lines(PICTURED)):
-        motion = record_motion(scene(spec.scene, **spec.at(point)), SOLVER, spec.scheme, STEPS)
-        found.append(FirstSteps(point, motion.outlines, motion.poses[::EVERY]))
-    write_first_steps(folder, spec, found)

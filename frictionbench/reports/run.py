@@ -33,7 +33,7 @@ from frictionbench.reports.drawing.style import Look, apart, looks
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy, json_object
 from frictionbench.results.extras import ConvergenceHistory, Shrunk, read_histories, read_shrunk
-from frictionbench.results.maps import FirstSteps, GridPoint, maps_of, read_first_steps, read_thresholds
+from frictionbench.results.maps import GridPoint, maps_of, read_thresholds
 from frictionbench.results.outcomes import with_outcomes
 from frictionbench.results.store import read_manifest, read_table
 
@@ -54,8 +54,8 @@ class Run:
     """The contents of a results folder. Values that several readers need are computed once.
 
     rows: the solves table; simulations: without those of maps in closed loop, which are in map_simulations; thresholds: points
-    on each threshold, by map and name; first_steps: of the scene at grid points, by map. rank_by: the time by which solvers are
-    ranked; budget: a time for each problem, s, if the reader has one. printed: whether lines have to differ without colours.
+    on each threshold, by map and name. rank_by: the time by which solvers are ranked; budget: a time for each problem, s, if
+    the reader has one. printed: whether lines have to differ without colours.
     """
 
     manifest: dict[str, Any]
@@ -64,7 +64,6 @@ class Run:
     map_simulations: pd.DataFrame = field(default_factory=pd.DataFrame)
     histories: list[ConvergenceHistory] = field(default_factory=list)
     thresholds: dict[str, dict[str, list[GridPoint]]] = field(default_factory=dict)
-    first_steps: dict[str, list[FirstSteps]] = field(default_factory=dict)
     shrunk: dict[str, Shrunk] = field(default_factory=dict)
     folder: Path = Path()
     rank_by: RankBy = RankBy.BODIES
@@ -148,11 +147,10 @@ def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None
     where = zip(simulations["scene"], simulations["scheme"], simulations["parameters"], strict=True)
     mapped = np.array([simulation in loops for simulation in where], dtype=bool)
     thresholds = {spec.name: read_thresholds(folder, spec) for spec in specs}
-    first_steps = {spec.name: read_first_steps(folder, spec) for spec in specs}
     solves = annotate(read_table(folder, "solves"))
     both = simulations[~mapped], simulations[mapped]
     reduced = read_shrunk(folder)
-    run = Run(manifest, solves, *both, read_histories(folder), thresholds, first_steps, reduced, folder, budget=budget)
+    run = Run(manifest, solves, *both, read_histories(folder), thresholds, reduced, folder, budget=budget)
     return run.ranked_by(rank_by)
 
 

@@ -16,7 +16,7 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.results import baseline as baselines
-from frictionbench.results import benchmarks, changes
+from frictionbench.results import changes
 from frictionbench.results.cells import Cells, read, rounded
 from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.conventions import RankBy
@@ -59,7 +59,6 @@ class Comparison:
     notes: tuple[str, ...] = ()
     untimed: str = ""
     alpha: float = Limits().alpha
-    benchmarks: bool = False
     sources: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -91,12 +90,12 @@ class Comparison:
 
 
 def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Comparison:  # noqa: B008  # it is a value
-    """Compare two runs, either of which may be a baseline, or two results of pytest-benchmark.
+    """Compare two runs, either of which may be a baseline.
 
     Input that cannot be compared is reported in `unusable`, not raised.
     """
     try:
-        (old, *more_old), (new, *more_new) = _processes(baseline, limits.rank_by), _processes(current, limits.rank_by)
+        old, new = read(baseline, limits.rank_by), read(current, limits.rank_by)
     except ResultsError as error:
         return Comparison(baseline, current, unusable=str(error))
     for side in (old, new):
@@ -111,11 +110,8 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
     if common.empty:
         return Comparison(baseline, current, unusable="no cell was measured in both runs")
     alike = bool(old.machine) and old.machine == new.machine
-    if benchmarks.is_benchmark(current) and not alike:
-        return Comparison(baseline, current, unusable="times measured on different machines are not compared")
     found, timeouts = _differences(old.table, new.table, alike, limits)
-    pairs = zip([old, *more_old], [new, *more_new], strict=False)
-    timed = times([(a.table, b.table) for a, b in pairs], limits.slowdown, limits.alpha) if alike and limits.times else []
+    timed = times([(old.table, new.table)], limits.slowdown, limits.alpha) if alike and limits.times else []
     return Comparison(
         baseline,
         current,
@@ -126,7 +122,6 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         notes=tuple(_notes(old, new, timeouts)),
         untimed="" if alike or not limits.times else _untimed(old),
         alpha=limits.alpha,
-        benchmarks=benchmarks.is_benchmark(current),
         sources=new.sources,
     )
 
@@ -135,10 +130,6 @@ def _untimed(old: Cells) -> str:
     of_file = "those of a baseline file are of one process, elsewhere"
     why = "they were measured on different machines" if old.machine else of_file
     return f"{why}. `--confirm --code` runs both versions alternately on this machine"
-
-
-def _processes(path: Path, rank_by: RankBy) -> list[Cells]:
-    return benchmarks.read(path) if benchmarks.is_benchmark(path) else [read(path, rank_by)]
 
 
 def _differences(before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits) -> tuple[dict[str, Any], int]:

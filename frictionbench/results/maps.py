@@ -4,8 +4,7 @@ A position on an axis is measured in grid lines, from 0 at `low` to count - 1 at
 refinement. Scales: `linear`; `log`, logarithmic; `zero`, logarithmic with 0 as one more line before `low`; and `both`,
 logarithmic in both directions from 0: -high ... -low, 0, low ... high. Between 0 and `low` the last two are linear.
 
-    DIR/maps/NAME.json          thresholds traced from the mechanics
-    DIR/maps/NAME-steps.json    the first steps of the scene at some grid points, for a picture
+    DIR/maps/NAME.json      thresholds traced from the mechanics
 
 A solution is known to exist at a grid point where theory or the enumeration of all solutions says so (column `existence`), or
 where the verified answer of some solver is one. It is not known where the enumeration finds none, even if an answer passes
@@ -15,18 +14,15 @@ within the tolerance.
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-import numpy as np
-
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import DEFAULT_SCHEME, first_phase
-from frictionbench.results.files import ResultsError, read_parsed, subfolder, write_text
-from frictionbench.results.motion import Array, Outline, outlines, plain
+from frictionbench.results.files import ResultsError, read_parsed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -65,10 +61,6 @@ class Axis:
         is_power = math.isclose(abs(exact), 2.0**power, rel_tol=1e-12)  # as a unit, it changes no digit of a problem
         value = math.copysign(2.0**power, exact) if is_power else float(f"{exact:.{DIGITS}g}")
         return round(value) if self.whole else value
-
-    def lines(self, most: int) -> list[int]:
-        """At most so many of its grid lines, evenly apart, both ends among them; most: 2 or more."""
-        return sorted({round(k * (self.count - 1) / (most - 1)) for k in range(most)})
 
     @property
     def name(self) -> str:
@@ -169,44 +161,6 @@ def read_thresholds(folder: Path, spec: Map) -> dict[str, list[GridPoint]]:
         lambda traced: {str(name): [(float(i), float(j)) for i, j in points] for name, points in traced.items()},
         {},
     )
-
-
-@dataclass(frozen=True, eq=False)
-class FirstSteps:
-    """point: positions on the two axes. outlines: of all shapes, in the plane. poses: (frames, nb, 3), as of a motion."""
-
-    point: GridPoint
-    outlines: tuple[Outline, ...]
-    poses: Array
-
-
-def first_steps_file(folder: Path, spec: Map) -> Path:
-    return folder / "maps" / f"{spec.name}-steps.json"
-
-
-def write_first_steps(folder: Path, spec: Map, found: Sequence[FirstSteps]) -> None:
-    path = first_steps_file(folder, spec)
-    subfolder(folder, path.parent.name)
-    write_text(path, json.dumps([plain(asdict(one), DIGITS - 1) for one in found], separators=(",", ":")))
-
-
-def read_first_steps(folder: Path, spec: Map) -> list[FirstSteps]:
-    """What was recorded, empty where nothing was. Errors: ResultsError if the file cannot be read."""
-    return read_parsed(first_steps_file(folder, spec), lambda found: [_first_steps(one) for one in found], [])
-
-
-def _first_steps(one: dict[str, Any]) -> FirstSteps:
-    i, j = one["point"]
-    found = FirstSteps((float(i), float(j)), outlines(one["outlines"], 2), np.array(one["poses"], dtype=float))
-    poses = found.poses
-    if poses.ndim != 3 or len(poses) == 0 or poses.shape[2] != 3:
-        raise ValueError(f"poses: expected (frames, nb, 3), got {poses.shape}")
-    if not all(-1 <= outline.body < poses.shape[1] for outline in found.outlines):
-        raise ValueError("outlines: the index of a body is out of range")
-    numbers = np.concatenate([found.point, poses.ravel(), *(np.append(o.corners, o.radius) for o in found.outlines)])
-    if not np.isfinite(numbers).all():
-        raise ValueError("a number is not finite")
-    return found
 
 
 def at_grid_points(rows: "pd.DataFrame", spec: Map) -> "pd.DataFrame":

@@ -127,17 +127,15 @@ def decoded(found: Any, origin: str) -> Motion:
         fields["hinges"] = _numbers(found["hinges"], 3)
         d = 3 if fields["poses"].shape[-1] == 7 else 2
         fields["contacts"] = tuple(_numbers(contacts, 3 * d) for contacts in found["contacts"])
-        fields["outlines"] = outlines(found["outlines"], d)
+        fields["outlines"] = tuple(
+            Outline(int(o["body"]), _numbers(o["corners"], d), float(o["radius"]), bool(o["endless"]))
+            for o in found["outlines"]
+        )
         motion = Motion(**fields)
         _check(motion)
     except (ValueError, TypeError, LookupError, AttributeError, OverflowError) as error:
         raise ResultsError(f"{origin}: not a recorded motion ({type(error).__name__}: {error})") from None
     return motion
-
-
-def outlines(found: Any, d: int) -> tuple[Outline, ...]:
-    """The outlines of an encoded motion. Errors: of types and lengths, as Python raises them."""
-    return tuple(Outline(int(o["body"]), _numbers(o["corners"], d), float(o["radius"]), bool(o["endless"])) for o in found)
 
 
 def _numbers(rows: Any, columns: int) -> Array:

@@ -1,4 +1,4 @@
-"""Baselines as text, acknowledged changes, histories of runs, and results of pytest-benchmark."""
+"""Baselines as text, acknowledged changes, and histories of runs."""
 
 import io
 import json
@@ -184,28 +184,3 @@ def test_history_uses_common_cells(tmp_path):
     assert [(line[0], line[1]) for line in lines if "pivots" in line][:2] == [("a", str(second)), (str(first), "2026-01-02")]
     assert [line[line.index("pivots") + 1] for line in lines if "pivots" in line] == ["60,", "30,", "30,"]
     assert sum("wrong" in line for line in lines) == 1
-
-
-def benchmark(path, medians, node="here"):
-    told = {"machine_info": {"node": node}, "benchmarks": [{"fullname": n, "stats": {"median": m}} for n, m in medians.items()]}
-    path.parent.mkdir(exist_ok=True)
-    path.write_text(json.dumps(told), encoding="utf-8")
-    return path
-
-
-def test_pytest_benchmark_results(tmp_path):
-    old, new = benchmark(tmp_path / "old.json", {"x": 1.0, "y": 1.0}), benchmark(tmp_path / "new.json", {"x": 2.0, "z": 1.0})
-    result = compare(old, new)
-    assert (result.exit_code, result.counts["new"], result.counts["gone"]) == (1, 1, 1)
-    assert "| `x` | 1 s | 2 s | ×2.00 ~ | ~ |  | 1 | 1 |" in markdown(result)
-    for i in range(8):
-        benchmark(tmp_path / "before" / f"{i}.json", {"x": 1.0 + i / 100, "y": 1.0})
-        benchmark(tmp_path / "after" / f"{i}.json", {"x": 1.4, "y": 1.0})
-    several = compare(tmp_path / "before", tmp_path / "after")
-    assert [(time.variant, time.n) for time in several.worse] == [("x", 8)]
-    assert (
-        compare(old, benchmark(tmp_path / "there.json", {"x": 1.0}, "there")).unusable
-        == "times measured on different machines are not compared"
-    )
-    (tmp_path / "none.json").write_text("[]", encoding="utf-8")
-    assert "not a result of pytest-benchmark" in compare(old, tmp_path / "none.json").unusable

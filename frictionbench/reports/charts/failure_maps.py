@@ -17,7 +17,6 @@ from matplotlib.colors import to_hex
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
-from frictionbench.reports.drawing.first_steps import picture
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.drawing.tiles import Drawing, Entry, Grid, Tile, polylines
@@ -122,14 +121,13 @@ def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, lege
     grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: polylines(places) for name, places in traced.items()})
     panels = tuple(tiles.Field(field.title, _tiles(field), field.ground) for field in fields)
     title = f"{spec.title or spec.name}. {spec.note}".removesuffix(". ")
-    pictures = [picture(found) for found in run.first_steps.get(spec.name, ())]
-    facts = _facts(spec) | {"folder": str(run.folder), "pictures": pictures}
-    return Drawing(title, spec.name, tuple(entries), grid, panels, note, facts)
+    return Drawing(title, spec.name, tuple(entries), grid, panels, note, _facts(spec) | {"folder": str(run.folder)})
 
 
 def _axis(axis: Axis) -> tiles.Axis:
     """An axis with a tick at up to TICKS of its grid lines, both ends among them."""
-    ticks = tuple((float(line), re.sub(r"e([+-])0*", r"e\1", f"{axis.value(line):.3g}")) for line in axis.lines(TICKS))
+    lines = sorted({round(k * (axis.count - 1) / (TICKS - 1)) for k in range(TICKS)})
+    ticks = tuple((float(line), re.sub(r"e([+-])0*", r"e\1", f"{axis.value(line):.3g}")) for line in lines)
     return tiles.Axis(axis.name, ticks, axis.count)
 
 
@@ -264,8 +262,8 @@ VERDICTS = Chart(
     "small change of the data, the distance of the solution to a change of mode, and its condition. Then follows a panel for "
     "each solver that fails somewhere, with the share solved of the grid points where a solution is known. Small tiles "
     "are refinements between neighbours with different verdicts. Lines are analytical thresholds, traced from the mechanics "
-    "without a solver. Hover over a failure to read its reason; click a tile for its problem, "
-    "its first steps, and the commands that solve it.",
+    "without a solver. Hover over a failure to read its reason; click a tile for its problem "
+    "and the commands that solve and show it.",
 )
 TYPES = Chart(
     name="map_types",

@@ -31,7 +31,7 @@ def write_files(comparison: Comparison, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "comparison.md", markdown(comparison))
     write_text(folder / "comparison.json", _text(data(comparison)))
-    cells = pd.DataFrame() if comparison.unusable or comparison.benchmarks else read(comparison.current).table
+    cells = pd.DataFrame() if comparison.unusable else read(comparison.current).table
     with replaced(folder / "junit.xml") as partial:
         ElementTree.ElementTree(junit(comparison, cells)).write(partial, encoding="utf-8", xml_declaration=True)
 

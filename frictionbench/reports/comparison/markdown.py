@@ -104,8 +104,7 @@ def _remark(found: Change) -> str:
 
 
 def _times(comparison: Comparison) -> Iterator[str]:
-    first = "benchmark" if comparison.benchmarks else "solver"
-    heads = [first, "before", "after", "ratio", f"{1 - comparison.alpha:.0%} interval", "p", "n", "cells"]
+    heads = ["solver", "before", "after", "ratio", f"{1 - comparison.alpha:.0%} interval", "p", "n", "cells"]
     order = sorted(comparison.times, key=lambda time: (not time.worse, not time.significant, -time.ratio))
     mean = ["geometric mean", "", "", f"×{overall(comparison.times):.2f}", "", "", "", ""]
     yield from _table(heads, [_time(time) for time in order], mean)
@@ -116,10 +115,7 @@ def _times(comparison: Comparison) -> Iterator[str]:
         )
     if any(time.n == 1 for time in comparison.times):
         yield "`~`: not significant. One process per code (n = 1) gives no interval, because its repeats are not independent."
-        if comparison.benchmarks:
-            yield "Compare two folders with the files of several processes that ran alternately."
-        else:
-            yield "`--confirm --code` runs several processes of both versions alternately."
+        yield "`--confirm --code` runs several processes of both versions alternately."
 
 
 def _time(time: Time) -> list[str]:

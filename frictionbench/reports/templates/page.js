@@ -113,19 +113,8 @@ for (const title of document.querySelectorAll(".panels:not(.whole) > figure > h3
   title.append(button);
 }
 
-// Maps: a button enlarges a panel; a click on a tile tells its problem and the commands that solve and show it, and draws its first
-// steps. The transform of the group of tiles gives the place of the first grid point and counts in grid lines.
-function steps(picture) {
-  const element = (name, attributes) => {
-    const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    return made;
-  };
-  const svg = element("svg", { viewBox: picture.view, class: "steps", role: "img", "aria-label": "first steps" });
-  svg.append(element("path", { d: picture.ground, class: "ground" }));
-  picture.frames.forEach((d, k) => svg.append(element("path", { d, opacity: (k + 1) / picture.frames.length })));
-  return svg;
-}
+// Maps: a button enlarges a panel; a click on a tile tells its problem and the commands that solve and show it. The
+// transform of the group of tiles gives the place of the first grid point and counts in grid lines.
 const shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(6))) : String(value));
 for (const data of document.querySelectorAll("script.facts")) {
   const facts = JSON.parse(data.textContent), told = data.previousElementSibling;
@@ -150,11 +139,6 @@ for (const data of document.querySelectorAll("script.facts")) {
       if (key) lines.push(`frictionbench rerun ${facts.folder} ${key[1]}`);
       lines.push(`frictionbench solve '${scene}'`, `frictionbench show '${scene}'${facts.scheme === "anitescu_potra" ? "" : ` --scheme ${facts.scheme}`}`);
       told.textContent = lines.join("\n");
-      const away = ({ at: [a, b] }) => Math.hypot(a - i / 2, b - j / 2);
-      if (facts.pictures.length) {
-        const nearest = facts.pictures.reduce((best, one) => (away(one) < away(best) ? one : best)), [a, b] = nearest.at;
-        told.append(`\nthe first steps${away(nearest) ? ` at ${facts.x.parameter} ${shown(facts.x.values[2 * a])}, ${facts.y.parameter} ${shown(facts.y.values[2 * b])}` : ""}, darker later:\n`, steps(nearest));
-      }
       told.hidden = false;
     });
   }
