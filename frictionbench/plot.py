@@ -18,6 +18,7 @@ Errors: ValueError where the run has nothing to draw, or no such panel; ResultsE
 """
 
 from pathlib import Path
+from typing import Protocol
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -38,100 +39,66 @@ def __dir__() -> list[str]:
     return __all__
 
 
-def profiles(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+class Draw(Protocol):
+    """A function that draws one chart."""
+
+    def __call__(self, results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes: ...
+
+
+def _chart(name: str, shown: str) -> Draw:
+    """The function of this name, whose docstring begins with what is shown."""
+
+    def draw(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+        return _draw(name, results, ax, panel)
+
+    draw.__name__ = draw.__qualname__ = name
+    draw.__doc__ = f"""{shown}
+
+    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
+    `titles`, or its position.
+
+    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
+
+    >>> from matplotlib.figure import Figure
+    >>> for title in titles("run", "{name}"):
+    ...     axes = {name}("run", ax=Figure().subplots(), panel=title)
+    """
+    return draw
+
+
+profiles = _chart(
+    "profiles",
     """Performance profiles: the weighted share of problems brought within a residual in at most tau times the least time.
 
     A panel per target and dimension, the coarsest target first. Bands hold 95 % of bootstrap profiles and are drawn for up to
-    three solvers.
-
-    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
-    `titles`, or its position.
-
-    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
-
-    >>> from matplotlib.figure import Figure
-    >>> profiles("run", ax=Figure().subplots()).get_xlabel()
-    "time over the fastest solver's time"
-    """
-    return _draw("profiles", results, ax, panel)
-
-
-def work(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+    three solvers.""",
+)
+work = _chart(
+    "work",
     """Performance profiles on deterministic counts in place of times, within the tightest target.
 
-    A panel per dimension and counter.
-
-    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
-    `titles`, or its position.
-
-    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
-
-    >>> titles("run", "work")  # a run with nothing to compare
-    []
-    """
-    return _draw("work", results, ax, panel)
-
-
-def speed_accuracy(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+    A panel per dimension and counter.""",
+)
+speed_accuracy = _chart(
+    "speed_accuracy",
     """Verified residual (relative contact velocity) against time (s): a dot per cell, a line along the tolerances of a solver.
 
-    A panel per problem class.
-
-    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
-    `titles`, or its position.
-
-    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
-
-    >>> from matplotlib.figure import Figure
-    >>> speed_accuracy("run", ax=Figure().subplots()).get_xlabel()
-    'time, form, setup and solve'
-    """
-    return _draw("speed_accuracy", results, ax, panel)
-
-
-def growth(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+    A panel per problem class.""",
+)
+growth = _chart(
+    "growth",
     """Time (s) to a target against the number of contacts, with fitted exponents in the legend.
 
-    A panel per scene that comes in three sizes or more.
-
-    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
-    `titles`, or its position.
-
-    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
-
-    >>> titles("run", "growth")  # a run without a scene of three sizes
-    []
-    """
-    return _draw("growth", results, ax, panel)
-
-
-def energy(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
-    """Change of energy over time (s) in simulations, relative to the scene's energy scale; a panel per scene and scheme.
-
-    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
-    `titles`, or its position.
-
-    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
-
-    >>> from matplotlib.figure import Figure
-    >>> energy("run", ax=Figure().subplots()).get_xlabel()
-    'time in s'
-    """
-    return _draw("energy", results, ax, panel)
-
-
-def convergence(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
-    """Verified residual against the sweeps, iterations or pivots allowed; a panel per problem followed.
-
-    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
-    `titles`, or its position.
-
-    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
-
-    >>> titles("run", "convergence")  # a run without convergence histories
-    []
-    """
-    return _draw("convergence", results, ax, panel)
+    A panel per scene that comes in three sizes or more.""",
+)
+energy = _chart(
+    "energy",
+    "Change of energy over time (s) in simulations, relative to the scene's energy scale; a panel per scene and scheme.",
+)
+convergence = _chart(
+    "convergence",
+    "Verified residual against the sweeps, iterations or pivots allowed; a panel per problem followed.",
+)
 
 
 def titles(results: Results | str | Path, chart: str) -> list[str]:
