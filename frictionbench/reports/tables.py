@@ -245,18 +245,15 @@ def hard_shares(run: Run) -> list[HardShares]:
 
 
 def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
-    labels = {row["problem_id"]: hardness(row) for row in rows.drop_duplicates("problem_id").to_dict("records")}
-    if not any(labels.values()):
+    labels = hardness(rows)
+    if not labels.any(axis=None):
         return None
     solved = rows["verdict"] == Verdict.SOLVED
-    columns = {ALL: pd.Series(data=True, index=rows.index)}
-    for name in HARDNESS:
-        columns[name] = rows["problem_id"].map(lambda problem, name=name: name in labels[problem])
-    columns[NONE] = rows["problem_id"].map(lambda problem: not labels[problem])
-    columns = {name: inside for name, inside in columns.items() if inside.any()}
+    every = labels.assign(**{ALL: True, NONE: ~labels.any(axis=1)})[[ALL, *labels, NONE]]
+    columns = {name: inside for name, inside in every.items() if inside.any()}
     shares = pd.DataFrame({name: solved[inside].groupby(rows["label"]).mean() for name, inside in columns.items()})
     problems = {name: rows.loc[inside, "problem_id"].nunique() for name, inside in columns.items()}
-    meanings = {name: one.meaning for name, one in HARDNESS.items() if name in columns}
+    meanings = {name: meaning for name, meaning in HARDNESS.items() if name in columns}
     ordered = shares.sort_values(ALL, ascending=False, kind="stable").rename_axis("label").reset_index()
     return HardShares(where, float(rows["tol"].min()), problems, meanings, ordered)
 

@@ -9,6 +9,9 @@ curves. The text columns `parameters` and `work` hold JSON objects. A number tha
 made from this file by tools/columns.py.
 """
 
+import re
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import pyarrow as pa
@@ -162,15 +165,15 @@ class Column(NamedTuple):
     meaning: str
 
 
+def cut(text: str, *places: int) -> Iterator[list[str]]:
+    """The lines of a table of text as their entries, which begin at the places; an indented line continues one."""
+    for line in re.sub(r"\n +", " ", text.strip()).splitlines():
+        yield [line[start:end].strip() for start, end in pairwise((0, *places, None))]
+
+
 def _columns(*texts: str) -> tuple[Column, ...]:
-    found: list[Column] = []
-    for line in (line for text in texts for line in text.strip().splitlines()):
-        name, kind, unit, meaning = (part.strip() for part in (line[:19], line[19:25], line[25:29], line[29:]))
-        if name:
-            found.append(Column(name, TYPES[kind], unit, meaning))
-        else:
-            found[-1] = found[-1]._replace(meaning=f"{found[-1].meaning} {meaning}")
-    return tuple(found)
+    lines = (line for text in texts for line in cut(text, 19, 25, 29))
+    return tuple(Column(name, TYPES[kind], unit, meaning) for name, kind, unit, meaning in lines)
 
 
 SOLVES = _columns(_CELL, _SOLVES)
