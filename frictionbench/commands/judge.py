@@ -6,59 +6,36 @@ from typing import Any
 
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.results.files import printable
-from frictionbench.results.judgement import (
-    beside,
-    creeping,
-    forces_right,
-    impossible,
-    laws,
-    notes,
-    percentiles,
-    read_judgements,
-    steps,
-    touching,
-    worst,
-)
-from frictionbench.results.store import read_table
+from frictionbench.results.judgement import read_judged, steps, worst
 
 
 def as_data(folder: Path) -> dict[str, Any]:
     """The judgement as plain values, for JSON: the page's sentences and tables, and every step."""
-    found, rows = read_judgements(folder), read_table(folder, "solves")
-    return {
-        "folder": str(folder),
-        "creep": creeping(found),
-        "forces": forces_right(found),
-        "laws": laws(found),
-        "notes": notes(found),
-        "percentiles": percentiles(found),
-        "beside": [one._asdict() for one in beside(rows)],
-        "steps": [one._asdict() for one in found],
-    }
+    found = read_judged(folder)
+    told = {name: getattr(found, name) for name in ("creep", "forces", "laws", "notes", "percentiles", "beside")}
+    return {"folder": str(folder), **told, "steps": [one._asdict() for one in found.steps]}
 
 
 def told(folder: Path) -> str:
     """The summary of a judged folder: laws, notes, the worst step, and the solvers beside."""
-    found, rows = read_judgements(folder), read_table(folder, "solves")
-    counted = touching(found)
-    lines = [f"{steps(len(counted))} with contacts judged by Coulomb's law, {len(found) - len(counted)} without contact"]
-    most = ", ".join(f"{law} in {count}" for law, count in laws(found).items())
+    found = read_judged(folder)
+    without = len(found.steps) - len(found.touching)
+    lines = [f"{steps(len(found.touching))} with contacts judged by Coulomb's law, {without} without contact"]
+    most = ", ".join(f"{law} in {count}" for law, count in found.laws.items())
     lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")
-    for one in worst(found, 1):
+    for one in worst(found.steps, 1):
         lines += [f"worst step: {printable(one.file)}, residual {_number(one.residual)}, {one.law}"]
-    for answer in filter(None, (creeping(found), forces_right(found))):
+    for answer in filter(None, (found.creep, found.forces, found.impossible)):
         lines += paragraph(printable(answer), screen(), "")
-    if proved := impossible(found):
-        lines += paragraph(printable(proved), screen(), "")
-    if noted := notes(found):
+    if noted := found.notes:
         means = "; ".join(f"{printable(name)} {100 * share:.2g} % in {steps(count)}" for name, (share, count) in noted.items())
         lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")
     header = ("", "solved", "residual p50", "residual worst", "time p50", "time p99", "time worst")
-    engine = _shown(percentiles(found)["residual"], (0, 3), _number)
+    engine = _shown(found.percentiles["residual"], (0, 3), _number)
     body: list[tuple[str, ...]] = [("the engine", "", *engine, "", "", "")]
-    for other in beside(rows):
-        residuals, times = _shown(other.residual, (0, 3), _number), _shown(other.time, (0, 2, 3), _milliseconds)
-        body.append((other.variant, f"{other.solved}/{other.problems}", *residuals, *times))
+    for other in found.beside:
+        residuals, times = _shown(other["residual"], (0, 3), _number), _shown(other["time"], (0, 2, 3), _milliseconds)
+        body.append((other["variant"], f"{other['solved']}/{other['problems']}", *residuals, *times))
     return "\n".join([*lines, "", *columns(header, body, screen())])
 
 

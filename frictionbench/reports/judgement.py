@@ -13,27 +13,11 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import ALARM, GRID, INK, WORST, ZERO, log_ticks, residual_axis
+from frictionbench.reports.drawing.style import ALARM, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
-from frictionbench.results.judgement import (
-    LAWS,
-    PERCENTILES,
-    QUANTITIES,
-    Judgement,
-    beside,
-    creeping,
-    forces_right,
-    impossible,
-    laws,
-    notes,
-    percentiles,
-    read_judgements,
-    touching,
-    worst,
-)
-from frictionbench.results.store import read_table
+from frictionbench.results.judgement import LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged, worst
 
 MOST = 12  # steps in the table of the worst
 ROUNDING = 1e-9  # of the largest component of a net impulse: smaller ones are shown as 0
@@ -46,48 +30,31 @@ LEAST = 1e-12  # m/s: where smaller violations are drawn
 
 def write_judgement(folder: Path) -> Path:
     """Write DIR/judgement.html; return its path. Errors: ResultsError where the folder holds no judgement."""
-    found, rows = read_judgements(folder), read_table(folder, "solves")
-    path = folder / "judgement.html"
-    write_text(path, render(folder, found, rows))
-    return path
-
-
-def render(folder: Path, found: list[Judgement], rows: pd.DataFrame) -> str:
-    """The page as HTML."""
-    counted = touching(found)
-    bad = worst(found, MOST)
-    panels = [
-        Panel("residual of each step", partial(_residuals, found=counted, rows=rows), size=SIZE),
-        Panel("violation of each law, m/s", partial(_violations, found=counted), size=SIZE),
-    ]
-    forces = [Panel(one.file, partial(_forces, one=one), size=(3.2, 2.4)) for one in bad[:DRAWN] if one.forces]
-    timed = rows.assign(time=rows[["form_time", "setup_time", "solve_time"]].sum(axis=1, min_count=1))
+    found = read_judged(folder)
+    bad = worst(found.steps, MOST)
     solved = {
-        one.variant: timed[timed["variant"] == one.variant].drop_duplicates("problem").set_index("problem")
-        for one in beside(rows)
+        str(variant): own.drop_duplicates("problem").set_index("problem")
+        for variant, own in found.rows.groupby("variant", sort=False)
     }
-    return (
-        environment()
-        .get_template("judgement.html")
-        .render(
-            name=folder.resolve().name,
-            found=found,
-            counted=counted,
-            heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
-            quantities=[(name, unit, percentiles(found)[name]) for name, unit in QUANTITIES.items()],
-            laws=laws(found),
-            answers=[text for text in (creeping(found), forces_right(found)) if text],
-            nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
-            impossible=impossible(found),
-            notes=notes(found),
-            beside=beside(rows),
-            worst=[
-                (one, {variant: own.reindex([one.problem]).iloc[0].to_dict() for variant, own in solved.items()}) for one in bad
-            ],
-            panels=panels,
-            forces=forces,
-        )
+    page = environment().get_template("judgement.html")
+    text = page.render(
+        name=folder.resolve().name,
+        found=found,
+        heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
+        quantities=QUANTITIES,
+        nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
+        worst=[
+            (one, {variant: own.reindex([one.problem]).iloc[0].to_dict() for variant, own in solved.items()}) for one in bad
+        ],
+        panels=[
+            Panel("residual of each step", partial(_residuals, found=found.touching, solved=solved), size=SIZE),
+            Panel("violation of each law, m/s", partial(_violations, found=found.touching), size=SIZE),
+        ],
+        forces=[Panel(one.file, partial(_forces, one=one), size=(3.2, 2.4)) for one in bad[:DRAWN] if one.forces],
     )
+    path = folder / "judgement.html"
+    write_text(path, text)
+    return path
 
 
 def _shown(net: list[float]) -> dict[str, object]:
@@ -100,14 +67,14 @@ def _shown(net: list[float]) -> dict[str, object]:
     return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], "difference": difference, "determined": told}
 
 
-def _residuals(ax: Axes, found: list[Judgement], rows: pd.DataFrame) -> None:
+def _residuals(ax: Axes, found: list[Judgement], solved: dict[str, pd.DataFrame]) -> None:
     """The engine's residuals step by step, and those of the solvers."""
     at = np.arange(1, len(found) + 1)
     ax.plot(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, lw=1.0, label="the engine")
     names = [one.problem for one in found]
-    for k, (variant, own) in enumerate(rows.groupby("variant", sort=False)):
-        by_problem = own.drop_duplicates("problem").set_index("problem")["residual"].reindex(names).to_numpy(float)
-        ax.plot(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % 4], lw=0.9, label=plain(str(variant)))
+    for k, (variant, own) in enumerate(solved.items()):
+        by_problem = own["residual"].reindex(names).to_numpy(float)
+        ax.plot(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % 4], lw=0.9, label=plain(variant))
     residual_axis(ax)
     ax.set_ylim(ZERO / 3, WORST * 3)
     _steps(ax, "verified residual")
@@ -127,9 +94,7 @@ def _violations(ax: Axes, found: list[Judgement]) -> None:
 def _steps(ax: Axes, measured: str) -> None:
     """Axes and legend of what is measured step by step."""
     ax.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-    ax.set_xlabel("step with contacts")
-    ax.set_ylabel(measured)
-    ax.grid(axis="y", **GRID)
+    name_axes(ax, "step with contacts", measured, grid="y")
     if ax.get_legend_handles_labels()[0]:
         ax.legend()
 
@@ -141,6 +106,4 @@ def _forces(ax: Axes, one: Judgement) -> None:
     ax.plot(normal, share, "o", color=COLOURS[0], ms=4)
     ax.axhline(1, color=INK, lw=0.8, ls="--")
     ax.set_ylim(0, max(1.15, 1.1 * float(share.max(initial=0))))
-    ax.set_xlabel("normal impulse, N s")
-    ax.set_ylabel("friction / limit")
-    ax.grid(**GRID)
+    name_axes(ax, "normal impulse, N s", "friction / limit")

@@ -6,6 +6,7 @@ The exact solvers' answers to the same problems are rows of the table solves, by
 import json
 import math
 from collections import Counter
+from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.files import ResultsError, read_parsed, record, write_text
+from frictionbench.results.store import read_table
 
 NAME = "judgement.json"
 LAWS = ("signorini", "cone", "direction", "dissipation")
@@ -107,13 +109,10 @@ def touching(found: list[Judgement]) -> list[Judgement]:
     return [one for one in found if one.contacts]
 
 
-def percentiles(found: list[Judgement]) -> dict[str, list[float] | None]:
-    """By quantity its PERCENTILES over the steps with contacts, of absolute values; None where no step has it."""
-    values = {name: [abs(value) for one in touching(found) if (value := getattr(one, name)) is not None] for name in QUANTITIES}
-    return {
-        name: [float(np.percentile(own, p, method="higher")) for p in PERCENTILES] if own else None
-        for name, own in values.items()
-    }
+def percentiles(values: Iterable[float]) -> list[float] | None:
+    """PERCENTILES of the numbers; None of none."""
+    known = list(values)
+    return [float(np.percentile(known, p, method="higher")) for p in PERCENTILES] if known else None
 
 
 def laws(found: list[Judgement]) -> dict[str, int]:
@@ -195,24 +194,43 @@ def worst(found: list[Judgement], most: int) -> list[Judgement]:
     return chosen
 
 
-class Beside(NamedTuple):
-    """A solver on the same steps: problems solved of how many, and percentiles (PERCENTILES) of residual and of time, s."""
+def beside(rows: pd.DataFrame) -> list[dict[str, Any]]:
+    """The solvers on the same steps, in the order of their rows: variant, problems solved of how many, and percentiles of
+    residual and of time, s."""
+    return [
+        {
+            "variant": str(variant),
+            "solved": int((own["verdict"] == Verdict.SOLVED).sum()),
+            "problems": len(own),
+            "residual": percentiles(filter(np.isfinite, own["residual"])),
+            "time": percentiles(filter(np.isfinite, own["time"])),
+        }
+        for variant, own in rows.groupby("variant", sort=False)
+    ]
 
-    variant: str
-    solved: int
-    problems: int
-    residual: list[float] | None
-    time: list[float] | None
+
+class Judged(NamedTuple):
+    """A judged folder: the steps, those with contacts, the rows of solves with the time, s, of form, setup and solve, and what
+    the functions of this file tell. percentiles: by quantity, over the steps with contacts, of absolute values."""
+
+    steps: list[Judgement]
+    touching: list[Judgement]
+    rows: pd.DataFrame
+    creep: str
+    forces: str
+    impossible: str
+    laws: dict[str, int]
+    notes: dict[str, tuple[float, int]]
+    percentiles: dict[str, list[float] | None]
+    beside: list[dict[str, Any]]
 
 
-def beside(rows: pd.DataFrame) -> list[Beside]:
-    """The solvers in the order of their rows."""
-    found = []
-    for variant, own in rows.groupby("variant", sort=False):
-        seconds = own[["form_time", "setup_time", "solve_time"]].sum(axis=1, min_count=1)
-        parts = [column[np.isfinite(column)] for column in (own["residual"].to_numpy(float), seconds.to_numpy(float))]
-        residual, time = (
-            [float(np.percentile(part, p, method="higher")) for p in PERCENTILES] if len(part) else None for part in parts
-        )
-        found.append(Beside(str(variant), int((own["verdict"] == Verdict.SOLVED).sum()), len(own), residual, time))
-    return found
+def read_judged(folder: Path) -> Judged:
+    """Errors: ResultsError where the folder holds no judgement, or a file that cannot be read."""
+    found, rows = read_judgements(folder), read_table(folder, "solves")
+    rows = rows.assign(time=rows[["form_time", "setup_time", "solve_time"]].sum(axis=1, min_count=1))
+    counted = touching(found)
+    values = {name: [getattr(one, name) for one in counted] for name in QUANTITIES}
+    own = {name: percentiles(abs(value) for value in some if value is not None) for name, some in values.items()}
+    told = creeping(found), forces_right(found), impossible(found), laws(found), notes(found)
+    return Judged(found, counted, rows, *told, own, beside(rows))

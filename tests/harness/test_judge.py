@@ -60,7 +60,9 @@ def test_judgements(folder) -> None:
     assert creeping.residual == fb.residual(judged(step), step.impulse)
     assert violations(judged(step), step.impulse).dissipation == pytest.approx([0.002])
     assert (found["apart.npz"].contacts, found["apart.npz"].residual) == (0, 0.0)
-    assert percentiles(list(found.values()))["creep"] == pytest.approx([0, 0.002, 0.002, 0.002], abs=1e-12)
+    assert percentiles(one.creep for one in found.values() if one.creep is not None) == pytest.approx(
+        [0, 0.002, 0.002, 0.002], abs=1e-12
+    )
 
 
 def test_solvers_beside_answer_the_same_problems(folder) -> None:

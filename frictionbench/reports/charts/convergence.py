@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import GRID, ZERO, Look, log_ticks, residual_axis
+from frictionbench.reports.drawing.style import ZERO, Look, log_ticks, name_axes, residual_axis
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
 from frictionbench.results.extras import ConvergenceHistory
@@ -58,9 +58,7 @@ def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look],
     residual_axis(ax)
     ax.set_xlim(0.9, 1.1 * max(most, 10))
     ax.set_ylim(ZERO / 3, WORST * 3)
-    ax.grid(**GRID)
-    ax.set_xlabel("sweeps, iterations or pivots allowed")
-    ax.set_ylabel("verified residual")
+    name_axes(ax, "sweeps, iterations or pivots allowed", "verified residual")
 
 
 def _draw_forces(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look]) -> None:
@@ -73,9 +71,7 @@ def _draw_forces(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str,
     ax.set_xlim(0.5, histories[0].contacts + 0.5)
     largest = max(contact[0] for history in histories for contact in history.impulse)
     ax.set_ylim(0, 1.1 * largest if largest > 0 else 1.0)
-    ax.grid(axis="y", **GRID)
-    ax.set_xlabel("contact")
-    ax.set_ylabel("normal impulse in N s")
+    name_axes(ax, "contact", "normal impulse in N s", grid="y")
 
 
 CHART = Chart(

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import ALARM, GRID, INK, Look
+from frictionbench.reports.drawing.style import ALARM, INK, Look, name_axes
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
 
@@ -53,9 +53,7 @@ def _draw(ax: Axes, simulations: pd.DataFrame, looks: dict[str, Look]) -> None:
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, -FLAT), max(high, FLAT))
     ax.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
-    ax.grid(**GRID)
-    ax.set_xlabel("time in s")
-    ax.set_ylabel("change of energy, %")
+    name_axes(ax, "time in s", "change of energy, %")
 
 
 CHART = Chart(

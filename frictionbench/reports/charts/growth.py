@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from frictionbench.reports.accuracy import TARGETS, Array, shifted_geometric_mean
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import GRID, Look, log_ticks, time_axis
+from frictionbench.reports.drawing.style import Look, log_ticks, name_axes, time_axis
 from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
 
@@ -77,9 +77,7 @@ def _draw(ax: Axes, curves: dict[str, pd.DataFrame], looks: dict[str, Look], end
     log_ticks(ax, "x", {n: f"{n:g}" for n in (shown if len(shown) > 1 else [sizes[0], sizes[-1]])})
     ax.set_ylim(ends)
     time_axis(ax, "y")
-    ax.grid(**GRID)
-    ax.set_xlabel("contacts")
-    ax.set_ylabel("time to the target")
+    name_axes(ax, "contacts", "time to the target")
 
 
 CHART = Chart(

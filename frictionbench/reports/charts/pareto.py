@@ -18,7 +18,7 @@ from frictionbench.problems.verdicts import measured
 from frictionbench.reports.accuracy import OVERALL, quantile, shifted_geometric_mean, weights
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
-from frictionbench.reports.drawing.style import GRID, INK, WORST, ZERO, Look, residual_axis, time_axis
+from frictionbench.reports.drawing.style import INK, WORST, ZERO, Look, name_axes, residual_axis, time_axis
 from frictionbench.reports.run import Run
 
 HALF = 0.5 + 1e-9  # the upper median: a solver of half of the problems is not accurate
@@ -62,9 +62,7 @@ def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look], across: str) -
     ax.step(best["time"], best["residual"], where="post", color=INK, lw=3, alpha=0.15, zorder=0)
     time_axis(ax, "x")
     residual_axis(ax, min(1e-8, points["residual"].min()))
-    ax.grid(**GRID)
-    ax.set_xlabel(across)
-    ax.set_ylabel("median verified residual")
+    name_axes(ax, across, "median verified residual")
 
 
 CHART = Chart(

@@ -23,7 +23,7 @@ from matplotlib.axes import Axes
 from frictionbench.reports.accuracy import OVERALL, Array, Profile, overall, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import GRID, INK, Look, log_ticks, share_axis, time_axis
+from frictionbench.reports.drawing.style import INK, Look, log_ticks, share_axis, time_axis
 from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
@@ -119,9 +119,7 @@ def _draw(
         ax.fill_between(at, *profile.band(at), color=look.colour, alpha=0.13, lw=0, gid=f"band-{look.tag}")
     log_ticks(ax, "x", {10.0**k: f"{10**k}" for k in range(4)})
     ax.set_xlim(1, FARTHEST)
-    share_axis(ax)
-    ax.grid(**GRID)
-    ax.set_xlabel(across)
+    share_axis(ax, across)
 
 
 def _draw_within(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], budget: float | None) -> None:
@@ -132,10 +130,8 @@ def _draw_within(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], bu
             ax.step([*spent, longest], [*share, share[-1]], where="post", **looks[label].line, markevery=(0.1, 0.15))
     if budget is not None:
         ax.axvline(budget, color=INK, lw=0.8, alpha=0.6)
-    share_axis(ax)
-    ax.grid(**GRID)
+    share_axis(ax, "time for each problem")
     time_axis(ax, "x")
-    ax.set_xlabel("time for each problem")
 
 
 def steps(profile: Profile, farthest: float) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import ALARM, GRID, INK, WORST, ZERO, Look, residual_axis, time_axis
+from frictionbench.reports.drawing.style import ALARM, INK, WORST, ZERO, Look, name_axes, residual_axis, time_axis
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import endings, scene_title
@@ -71,9 +71,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[floa
     bottom = 10.0 ** np.floor(np.log10(lowest))
     residual_axis(ax, bottom)
     ax.set_ylim(bottom / 3, STRIP)
-    ax.grid(axis="y", **GRID)
-    ax.set_xlabel(across)
-    ax.set_ylabel("verified residual")
+    name_axes(ax, across, "verified residual", grid="y")
     _no_answers(ax, rows, looks)
 
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
-from frictionbench.reports.drawing.style import GRID, INK, WORST, ZERO, Look, log_ticks, residual_axis
+from frictionbench.reports.drawing.style import INK, WORST, ZERO, Look, log_ticks, name_axes, residual_axis
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
 
@@ -78,9 +78,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     residual_axis(ax)
     ax.set_xlim(SENSITIVITY[0] / 2, SENSITIVITY[1] * 2)
     ax.set_ylim(ZERO / 3, WORST * 30)
-    ax.grid(**GRID)
-    ax.set_xlabel("sensitivity of the problem")
-    ax.set_ylabel("backward error of the answer")
+    name_axes(ax, "sensitivity of the problem", "backward error of the answer")
 
 
 CHART = Chart(

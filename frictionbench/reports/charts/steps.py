@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import GRID, INK, Look, time_axis
+from frictionbench.reports.drawing.style import INK, Look, name_axes, time_axis
 from frictionbench.reports.recorded import step_times
 from frictionbench.reports.run import Run
 
@@ -28,9 +28,7 @@ def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look], budget: float |
     if budget is not None:
         ax.axhline(budget, color=INK, lw=0.8, ls="--", alpha=0.7)
     time_axis(ax, "y")
-    ax.grid(axis="y", **GRID)
-    ax.set_xlabel("step")
-    ax.set_ylabel("time to the tightest target")
+    name_axes(ax, "step", "time to the tightest target", grid="y")
 
 
 CHART = Chart(

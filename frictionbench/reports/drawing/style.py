@@ -124,11 +124,17 @@ def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:
     axis.set_major_formatter(FuncFormatter(lambda value, _: seconds(value)))
 
 
-def share_axis(ax: Axes) -> None:
-    """Make the vertical axis one of the share of the problems, from none to all."""
+def name_axes(ax: Axes, across: str, up: str, grid: Literal["both", "x", "y"] = "both") -> None:
+    """Name both axes, and draw the lines of a grid."""
+    ax.set(xlabel=across, ylabel=up)
+    ax.grid(axis=grid, **GRID)
+
+
+def share_axis(ax: Axes, across: str) -> None:
+    """Make the vertical axis one of the share of the problems, from none to all, over what `across` names."""
     ax.set_ylim(0, 1.03)
     ax.yaxis.set_major_formatter(PercentFormatter(1))
-    ax.set_ylabel("share of the problems")
+    name_axes(ax, across, "share of the problems")
 
 
 def residual_axis(ax: Axes, lowest: float = ZERO) -> None:
