@@ -6,12 +6,6 @@ from typing import Any, NamedTuple
 from frictionbench.results.conventions import DEFAULT_SCHEME, scene_title
 
 LONG = 160  # characters, two lines of the page, above which a setting is folded
-WALLS = {
-    "namespaces": "they see no process but their own, and the run's files are read-only",
-    "landlock": "they can signal no process but their own, nor write to the run's files",
-    "landlock, files only": "they cannot write to the run's files, but can signal its processes",
-    "process groups": "signals to their own group reach no other process of the run; nothing more",
-}  # what keeps plug-ins from the files and processes of the run, with its effect
 MOST = 20_000  # characters of one setting on the page; the manifest has all of it
 
 
@@ -24,15 +18,7 @@ class Setting(NamedTuple):
 
 
 def settings(manifest: dict[str, Any]) -> list[tuple[str, list[Setting]]]:
-    """The objects in the manifest except the descriptions of solvers, followed by its other values as the part `run`.
-
-    The walls around plug-ins, which the kernel decides, are told with the machine.
-    """
-    machine, walls = manifest.get("machine"), manifest.get("walls")
-    if isinstance(machine, dict) and isinstance(walls, str):
-        told = f"{walls}: {WALLS[walls]}" if walls in WALLS else walls
-        manifest = {name: value for name, value in manifest.items() if name != "walls"}
-        manifest["machine"] = machine | {"walls_around_plug-ins": told}
+    """The objects in the manifest except the descriptions of solvers, followed by its other values as the part `run`."""
     parts = [(part, values) for part, values in manifest.items() if isinstance(values, dict) and part != "solvers"]
     alone = {name: value for name, value in manifest.items() if not isinstance(value, dict)}
     return [(part, [_setting(part, *item) for item in values.items()]) for part, values in [*parts, ("run", alone)] if values]

@@ -9,7 +9,6 @@ untimed    cells, per solver, that had times and have none
 times      per solver, over the same cells: see results.times
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -25,28 +24,18 @@ PACE = 10.0  # largest ratio of the speeds of two machines that is attributed to
 
 
 @dataclass(frozen=True)
-class Change(ABC):
-    """A change in the results of one solver. known: the reason why it is acknowledged, or empty."""
+class _OfSolver:
+    """A change in the results of one solver. known: the reason why it is acknowledged, or empty.
+
+    Each kind of change has a name, which identifies it among the solver's, and is worse or not.
+    """
 
     variant: str
     known: str = field(default="", kw_only=True)
 
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """What changed, as text that identifies it among the solver's changes."""
-
-    @property
-    @abstractmethod
-    def worse(self) -> bool: ...
-
-    @property
-    @abstractmethod
-    def better(self) -> bool: ...
-
 
 @dataclass(frozen=True)
-class Flip(Change):
+class Flip(_OfSolver):
     """A cell whose verdict changed, or that only one of the runs measured."""
 
     key: str
@@ -73,13 +62,9 @@ class Flip(Change):
         """What happened to the cell: verdict (another one), gone, skipped, or new."""
         return NEW if self.before == NEW else self.after if self.after in (GONE, Verdict.SKIPPED) else "verdict"
 
-    @property
-    def better(self) -> bool:
-        return not self.worse
-
 
 @dataclass(frozen=True)
-class Growth(Change):
+class Growth(_OfSolver):
     """A change in the sum of a counter over a solver's cells. limit: the largest ratio that does not count as growth.
 
     before, after: None in a run whose cells do not have the counter, or have something there that is no count.
@@ -107,6 +92,46 @@ class Growth(Change):
     @property
     def better(self) -> bool:
         return self.before is not None and self.after is not None and self.before > self.limit * self.after
+
+
+@dataclass(frozen=True)
+class Time(_OfSolver):
+    """The times of one solver in two codes.
+
+    before, after: time per cell, s, the median over n pairs of processes of the geometric mean over the cells. ratio: after /
+    before, with the confidence interval (low, high) and the p-value p. limit: the largest ratio that is not a slowdown.
+    """
+
+    before: float
+    after: float
+    ratio: float
+    low: float
+    high: float
+    p: float
+    n: int
+    cells: int
+    limit: float
+
+    @property
+    def worse(self) -> bool:
+        """Whether the whole interval is above the limit."""
+        return self.low > self.limit
+
+    @property
+    def better(self) -> bool:
+        return self.high < 1 / self.limit
+
+    @property
+    def significant(self) -> bool:
+        """Whether the interval excludes 1."""
+        return not self.low <= 1 <= self.high
+
+    @property
+    def name(self) -> str:
+        return "time"
+
+
+Change = Flip | Growth | Time
 
 
 def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:

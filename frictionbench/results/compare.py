@@ -18,10 +18,10 @@ from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.results import baseline as baselines
 from frictionbench.results import changes
 from frictionbench.results.cells import Cells, read, rounded
-from frictionbench.results.changes import GONE, Change, Flip, Growth
+from frictionbench.results.changes import GONE, Change, Flip, Growth, Time
 from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import ResultsError
-from frictionbench.results.times import Pair, Time, times
+from frictionbench.results.times import Pair, times
 
 SHOWN = 5  # names in a note
 
@@ -72,7 +72,7 @@ class Comparison:
 
     @property
     def better(self) -> list[Change]:
-        return [*(flip for flip in self.flips if not flip.worse), *(one for one in (*self.work, *self.times) if one.better)]
+        return [found for found in self.changes if not found.worse and (isinstance(found, Flip) or found.better)]
 
     @property
     def counts(self) -> dict[str, int]:

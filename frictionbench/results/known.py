@@ -16,10 +16,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.changes import GONE, NEW, Change, Flip, Growth
+from frictionbench.results.changes import GONE, NEW, Change, Flip, Growth, Time
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import ResultsError, read_text
-from frictionbench.results.times import Time
 
 F = TypeVar("F", Flip, Growth, Time)
 OF_CELLS = ("verdict", GONE, Verdict.SKIPPED, NEW)
@@ -43,7 +42,7 @@ class Known:
             return False
         if isinstance(found, Flip):
             return self.change == found.kind and self.scene in ("", found.scene) and self.after in ("", found.after)
-        return isinstance(found, Growth | Time) and self.change == found.name and found.ratio <= self.ratio
+        return self.change == found.name and found.ratio <= self.ratio
 
 
 def read(path: Path) -> list[Known]:

@@ -8,51 +8,12 @@ no information on the variation: the interval is (0, inf).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
 import pandas as pd
 
-from frictionbench.results.changes import Change, equally_solved
-
-
-@dataclass(frozen=True)
-class Time(Change):
-    """The times of one solver in two codes.
-
-    before, after: time per cell, s, the median over n pairs of processes of the geometric mean over the cells. ratio: after /
-    before, with the confidence interval (low, high) and the p-value p. limit: the largest ratio that is not a slowdown.
-    """
-
-    before: float
-    after: float
-    ratio: float
-    low: float
-    high: float
-    p: float
-    n: int
-    cells: int
-    limit: float
-
-    @property
-    def worse(self) -> bool:
-        """Whether the whole interval is above the limit."""
-        return self.low > self.limit
-
-    @property
-    def better(self) -> bool:
-        return self.high < 1 / self.limit
-
-    @property
-    def significant(self) -> bool:
-        """Whether the interval excludes 1."""
-        return not self.low <= 1 <= self.high
-
-    @property
-    def name(self) -> str:
-        return "time"
-
+from frictionbench.results.changes import Time, equally_solved
 
 Pair = tuple[pd.DataFrame, pd.DataFrame]  # the cells of two processes
 

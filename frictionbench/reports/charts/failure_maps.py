@@ -6,8 +6,9 @@ lines, whatever the scale of the parameter.
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import repeat
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,7 +20,7 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import seconds
-from frictionbench.reports.drawing.tiles import Drawing, Entry, Grid, Tile, polylines
+from frictionbench.reports.drawing.tiles import Drawing, Entry, Field, Grid, Tile, polylines
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
@@ -52,76 +53,57 @@ SHADES = 16  # colours of a scale: more are indistinguishable, and cost an eleme
 NO_COLOURS: Mapping[str, str] = {}
 
 
-class Field(NamedTuple):
-    """One panel of a map: its title, and for each row a colour, empty for no tile, and a tooltip.
-
-    ground: a colour that most tiles have, drawn once.
-    """
-
-    title: str
-    rows: pd.DataFrame
-    colours: "pd.Series[Any]"
-    ground: str = ""
-    tooltips: "pd.Series[Any] | None" = None
-
-
 def verdicts(run: Run) -> list[Drawing]:
     """A drawing per map: the properties of the problem, and the verdicts of each solver that fails at some grid point."""
     drawings = []
     for cells in map_cells(run):
         fields = _verdicts(cells)
-        shown = [field for field in fields.values() if set(field.colours) != {field.ground}]
-        perfect = ", ".join(label for label, field in fields.items() if set(field.colours) == {field.ground})
+        shown = {label: field for label, field in fields.items() if any(tile.colour != field.ground for tile in field.tiles)}
+        perfect = ", ".join(label for label in fields if label not in shown)
         note = f"Every grid point is solved by {perfect}." if perfect else ""
-        drawings.append(_drawing(run, cells, [*_problem(cells), *shown], note, VERDICT | SOLUTIONS))
+        drawings.append(_drawing(run, cells, [*_problem(cells), *shown.values()], note, VERDICT | SOLUTIONS))
     return drawings
 
 
 def types(run: Run) -> list[Drawing]:
     """A drawing per map on which the solvers find more than one type of solution, as far as the column `mode` has it."""
-    several = [
-        cells for cells in map_cells(run) if "mode" in cells.rows and len(set(cells.rows["mode"].map(_type).dropna())) > 1
-    ]
-    return [
-        _drawing(run, cells, *_alike(_each(cells, _types, cells.rows[cells.rows["verdict"] == Verdict.SOLVED])), TYPE)
-        for cells in several
-    ]
-
-
-def _types(own: pd.DataFrame) -> Field:
-    return Field("", own, own["mode"].map(_type).map(TYPE).fillna(""))
+    drawings = []
+    for cells in map_cells(run):
+        if "mode" in cells.rows and len(set(cells.rows["mode"].map(_type).dropna())) > 1:
+            solved = cells.rows[cells.rows["verdict"] == Verdict.SOLVED]
+            fields = _each(cells, lambda own: _field("", own, own["mode"].map(_type).map(TYPE).fillna("")), solved)
+            drawings.append(_drawing(run, cells, *_alike(fields), TYPE))
+    return drawings
 
 
 def times(run: Run) -> list[Drawing]:
     """A drawing per map: the time of each solver; in closed loop the drift of energy and the penetration."""
-    return [
-        _drawing(run, cells, *_alike(_loop(cells) if cells.spec.steps else _each(cells, _times))) for cells in map_cells(run)
-    ]
-
-
-def _times(own: pd.DataFrame) -> Field:
-    return _scale("", own, own["time"], seconds)
+    drawings = []
+    for cells in map_cells(run):
+        fields = _loop(cells) if cells.spec.steps else _each(cells, lambda own: _scale("", own, own["time"], seconds))
+        drawings.append(_drawing(run, cells, *_alike(fields)))
+    return drawings
 
 
 def work(run: Run) -> list[Drawing]:
     """A drawing per map of first problems: the work of each solver."""
-    return [_drawing(run, cells, *_alike(_each(cells, _work))) for cells in map_cells(run) if not cells.spec.steps]
-
-
-def _work(own: pd.DataFrame) -> Field:
-    return _scale("", own, own["work"].map(_count), "{:.0f}".format)
+    drawings = []
+    for cells in map_cells(run):
+        if not cells.spec.steps:
+            fields = _each(cells, lambda own: _scale("", own, own["work"].map(_count), "{:.0f}".format))
+            drawings.append(_drawing(run, cells, *_alike(fields)))
+    return drawings
 
 
 def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, legend: Mapping[str, str] = NO_COLOURS) -> Drawing:
     spec = cells.spec
     traced = {name: places for name, places in run.thresholds.get(spec.name, {}).items() if name in THRESHOLDS and places}
-    used = {colour for field in fields for colour in {*field.colours, field.ground}}
+    used = {colour for field in fields for colour in (field.ground, *(tile.colour for tile in field.tiles))}
     entries = [Entry(name, colour) for name, colour in legend.items() if colour in used]
     entries += [Entry(*THRESHOLDS[name], line=True, dashed=bool(k % 2)) for k, name in enumerate(traced)]
     grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: polylines(places) for name, places in traced.items()})
-    panels = tuple(tiles.Field(field.title, _tiles(field), field.ground) for field in fields)
     title = f"{spec.title or spec.name}. {spec.note}".removesuffix(". ")
-    return Drawing(title, spec.name, tuple(entries), grid, panels, note, _facts(spec) | {"folder": str(run.folder)})
+    return Drawing(title, spec.name, tuple(entries), grid, tuple(fields), note, _facts(spec) | {"folder": str(run.folder)})
 
 
 def _axis(axis: Axis) -> tiles.Axis:
@@ -141,10 +123,12 @@ def _facts(spec: Map) -> dict[str, object]:
     return {"scene": spec.scene, "parameters": dict(spec.parameters), "scheme": spec.scheme, "steps": spec.steps, **axes}
 
 
-def _tiles(field: Field) -> list[Tile]:
-    tooltips = [""] * len(field.rows) if field.tooltips is None else field.tooltips
-    every = map(Tile, field.rows["i"], field.rows["j"], field.rows["tile"], field.colours, tooltips)
-    return [tile for tile in every if tile.colour and (tile.width < 1 or tile.colour != field.ground)]
+def _field(
+    title: str, rows: pd.DataFrame, colours: Iterable[str], ground: str = "", tooltips: Iterable[str] = repeat("")
+) -> Field:
+    """A panel with a tile for each row, its colour and its tooltip; none for an empty colour."""
+    every = map(Tile, rows["i"], rows["j"], rows["tile"], colours, tooltips)
+    return Field(title, [tile for tile in every if tile.colour and (tile.width < 1 or tile.colour != ground)], ground)
 
 
 def _at(cells: MapCells, rows: pd.DataFrame) -> "pd.Series[Any]":
@@ -165,7 +149,7 @@ def _verdicts(cells: MapCells) -> dict[str, Field]:
         tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "") + " · " + rows["key"]
         tooltips = tooltips.where(rows["verdict"] != Verdict.RELAXED, "")  # no failure: the model is solved
         ended = pd.Series(endings(rows), index=rows.index)
-        fields[label] = Field(label + share, rows, ended.map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], tooltips)
+        fields[label] = _field(label + share, rows, ended.map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], tooltips)
     return fields
 
 
@@ -179,7 +163,7 @@ def _problem(cells: MapCells) -> list[Field]:
     rows = cells.problems
     if cells.spec.steps:
         return []
-    fields = [Field("solutions", rows, rows.apply(_solutions, axis=1).map(SOLUTIONS))]
+    fields = [_field("solutions", rows, rows.apply(_solutions, axis=1).map(SOLUTIONS))]
     scales = (("sensitivity", "sensitivity"), ("next mode", "mode_distance"), ("condition", "condition"))
     return fields + [_scale(title, rows, rows[name]) for title, name in scales if rows[name].max() > 1.01 * rows[name].min()]
 
@@ -201,7 +185,7 @@ def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Call
     share = (np.log(size.clip(lower=low)) - np.log(low)) / max(np.log(high / low), 1e-9)
     shades = [to_hex(colormaps["viridis"](k / SHADES)) for k in range(SHADES + 1)]
     colours = share.map(lambda x: WORST if x > 1 + 1e-9 else "" if np.isnan(x) else shades[round(x * SHADES)])
-    return Field(f"{title} {write(low)} .. {write(high)}".strip(), rows, colours)
+    return _field(f"{title} {write(low)} .. {write(high)}".strip(), rows, colours)
 
 
 def _type(mode: object) -> str | None:
@@ -221,8 +205,7 @@ def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
     """One field for all labels whose fields are equal, with their names in the title; and a note that lists equal labels."""
     same: dict[tuple[Any, ...], list[tuple[str, Field]]] = {}
     for label, field in fields:
-        colours = sorted(zip(field.rows["i"], field.rows["j"], field.colours, strict=True))
-        same.setdefault((field.title, *colours), []).append((label, field))
+        same.setdefault((field.title, *sorted(field.tiles)), []).append((label, field))
     found, notes = [], []
     for alike in same.values():
         (label, field), others = alike[0], len(alike) - 1

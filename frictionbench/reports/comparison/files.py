@@ -18,10 +18,9 @@ import pandas as pd
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.comparison.markdown import format_verdicts, markdown, rerun_command
 from frictionbench.results.cells import read
-from frictionbench.results.changes import Change, Flip, Growth
+from frictionbench.results.changes import GONE, Change, Flip
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import replaced, write_text
-from frictionbench.results.times import Time
 
 UNPRINTED = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # characters that XML 1.0 excludes
 
@@ -68,9 +67,11 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
     for key, cell in cells.iterrows():
         name = f"{cell['scene']} {cell['table']} {cell['step']} {cell['phase']} {cell['start']} to {cell['tol']:g}"
         case(cell["variant"], " ".join(name.split()), str(key), cell["reason"] if cell["verdict"] == Verdict.SKIPPED else None)
-    absent = [found for found in comparison.gone if found.key not in cells.index]
-    for found in (*absent, *comparison.work, *comparison.times):
-        case(found.variant, found.name, getattr(found, "key", found.name))
+    for found in comparison.changes:
+        if not isinstance(found, Flip):
+            case(found.variant, found.name, found.name)
+        elif found.after == GONE:
+            case(found.variant, found.name, found.key)
     if comparison.unusable:
         one = ElementTree.SubElement(ElementTree.SubElement(root, "testsuite", name="runs"), "testcase", name="comparable")
         ElementTree.SubElement(one, "error", message=_xml(comparison.unusable))
@@ -86,10 +87,8 @@ def message(found: Change) -> str:
     if isinstance(found, Flip):
         residuals = f"{found.residual_before:.1e} → {found.residual_after:.1e}"
         return f"{format_verdicts(found)}, residual {residuals} {found.reason}".strip()
-    if isinstance(found, Growth | Time):
-        before, after = ("none" if side is None else f"{side:.6g}" for side in (found.before, found.after))
-        return f"{found.name}: {before} → {after}" + (f", ×{found.ratio:.2f}" if np.isfinite(found.ratio) else "")
-    return found.name
+    before, after = ("none" if side is None else f"{side:.6g}" for side in (found.before, found.after))
+    return f"{found.name}: {before} → {after}" + (f", ×{found.ratio:.2f}" if np.isfinite(found.ratio) else "")
 
 
 def _xml(text: str) -> str:

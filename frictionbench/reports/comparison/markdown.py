@@ -8,10 +8,10 @@ import numpy as np
 
 from frictionbench.reports.drawing.text import code, escaped, seconds
 from frictionbench.results.cells import FILE
-from frictionbench.results.changes import GONE, Change, Flip, Growth
+from frictionbench.results.changes import GONE, Change, Flip, Growth, Time
 from frictionbench.results.commands import rerun
 from frictionbench.results.compare import Comparison
-from frictionbench.results.times import Time, overall
+from frictionbench.results.times import overall
 
 LISTED, FOLDED = 12, 100  # rows of a table: shown at once, about a screen, and folded below it
 LONGEST = 60_000  # characters; a comment on GitHub may have 65 536
@@ -27,11 +27,7 @@ def markdown(comparison: Comparison) -> str:
     if comparison.untimed:
         parts.append(f"Times are not compared: {comparison.untimed}.")
     for variant in solvers(comparison):
-        own = [
-            found
-            for found in (*comparison.flips, *comparison.gone, *comparison.added, *comparison.work)
-            if found.variant == variant
-        ]
+        own = [found for found in comparison.changes if found.variant == variant and not isinstance(found, Time)]
         if own:
             parts += [f"### {code(variant)}{_state(own)}", *_changes(comparison, own)]
     if comparison.times:
