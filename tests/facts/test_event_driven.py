@@ -50,13 +50,6 @@ def test_accumulation_and_rest() -> None:
     assert end.v == pytest.approx(np.zeros(3), abs=1e-12)
 
 
-def test_sliding_block_turns_to_rest() -> None:
-    events, end = followed("stopping_block", step=0.3, duration=0.3)
-    assert [event.kind for event in events] == ["turn"]
-    assert events[0].time == pytest.approx(1 / (0.5 * G), abs=1e-12)
-    assert end.q[0] == pytest.approx(1 / (2 * 0.5 * G), abs=1e-12)
-
-
 def test_rocking_block_loses_spin_as_housner_says() -> None:
     events, _ = followed("rocking_block", step=1.2)
     assert [event.kind for event in events] == ["impact", "impact"]
@@ -109,14 +102,6 @@ def test_contacts_that_have_just_rebounded_touch_no_second_time(accuracy: float,
         now = follow(made, now, lemke, impact, accuracy)
         run += now.smooth
     assert len(run) < 50
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_newtons_and_poissons_laws_agree_on_a_ball(friction: float) -> None:
-    ends = [
-        followed("bouncing_ball", s, friction=friction, speed=1.0, step=1.0)[1] for s in ("event_driven", "event_driven_newton")
-    ]
-    assert ends[0].v[1] == pytest.approx(ends[1].v[1], abs=1e-9)
 
 
 @pytest.mark.parametrize(

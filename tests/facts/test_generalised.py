@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from frictionbench.harness.cells.motion import record_motion
 from frictionbench.problems.generalised import GeneralisedScene, ReducedScene
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, Step
@@ -37,13 +36,6 @@ def test_woodpecker_by_events_sticks_slips_lifts_and_pecks() -> None:
     events = [event for step in run for event in step.events]
     assert [event.kind for event in events] == ["turn", "slip", "lift", "impact", "impact", "impact", "lift"]
     assert [event.time for event in events[3:6]] == pytest.approx([0.07792, 0.08104, 0.08162], abs=6e-5)  # Siconos, h = 2e-5
-
-
-def test_energy_of_the_woodpecker_by_events() -> None:
-    """It changes by the work of friction alone before the first impact."""
-    motion = record_motion(scene("woodpecker", step=0.035), "lemke", "event_driven", 2)
-    assert motion.friction[-1] < 0
-    assert np.abs(motion.defect).max() < 1e-8 * np.ptp(motion.energy)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -92,9 +92,3 @@ def test_box_tips_from_the_slope_of_its_diagonal(share: float, tips: bool) -> No
 )
 def test_closed_forms(name: str, settings: dict[str, float], most: float) -> None:
     assert worst(scene(name, **settings)) < most
-
-
-def test_lengths_scale_the_closed_form() -> None:
-    made = scene("box_in_groove", length_unit=0.01)
-    assert made.path(0.2) == pytest.approx(0.01 * scene("box_in_groove").path(0.2))
-    assert worst(made) == pytest.approx(0.01 * worst(scene("box_in_groove")), rel=1e-6)

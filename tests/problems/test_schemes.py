@@ -120,16 +120,6 @@ def test_gap_scheme_stops_ball_at_contact() -> None:
     assert run[-1].q[1] == pytest.approx(0.5)
 
 
-def test_gap_scheme_hinge() -> None:
-    made = scene("pendulum")
-    pulled = Step(0.0, made.q0 + np.array([1e-3, 0, 0]), made.v0, made.contacts(made.q0))
-    for name in ("stewart_trinkle", "paoli_schatzman"):
-        after = SCHEMES[name](made, pulled, lemke)
-        assert np.abs(made.joints(after.q)[0]).max() < 1e-5
-    left = SCHEMES["anitescu_potra"](made, pulled, lemke)
-    assert made.joints(left.q)[0] == pytest.approx([1e-3, 0], abs=2e-4)
-
-
 def test_friction_from_previous_step() -> None:
     """Without a step before there is none; then it is limited by that step's normal impulse."""
     made = scene("stopping_block", friction=0.5)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.collect import stored_start
-from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
 from frictionbench.problems.verify import verify
-from frictionbench.solvers import Answer, Status, available, find, solve, solver
+from frictionbench.solvers import Status, available, find, solve, solver
 from tests.helpers.friction_problems import block, spatial
 
 WARM = sorted(name for name, info in available().items() if info.warm_start and not info.missing)
@@ -47,12 +47,6 @@ def test_facts_of_a_solver_are_checked(fact, value):
     with pytest.raises(ValueError, match=rf"^solver: {fact} must be .*, got "):
         solver(**facts)(type("Checked", (), {"solve": None}))
     assert "checked" not in available()
-
-
-def test_start_as_list():
-    assert np.array_equal(solve(block(), "nsgs", start=[[0, 0]]).impulse, solve(block(), "nsgs").impulse)
-    with pytest.raises(InputError, match=r"^start: "):
-        solve(LCP(np.eye(2), [-1.0, -1.0]), "lemke", start=np.zeros((2, 2)))
 
 
 @pytest.mark.parametrize("name", [*available()])
@@ -113,16 +107,6 @@ def test_invalid_stored_start(tmp_path):
     np.savez(path, cold=np.zeros(2))
     with pytest.raises(InputError, match=r"abc\.e3b0c442\.starts\.npz: .*start warm"):
         stored_start(tmp_path, "abc", "", "warm")
-
-
-def test_repr_of_answers_and_properties():
-    answer = Answer(np.zeros((12, 2)), Status.SOLVED, {"pivots": 14}, z=np.zeros(48))
-    assert repr(answer) == "Answer(SOLVED, impulse (12, 2), z (48,), pivots 14)"
-    assert repr(Answer(np.zeros((0, 3)), Status.FAILED)) == "Answer(FAILED, impulse (0, 3))"
-    assert repr(available()["nsgs"]) == "SolverInfo(nsgs: splitting, coulomb, dimension 2 and 3)"
-    table = answer._repr_html_()
-    assert "<td>pivots 14</td>" in table
-    assert Status.SOLVED.value in table
 
 
 CORE = """

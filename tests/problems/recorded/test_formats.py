@@ -2,6 +2,7 @@
 
 import struct
 import zlib
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -167,91 +168,92 @@ LOCAL = {
     "fclib_local/vectors/q": [np.full(9, np.inf), np.zeros(8), np.zeros((9, 1)), None, np.bytes_(b"text")],
     "fclib_local/vectors/mu": [np.full(3, -1.0), np.zeros(7), None],
 }
-BLAMED = {  # where a wrong field shows in another, or has a name of its own
-    "fclib_local/W/m": "fclib_local/W/(m|p)|W",
-    "fclib_local/W/x": "fclib_local/W/(x|p)|W",
-    "fclib_local/W/i": "fclib_local/W/[ip]",
-    "fclib_local/vectors/q": "(fclib_local/vectors/)?q",
-    "fclib_local/vectors/mu": "(fclib_local/vectors/)?(mu|friction|q)",
-}
+
+
+@contextmanager
+def edited_fclib(folder: Path):
+    """A good file, open to be changed."""
+    fclib.write(known_by_W(SPATIAL), folder / "p.hdf5")
+    with h5py.File(folder / "p.hdf5", "a") as file:
+        yield file
 
 
 @pytest.mark.parametrize(("field", "value"), [(field, value) for field, values in LOCAL.items() for value in values])
 def test_bad_fclib_field(tmp_path, field, value) -> None:
-    path = tmp_path / "p.hdf5"
-    fclib.write(known_by_W(SPATIAL), path)
-    with h5py.File(path, "a") as file:
+    """It is named, or another in which it shows."""
+    with edited_fclib(tmp_path) as file:
         del file[field]
         if value is not None:
             file[field] = value
-    with pytest.raises(InputError, match=rf"p\.hdf5: ({BLAMED.get(field, field)}): "):
-        read(path)
-
-
-def hostile(path: Path, kind: str) -> None:
-    """Replace q of an FCLIB file by a link or an object that readers must not follow."""
-    fclib.write(known_by_W(SPATIAL), path)
-    elsewhere = path.with_name("elsewhere.hdf5")
-    with h5py.File(elsewhere, "w") as file:
-        file["q"] = SPATIAL.q
-    (path.parent / "raw").write_bytes(SPATIAL.q.tobytes())
-    with h5py.File(path, "a") as file:
-        vectors = file["fclib_local/vectors"]
-        del vectors["q"]
-        if kind == "external link":
-            vectors["q"] = h5py.ExternalLink(str(elsewhere), "q")
-        elif kind == "soft link":
-            vectors["q"] = h5py.SoftLink("/fclib_local/vectors/mu")
-        elif kind == "external storage":
-            vectors.create_dataset("q", shape=(9,), dtype=float, external=[(str(path.parent / "raw"), 0, 72)])
-        elif kind == "virtual":
-            layout = h5py.VirtualLayout(shape=(9,), dtype=float)
-            layout[:] = h5py.VirtualSource(str(elsewhere), "q", shape=(9,))
-            vectors.create_virtual_dataset("q", layout)
-        elif kind == "bomb":
-            bomb = vectors.create_dataset("q", shape=(10**9,), dtype=float, chunks=(10**6,), compression="gzip")
-            bomb[:10] = 1.0
-        elif kind == "chunk":  # nine numbers, for which a chunk of 1 GiB would be unpacked
-            bomb = vectors.create_dataset("q", (9,), float, maxshape=(None,), chunks=(2**27,), compression="gzip")
-            bomb.id.write_direct_chunk((0,), zlib.compress(bytes(8)))
-        elif kind == "foreign filter":
-            vectors.create_dataset("q", data=SPATIAL.q, chunks=(9,), compression="lzf")
-        elif kind == "cube":
-            vectors["q"] = np.zeros((2, 2, 2))
-        elif kind == "nested":
-            vectors["q"] = SPATIAL.q
-            file.create_group("/".join("abcdefghij"))
-        elif kind == "crowd":
-            vectors["q"] = SPATIAL.q
-            for k in range(1100):
-                file[f"many/{k}"] = 1.0
-        elif kind == "never written":
-            vectors.create_dataset("q", shape=(9,), dtype=float)
-
-
-HOSTILE = ("external link", "soft link", "external storage", "virtual", "bomb", "chunk", "foreign filter", "cube")
-HOSTILE += ("nested", "crowd")
-
-
-@pytest.mark.parametrize("kind", [*HOSTILE, "never written"])
-def test_malicious_fclib_file_is_refused(tmp_path, kind) -> None:
-    hostile(tmp_path / "p.hdf5", kind)
-    field = {"nested": "a/b/c", "crowd": "many"}.get(kind, "fclib_local/vectors/q")
-    with pytest.raises(InputError, match=rf"p\.hdf5: {field}"):
+    last = field.rpartition("/")[2]
+    named = {"m": "m|p|W", "x": "x|p|W", "i": "i|p", "mu": "mu|friction|q"}.get(last, last)
+    with pytest.raises(InputError, match=rf"p\.hdf5: ([\w/]*/)?({named}): "):
         read(tmp_path / "p.hdf5")
 
 
-def test_names_within_hdf5(tmp_path) -> None:
-    """They may be those of arguments of np.savez, and what they hold of control characters is shown as its code."""
-    path = tmp_path / "p.hdf5"
-    fclib.write(known_by_W(SPATIAL), path)
-    with h5py.File(path, "a") as file:
+def virtual(vectors: h5py.Group, elsewhere: Path) -> None:
+    layout = h5py.VirtualLayout(shape=(9,), dtype=float)
+    layout[:] = h5py.VirtualSource(str(elsewhere), "q", shape=(9,))
+    vectors.create_virtual_dataset("q", layout)
+
+
+def bomb(vectors: h5py.Group, elsewhere: Path) -> None:
+    vectors.create_dataset("q", (10**9,), float, chunks=(10**6,), compression="gzip")[:10] = 1.0
+
+
+def chunk(vectors: h5py.Group, elsewhere: Path) -> None:
+    """Nine numbers, for which a chunk of 1 GiB would be unpacked."""
+    made = vectors.create_dataset("q", (9,), float, maxshape=(None,), chunks=(2**27,), compression="gzip")
+    made.id.write_direct_chunk((0,), zlib.compress(bytes(8)))
+
+
+def external(vectors: h5py.Group, elsewhere: Path) -> None:
+    vectors.create_dataset("q", (9,), float, external=[(str(elsewhere.with_name("raw")), 0, 72)])
+
+
+HOSTILE_Q = {  # links and objects in the place of q that readers must not follow
+    "external link": lambda vectors, elsewhere: vectors.update(q=h5py.ExternalLink(str(elsewhere), "q")),
+    "soft link": lambda vectors, elsewhere: vectors.update(q=h5py.SoftLink("/fclib_local/vectors/mu")),
+    "external storage": external,
+    "virtual": virtual,
+    "bomb": bomb,
+    "chunk": chunk,
+    "foreign filter": lambda vectors, elsewhere: vectors.create_dataset("q", data=SPATIAL.q, chunks=(9,), compression="lzf"),
+    "cube": lambda vectors, elsewhere: vectors.update(q=np.zeros((2, 2, 2))),
+    "never written": lambda vectors, elsewhere: vectors.create_dataset("q", (9,), float),
+}
+HOSTILE_FILES = {  # and what is told of other hostile things
+    "a/b/c": lambda file: file.create_group("/".join("abcdefghij")),
+    "many": lambda file: file.update({f"many/{k}": 1.0 for k in range(1100)}),
+    r"a\\x1b\[31m\\n: is a link": lambda file: file.update({"a\x1b[31m\n": h5py.SoftLink("/x")}),
+    ".*(groups are nested more|more than 1000)": lambda file: file.update({"fclib_local/loop": file["/"]}),
+}
+
+
+@pytest.mark.parametrize("kind", HOSTILE_Q)
+def test_malicious_fclib_vector_is_refused(tmp_path, kind) -> None:
+    with h5py.File(tmp_path / "elsewhere.hdf5", "w") as file:
+        file["q"] = SPATIAL.q
+    (tmp_path / "raw").write_bytes(SPATIAL.q.tobytes())
+    with edited_fclib(tmp_path) as file:
+        del file["fclib_local/vectors/q"]
+        HOSTILE_Q[kind](file["fclib_local/vectors"], tmp_path / "elsewhere.hdf5")
+    with pytest.raises(InputError, match=r"p\.hdf5: fclib_local/vectors/q"):
+        read(tmp_path / "p.hdf5")
+
+
+@pytest.mark.parametrize("told", HOSTILE_FILES)
+def test_malicious_fclib_file_is_refused(tmp_path, told) -> None:
+    with edited_fclib(tmp_path) as file:
+        HOSTILE_FILES[told](file)
+    with pytest.raises(InputError, match=rf"p\.hdf5: {told}"):
+        read(tmp_path / "p.hdf5")
+
+
+def test_names_within_hdf5_may_be_those_of_arguments_of_savez(tmp_path) -> None:
+    with edited_fclib(tmp_path) as file:
         file["file"] = file["allow_pickle"] = np.ones(2)
-    assert read(path).hash == known_by_W(SPATIAL).hash
-    with h5py.File(path, "a") as file:
-        file["a\x1b[31m\n"] = h5py.SoftLink("/x")
-    with pytest.raises(InputError, match=r"p\.hdf5: a\\x1b\[31m\\n: is a link"):
-        read(path)
+    assert read(tmp_path / "p.hdf5").hash == known_by_W(SPATIAL).hash
 
 
 def test_matrices_that_are_needed_dense_are_bounded() -> None:
@@ -260,16 +262,6 @@ def test_matrices_that_are_needed_dense_are_bounded() -> None:
     w[1] = 1.0  # on a tangential velocity: the local form is made, from a dense H
     with pytest.raises(InputError, match=rf"^H: of shape \({n}, {n}\) is needed dense"):
         forms.from_global(sparse.eye_array(n, format="csr"), sparse.csr_array((n, n)), np.ones(n), w, np.zeros(n // 2), 2)
-
-
-def test_recursive_groups(tmp_path) -> None:
-    path = tmp_path / "p.hdf5"
-    fclib.write(known_by_W(SPATIAL), path)
-    with h5py.File(path, "a") as file:
-        file["loop/again"] = file["fclib_local"]
-        file["fclib_local/back"] = file["loop"]
-    with pytest.raises(InputError, match=r"groups are nested more|more than 1000"):
-        read(path)
 
 
 def test_crash_of_hdf5_library(tmp_path, monkeypatch) -> None:

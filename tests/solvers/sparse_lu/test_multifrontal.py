@@ -91,25 +91,6 @@ def test_singular_matrix(entry) -> None:
     assert x[0] == pytest.approx(1e3)
 
 
-@pytest.mark.parametrize("n", [5, 30])
-def test_every_pivot_of_a_matrix_of_zeros_is_replaced(n) -> None:
-    fronts, _ = analysed(sparse.csr_array(np.ones((1, n))))
-    storage, swap, x = np.zeros(n * n), np.zeros(n, dtype=np.int64), np.ones(n)
-    assert factorise(fronts, storage, swap, 1e-3) == n
-    solve_factorised(fronts, storage, swap, x)
-    assert x == pytest.approx(1e3)
-
-
-@pytest.mark.parametrize("name", PATTERNS)
-def test_elements_fit_their_fronts(name) -> None:
-    incidence = PATTERNS[name]
-    fronts, place, home = analyse(incidence.indptr.astype(np.int64), incidence.indices.astype(np.int64), incidence.shape[1])
-    for e in range(incidence.shape[0]):
-        member = place[incidence.indices[incidence.indptr[e] : incidence.indptr[e + 1]]]
-        if len(member):
-            assert set(member) <= set(fronts.variable[fronts.first[home[e]] : fronts.first[home[e] + 1]])
-
-
 @pytest.mark.parametrize(("rows", "entries"), [(8, 4581), (15, 29007), (40, 462933)])
 def test_pyramid_fill(rows, entries) -> None:
     """The entries of the fronts with SuperLU's ordering MMD_AT_PLUS_A."""
