@@ -7,11 +7,10 @@ wherever r_n > 0: a fixed point is a Coulomb solution. It contracts for small mu
 that slides along +t at the rate |mu (mu g - b)|/(a - 2 mu b + mu^2 g); where that is 1 or more it can end in a cycle of period
 two, which is detected and reported.
 
-With memory > 0 Anderson's acceleration over that many steps is applied; memory = 0 is the plain iteration. Each
-relaxation is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from the last one's impulses, to
-INNER of the present residual.
+Each relaxation is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from the last one's impulses,
+to INNER of the present residual.
 
-References: Anitescu and Hart 2004; Acary, Cadoux, Lemaréchal and Malick 2011 in space; Walker and Ni 2011 for the acceleration.
+References: Anitescu and Hart 2004; Acary, Cadoux, Lemaréchal and Malick 2011 in space.
 """
 
 from dataclasses import replace
@@ -19,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form
 from frictionbench.solvers.sweeps.laws import residual_at
@@ -37,14 +36,8 @@ CYCLE = 1e-3  # how closely every other lam must agree, relative to one step, to
 class AnitescuHart:
     """Anitescu and Hart's fixed point: a sequence of convex relaxations, each shifted by the last one's sliding.
 
-    memory: steps of Anderson's acceleration, 0 for none.
     Work: relaxations, and products with W in the inner solves. History: the residual before every relaxation.
     """
-
-    memory: int = 0
-
-    def __post_init__(self) -> None:
-        require(self.memory >= 0, "memory", f"must not be negative, got {self.memory!r}")
 
     def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
@@ -53,29 +46,17 @@ class AnitescuHart:
         r, monitored = impulses(start, form.offset.shape), monitor(tol, LIMIT if limit is None else limit, PATIENCE)
         shifted = form._replace(offset=form.offset.copy())
         x, u = np.empty_like(form.rest), np.empty_like(r)
-        lams: list[Array] = []  # lam^k
-        slides: list[Array] = []  # |u_t| at the start, then of the relaxation shifted by each lam^k
+        slides: list[Array] = []  # |u_t| at the start, then of each relaxation: lam
         relaxations, products = 0, 1  # a check of the residual is one
         while should_continue(monitored, error := residual_at(form, r, x, u, 1.0), relaxations):
             slides.append(np.linalg.norm(u[:, 1:], axis=1))
-            if self.memory == 0 and _cycles(slides, monitored.history[: relaxations + 1]):
+            if _cycles(slides, monitored.history[: relaxations + 1]):
                 answer = monitored.answer(r, "a cycle of period two", relaxations=relaxations, products=products)
                 return replace(answer, status=Status.STALLED)
-            lams.append(_combined(lams, slides, self.memory))
-            shifted.offset[:, 0] = form.offset[:, 0] + form.friction * lams[-1]
+            shifted.offset[:, 0] = form.offset[:, 0] + form.friction * slides[-1]
             products += 1 + relax(shifted, r, INNER * error, INNER_LIMIT)
             relaxations += 1
         return monitored.answer(r, relaxations=relaxations, products=products)
-
-
-def _combined(lams: list[Array], slides: list[Array], memory: int) -> Array:
-    """The last slide, or with memory Anderson's combination: of the last steps slide - lam the one of least norm."""
-    if not memory or len(lams) < 2:
-        return slides[-1]
-    lam, slide = np.array(lams[-memory - 1 :]), np.array(slides[1:][-memory - 1 :])
-    step = slide - lam
-    weight = np.linalg.lstsq(np.diff(step, axis=0).T, step[-1], rcond=1e-10)[0]
-    return np.maximum(slide[-1] - np.diff(slide, axis=0).T @ weight, 0.0)
 
 
 def _cycles(slides: list[Array], error: Array) -> bool:

@@ -8,8 +8,8 @@
         def setup(self, formed): ...                 # the method's or library's preparation: orderings, workspaces, factors
         def solve(self, prepared, tol, limit, start=None) -> Answer: ...
 
-A missing `form` or `setup` passes its argument on unchanged. A solver that does not separate the two defines `prepare(problem)`
-instead, which counts as setup. Every registered solver has `prepare`, which is setup(form(problem)).
+A missing `form` or `setup` passes its argument on unchanged. Every registered solver has `prepare`, which is
+setup(form(problem)).
 
 `tol` is the requested residual of the solver's own model, as defined in problems.residual: each contact's in its own unit of
 velocity, `problem.units` (nc,), that of its island. A solver that stops by one velocity stops at tol * problem.units.min(), or
@@ -81,18 +81,21 @@ class Solved(NamedTuple):
 
 
 class Solver(Protocol):
-    """An instance of a class decorated with @solver.
+    """An instance of a class decorated with @solver, which gets from here what it does not define.
 
     knows_rounding: whether the solver itself reports ROUNDING in place of SOLVED, as a portfolio that checks its members does.
     """
 
-    knows_rounding: bool
+    knows_rounding: bool = False
 
-    def form(self, problem: Any) -> Any: ...
+    def form(self, problem: Any) -> Any:
+        return problem
 
-    def setup(self, formed: Any) -> Any: ...
+    def setup(self, formed: Any) -> Any:
+        return formed
 
-    def prepare(self, problem: Any) -> Any: ...
+    def prepare(self, problem: Any) -> Any:
+        return self.setup(self.form(problem))
 
     def solve(self, prepared: Any, tol: float, limit: int | None, start: Array | None = None) -> Answer: ...
 
@@ -218,9 +221,9 @@ def solver(
     """Register a class as the solver `name`: a frozen dataclass whose fields are its settings, with missing steps added.
 
     family: of methods, as reports group them. Other arguments: see SolverInfo. The class needs
-    `solve(self, prepared, tol, limit, start=None) -> Answer`, and may have `form`, `setup` or `prepare`.
-    Errors: ValueError if the name is already registered, the class defines `prepare` together with `form` or `setup`, or
-    an argument is none of those in SolverInfo; the message names it.
+    `solve(self, prepared, tol, limit, start=None) -> Answer`, and may have `form` and `setup`.
+    Errors: ValueError if the name is already registered, the class defines `prepare`, or an argument is none of those in
+    SolverInfo; the message names it.
 
     >>> import frictionbench as fb, numpy as np
     >>> @fb.solver("nothing", family="splitting", model="coulomb", dimension=(2, 3))
@@ -251,29 +254,13 @@ def _balanced(cls: Any) -> bool:
 
 
 def with_all_steps(cls: Any) -> Any:
-    """Add the missing ones of form, setup, prepare and knows_rounding.
-
-    Errors: ValueError if it defines prepare together with form or setup.
-    """
-    prepare = getattr(cls, "prepare", _form_and_set_up)
-    if prepare is not _form_and_set_up:
-        if {"form", "setup"} & vars(cls).keys():
-            raise ValueError(f"solver: {cls.__name__} defines prepare together with form or setup; define either")
-        cls.form, cls.setup = _pass_on, prepare
-    for step in ("form", "setup"):
+    """Add the missing ones of form, setup, prepare and knows_rounding. Errors: ValueError if it defines prepare."""
+    if getattr(cls, "prepare", Solver.prepare) is not Solver.prepare:
+        raise ValueError(f"solver: {cls.__name__} defines prepare, which is setup(form(problem)); define setup")
+    for step in ("form", "setup", "prepare", "knows_rounding"):
         if not hasattr(cls, step):
-            setattr(cls, step, _pass_on)
-    cls.prepare = _form_and_set_up
-    cls.knows_rounding = getattr(cls, "knows_rounding", False)
+            setattr(cls, step, getattr(Solver, step))
     return cls
-
-
-def _pass_on(self: Solver, given: Any) -> Any:
-    return given
-
-
-def _form_and_set_up(self: Solver, problem: Any) -> Any:
-    return self.setup(self.form(problem))
 
 
 def available() -> dict[str, SolverInfo]:
@@ -402,9 +389,7 @@ def _solve_in_time(
     instance: Solver, problem: FrictionProblem | LCP, tol: float, limit: int | None, start: Array | None, seconds: Any
 ) -> Answer:
     """The answer, TIME_LIMIT if it is not solved when the time is over. Errors: InputError naming time_limit."""
-    valid = isinstance(seconds, Real) and not isinstance(seconds, bool) and 0 < seconds < float("inf")  # type: ignore[operator]
-    require(valid, "time_limit", f"must be a positive, finite number of seconds, got {seconds!r}")
-    with within(float(seconds)):
+    with within(_positive("time_limit", seconds, "number of seconds")):
         answer = instance.solve(instance.prepare(problem), tol, limit, start)
         if answer.status is Status.TIME_LIMIT or (is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING)):
             bare = isinstance(problem, LCP)
@@ -415,9 +400,13 @@ def _solve_in_time(
 
 def tolerance(tol: Any) -> float:
     """A tolerance as a float. Errors: InputError naming tol unless it is a positive, finite number."""
-    valid = isinstance(tol, Real) and 0 < tol < float("inf")  # type: ignore[operator]
-    require(valid, "tol", f"must be a positive, finite number, got {tol!r}")
-    return float(tol)
+    return _positive("tol", tol, "number")
+
+
+def _positive(field: str, value: Any, kind: str) -> float:
+    valid = isinstance(value, Real) and not isinstance(value, bool) and 0 < value < float("inf")  # type: ignore[operator]
+    require(valid, field, f"must be a positive, finite {kind}, got {value!r}")
+    return float(value)
 
 
 def work_limit(limit: Any) -> int | None:

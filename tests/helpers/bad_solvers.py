@@ -26,9 +26,6 @@ def bad(misbehave, family="bad"):
     class Misbehaving:
         __doc__ = misbehave.__doc__
 
-        def prepare(self, problem):
-            return problem
-
         def solve(self, problem, tol, limit, start=None):
             # The harness first warms every solver up on a single contact, for which these answer correctly.
             return answer(problem) if problem.contacts == 1 else misbehave(problem)

@@ -19,7 +19,7 @@ KERNELS = (
     ("frictionbench.solvers.pivots.inverse_basis", "exchange_pair", "exchanges", lambda arguments: 1),
     ("frictionbench.solvers.pivots.tableau", "exchange", "exchanges", lambda arguments: 1),
     ("frictionbench.solvers.pivots.inverse_basis", "refactor", "inversions", lambda arguments: 1),
-    ("frictionbench.solvers.pivots.merit_newton", "solve_dense", "dense factorisations", lambda arguments: 1),
+    ("frictionbench.solvers.merit_newton", "solve_dense", "dense factorisations", lambda arguments: 1),
     ("frictionbench.solvers.sweeps.form", "state", "products", lambda arguments: 1),
     ("frictionbench.solvers.sweeps.gauss_seidel", "planar_sweeps", "sweeps", lambda arguments: arguments[-1]),
     ("frictionbench.solvers.sweeps.gauss_seidel", "spatial_sweeps", "sweeps", lambda arguments: arguments[-1]),

@@ -1,9 +1,9 @@
 """Compiled wrappers of functions that the solvers' kernels call, so that tests can call them."""
 
 from frictionbench.problems.compiled import kernel
-from frictionbench.solvers import fischer_newton, proximal_newton
+from frictionbench.solvers import proximal_newton
 from frictionbench.solvers.interior import newton, point
-from frictionbench.solvers.pivots import lemke_path, lu_basis, merit_newton
+from frictionbench.solvers.pivots import lemke_path, lu_basis
 from frictionbench.solvers.sparse_lu import multifrontal
 from frictionbench.solvers.sweeps import gauss_seidel, laws
 
@@ -76,16 +76,6 @@ def basic_z(*arguments):
 @kernel
 def replace_column(*arguments):
     return lu_basis.replace_column(*arguments)
-
-
-@kernel
-def solve_dense(*arguments):
-    return merit_newton.solve_dense(*arguments)
-
-
-@kernel
-def fischer(*arguments):
-    return fischer_newton.fischer(*arguments)
 
 
 @kernel

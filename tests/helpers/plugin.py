@@ -15,9 +15,6 @@ class Guest:
 
     factor: float = 0.0
 
-    def prepare(self, problem):
-        return problem
-
     def solve(self, problem, tol, limit, start=None):
         {body}
         return Answer(np.full((problem.contacts, problem.dimension), self.factor), Status.STALLED)

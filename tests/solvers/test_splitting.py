@@ -10,7 +10,7 @@ from frictionbench.solvers import Status, available, solve
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 from tests.helpers.friction_problems import spatial
 
-COULOMB = ["admm_coulomb", "anitescu_hart", "anitescu_hart[memory=3]", "apgd_coulomb", "nncg", "nsgs", "staggered"]
+COULOMB = ["admm_coulomb", "anitescu_hart", "apgd_coulomb", "nncg", "nsgs", "staggered"]
 RELAXED = ["admm", "apgd"]
 ALL = COULOMB + RELAXED
 

@@ -6,10 +6,9 @@ import pytest
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.instances import make_instance
-from frictionbench.solvers import clock
+from frictionbench.solvers import clock, merit_newton
 from frictionbench.solvers.clock import deadline, is_over, is_past, left, within
 from frictionbench.solvers.interface import find
-from frictionbench.solvers.pivots import merit_newton
 
 METHODS = ("lemke", "dantzig", "murty", "path_search", "fischer_newton", "nsgs", "admm_coulomb", "interior_point", "hybrid")
 

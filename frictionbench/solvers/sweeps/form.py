@@ -45,40 +45,39 @@ class ContactForm(NamedTuple):
 
 def contact_form(problem: FrictionProblem, relaxed: bool = False) -> ContactForm:
     """Pack a problem, or its convex relaxation; in velocities where each contact touches few of them, in impulses otherwise."""
-    law = problem.friction, problem.friction_bias, problem.scale
+    units = problem.relaxation_units if relaxed else problem.units
+    law = problem.friction, problem.friction_bias, problem.scale, units
     if not problem.mechanical or len(problem.joint_bias):
         parts = _pack_impulses(*problem.blocks, problem.q.reshape(-1, problem.dimension), *law)
     else:
         parts = _pack_velocities(*problem.contact_rows, *problem.inverse_rows, problem.free_velocity, problem.bias, *law)
-    units = problem.relaxation_units if relaxed else problem.units
-    return ContactForm._make((*parts, units.copy()))
+    return ContactForm(*parts)
 
 
 @part
 def contact_form_of(packed, k):  # type: ignore[no-untyped-def]
     """The form of problem k of packed ones."""
-    mu, wider, scale, units = law_of(packed, k)
+    law = law_of(packed, k)
     if mechanical(packed, k):
         start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
-        parts = _pack_velocities(start, column, J, m_start, m_column, m_value, free, bias, mu, wider, scale)
+        parts = _pack_velocities(start, column, J, m_start, m_column, m_value, free, bias, *law)
     else:
         first, neighbours, block = known_blocks(packed, k)
-        q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(mu), block.shape[1])
-        parts = _pack_impulses(first, neighbours, block, q, mu, wider, scale)
-    g_start, g_column, g, r_start, r_column, r, offset, rest, own, own_mu, own_bias, own_scale = parts
-    return ContactForm(g_start, g_column, g, r_start, r_column, r, offset, rest, own, own_mu, own_bias, own_scale, units.copy())
+        q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(law[0]), block.shape[1])
+        parts = _pack_impulses(first, neighbours, block, q, *law)
+    return ContactForm(*parts)
 
 
 @kernel
-def _pack_velocities(start, column, J, m_start, m_column, m_value, free, bias, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
-    """All of a ContactForm but its last entry, with the velocities as the state."""
+def _pack_velocities(start, column, J, m_start, m_column, m_value, free, bias, mu, b_f, scale, units):  # type: ignore[no-untyped-def]
+    """The entries of a ContactForm, with the velocities as the state."""
     nc, d, nv = len(bias), J.shape[1], len(free)
     start, column, read = normal_first(start, column, J)
     entries = 0
     for k in range(len(column)):
         entries += m_start[column[k] + 1] - m_start[column[k]]
     push_start, push_column, push = np.zeros(nc + 1, np.int32), np.empty(entries, np.int32), np.zeros((entries, d))
-    block, offset, x, place = np.zeros((nc, d, d)), np.zeros((nc, d)), np.empty(nv), nowhere(nv)
+    block, offset, place = np.zeros((nc, d, d)), np.zeros((nc, d)), nowhere(nv)
     at = 0
     for i in range(nc):
         offset[i, 0] = bias[i]
@@ -98,15 +97,13 @@ def _pack_velocities(start, column, J, m_start, m_column, m_value, free, bias, f
                 for a in range(d):
                     for b in range(d):
                         block[i, a, b] += read[k, a] * push[place[column[k]], b]
-    for v in range(nv):
-        x[v] = free[v]
-    own = _copies(friction, friction_bias, scale)
-    return start, column, read, push_start, push_column[:at], push[:at], offset, x, block, *own
+    law = mu.copy(), b_f.copy(), scale.copy(), units.copy()
+    return start, column, read, push_start, push_column[:at], push[:at], offset, free.copy(), block, *law
 
 
 @kernel
-def _pack_impulses(first, neighbours, block, q, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
-    """All of a ContactForm but its last entry, with the impulses as the state."""
+def _pack_impulses(first, neighbours, block, q, mu, b_f, scale, units):  # type: ignore[no-untyped-def]
+    """The entries of a ContactForm, with the impulses as the state."""
     nc, d = q.shape
     start, push_start = np.empty(nc + 1, np.int32), np.empty(nc + 1, np.int32)
     column, read = np.empty(len(neighbours) * d, np.int32), np.empty((len(neighbours) * d, d))
@@ -123,17 +120,8 @@ def _pack_impulses(first, neighbours, block, q, friction, friction_bias, scale):
                         own_block[i, a, b] = block[k, a, b]
         for a in range(d):
             push_column[i * d + a], push[i * d + a, a] = i * d + a, 1.0
-    own = _copies(friction, friction_bias, scale)
-    return start, column, read, push_start, push_column, push, q.copy(), np.zeros(nc * d), own_block, *own
-
-
-@part
-def _copies(friction, friction_bias, scale):  # type: ignore[no-untyped-def]
-    nc = len(scale)
-    own_friction, own_bias, own_scale = np.empty(nc), np.empty(nc), np.empty(nc)
-    for i in range(nc):
-        own_friction[i], own_bias[i], own_scale[i] = friction[i], friction_bias[i], scale[i]
-    return own_friction, own_bias, own_scale
+    law = mu.copy(), b_f.copy(), scale.copy(), units.copy()
+    return start, column, read, push_start, push_column, push, q.copy(), np.zeros(nc * d), own_block, *law
 
 
 @kernel

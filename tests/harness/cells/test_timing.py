@@ -155,24 +155,11 @@ def test_prepare(name):
 
 
 def test_default_steps():
-    class OneStep:
-        def prepare(self, problem):
-            return "prepared", problem
-
     class FormAlone:
         def form(self, problem):
             return "formed", problem
 
-    class Both(FormAlone):
-        def prepare(self, problem):
-            return problem
-
-    one, form = with_all_steps(OneStep)(), with_all_steps(FormAlone)()
-    assert (one.form(1), one.setup(1), one.prepare(1)) == (1, ("prepared", 1), ("prepared", 1))
+    form = with_all_steps(FormAlone)()
     assert (form.form(1), form.setup(1), form.prepare(1)) == (("formed", 1), 1, ("formed", 1))
-    assert with_all_steps(type("Inherits", (OneStep,), {}))().prepare(1) == ("prepared", 1)
-    own = with_all_steps(type("Overrides", (OneStep,), {"prepare": lambda self, problem: "own"}))()
-    assert (own.form(1), own.prepare(1)) == (1, "own")
-    Both.setup = lambda self, formed: formed
-    with pytest.raises(ValueError, match="Both defines prepare together with form or setup"):
-        with_all_steps(Both)
+    with pytest.raises(ValueError, match="Prepares defines prepare"):
+        with_all_steps(type("Prepares", (), {"prepare": lambda self, problem: problem}))

@@ -28,7 +28,7 @@ from frictionbench.solvers import solver
 class BlocksSignals:
     '''Hangs from the first call with all signals blocked, and so does its orphaned child process.'''
 
-    def prepare(self, problem):
+    def setup(self, problem):
         signal.pthread_sigmask(signal.SIG_SETMASK, set(signal.Signals))
         if os.fork() == 0:
             os.setsid()
