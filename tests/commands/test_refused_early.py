@@ -9,7 +9,6 @@ from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.workers import inputs
 from frictionbench.problems import InputError, catalogue
 from tests.helpers.command_line import frictionbench
-from tests.helpers.made_results import solve_row, write_folder
 
 
 def test_scenes_are_not_built_in_the_main_process(monkeypatch) -> None:
@@ -39,15 +38,6 @@ def test_an_address_without_scheduler_is_refused_before_the_problems_are_made(tm
     assert done.returncode == 2
     assert "cluster: no scheduler answers at x" in done.stderr
     assert not (tmp_path / "out").exists()
-
-
-def test_code_that_does_not_exist(tmp_path) -> None:
-    """It is refused also where no alert asks for it."""
-    runs = [str(write_folder(tmp_path / name, [solve_row("lemke", "p")])) for name in ("before", "after")]
-    for options in (("--confirm", "--code", "nope"), ("--confirm", "--code=-x"), ("--code", "HEAD")):
-        done = frictionbench("compare", *runs, *options)
-        assert (done.returncode, done.stderr.partition(": ")[2][:5]) == (2, "code:"), done
-    assert frictionbench("compare", *runs, "--confirm", "--code", str(tmp_path)).returncode == 0
 
 
 @pytest.mark.parametrize("command", ["export", "show"])

@@ -9,7 +9,6 @@ from frictionbench.commands.single import rerun_row
 from frictionbench.harness import run as run_module
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.rows import no_problem
-from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import SolveCell, Source
 from frictionbench.harness.run import row_of, run
 from frictionbench.harness.workers.pool import Outcome, Task
@@ -107,14 +106,6 @@ def test_a_reply_without_a_verdict_is_a_crashed_row(verdict) -> None:
     task = Task("lemke", worker.run_solve, (cell, no_problem(source, "") | {"repeats": 1}, 1.0), 1.0)
     row = row_of(Outcome(task, {"verdict": verdict}), ())
     assert (row["verdict"], row["reason"]) == ("crashed", "the worker returned a malformed row")
-
-
-def test_options_restrict_a_suite() -> None:
-    plan = choose("smoke", ["stack[blocks=3]"], ("nsgs[relaxation=1.2]",), "1e-3,1e-5", 3.0)
-    assert plan.sources == (Source("stack", {"blocks": 3}, 6),)
-    assert plan.solvers == plan.simulation_solvers == ("nsgs[relaxation=1.2]",)
-    assert plan.tolerances == (1e-3, 1e-5)
-    assert plan.time_limit == 3.0
 
 
 def test_replayed_starts(tmp_path) -> None:

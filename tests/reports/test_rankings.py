@@ -229,6 +229,8 @@ def test_percentiles_and_budget_by_hand(tmp_path):
     run = run_of(*rows)
     table = accuracy.percentiles(accuracy.overall(run.times[1e-8])[PLANE], 40e-3).loc["a"]
     assert table.tolist() == pytest.approx([50e-3, 99e-3, np.inf, 0.4])
+    few = accuracy.percentiles(accuracy.overall(run_of(*rows[:99]).times[1e-8])[PLANE])
+    assert np.isnan(few.loc["a", "p99"])  # of fewer than a hundred it would be the longest, which stands beside it
     (motion,) = motions(read_run(write_folder(tmp_path / "run", rows), budget=40e-3))
     assert (motion.problems, motion.table.loc["a", "p99"]) == (100, pytest.approx(99e-3))
     page = write_report(tmp_path / "run", read_run(tmp_path / "run", budget=40e-3)).read_text(encoding="utf-8")

@@ -1,7 +1,6 @@
 """Damaged and malicious results folders are rejected with one-line errors."""
 
 import json
-import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -12,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.harness.run import open_folder, run
+from frictionbench.harness.run import run
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import own
 from frictionbench.problems.scenes import scene
@@ -26,7 +25,7 @@ from frictionbench.results.store import ShardWriter
 from tests.helpers.command_line import frictionbench
 from tests.helpers.edits import CASES, mutated
 from tests.helpers.made_results import solve_row, write_folder
-from tests.helpers.runs import quiet, small_plan
+from tests.helpers.runs import quiet
 
 SCHEMA = arrow_schema("solves")
 
@@ -164,16 +163,6 @@ def test_full_disk(tmp_path, room, unwritten) -> None:
     assert broken.stderr.splitlines()[-1].endswith("File too large")
     assert frictionbench(*command).returncode == 0
     assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
-
-
-@pytest.mark.parametrize("place", ["", "shards"])
-def test_unwritable_folder(tmp_path, place) -> None:
-    folder, plan = tmp_path / "run", small_plan(simulations=())
-    if place:
-        open_folder(plan, folder)
-    (folder / place).touch()
-    with pytest.raises((OSError, ResultsError), match=re.escape(str(folder / place))):
-        run(plan, folder, 1, quiet())
 
 
 AXIS = {"parameter": "friction", "low": 0.1, "high": 1.0, "count": 3}
