@@ -6,7 +6,8 @@
     @instance()
     def cubes(boxes: int = 5, friction: float = 0.5, ...) -> FrictionProblem: ...
 
-A scene moves in time. An instance is a friction problem of one step, made from parameters and a seed, that no scene simulates.
+A scene moves in time, so that every one takes step, and most of them duration, in s. An instance is a friction problem of one
+step, made from parameters and a seed, that no scene simulates.
 Every scene also takes mass_unit and length_unit, the units in which its masses and lengths are then given: the motion is the
 same.
 """
@@ -109,15 +110,19 @@ def _unknown(kind: str, name: str) -> str:
     return f"unknown {kind} {name!r}{like}; scenes and instances are {', '.join(scenes_and_instances)}"
 
 
-def generator(dimension: int = 2, **others: dict[str, Any]) -> Callable[[SceneFunction], SceneFunction]:
+def generator(
+    dimension: int = 2, step: float = 0.01, duration: float | None = None, **others: dict[str, Any]
+) -> Callable[[SceneFunction], SceneFunction]:
     """List a scene's generator under its name, and under each name in `others` with the defaults given there.
 
-    dimension: of its scenes, so that it is known before one is built. Errors: ValueError where a name is taken.
+    dimension: of its scenes, so that it is known before one is built. step, duration: s, defaults of these two parameters,
+    which `scene` sets; where duration is None, the scene has no such parameter. Errors: ValueError where a name is taken.
     """
+    time = {"step": step} if duration is None else {"step": step, "duration": duration}
 
     def register(make: SceneFunction) -> SceneFunction:
         for name, defaults in {make.__name__: {}, **others}.items():
-            SCENES.add(make, name, dimension, **defaults)
+            SCENES.add(make, name, dimension, **time, **defaults)
         return make
 
     return register
@@ -183,10 +188,11 @@ def scene(name: str, **parameters: Any) -> Scene:
     chosen = found.parameters | parameters
     for key in {"friction", "restitution", "step", "duration"} & chosen.keys():
         number(key, chosen[key])
-    made = found.make(**{key: value for key, value in chosen.items() if key not in units})
+    time = {key: chosen[key] for key in ("step", "duration") if key in chosen}
+    made = found.make(**{key: value for key, value in chosen.items() if key not in units | time})
     if units:
         made = made.in_units(units.get("mass_unit", 1.0), units.get("length_unit", 1.0))
-    return replace(made, name=name, parameters=chosen)
+    return replace(made, name=name, parameters=chosen, **time)
 
 
 def make_instance(name: str, **parameters: Any) -> FrictionProblem:

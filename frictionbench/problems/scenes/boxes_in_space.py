@@ -19,15 +19,9 @@ HALF = 0.1  # m, half an edge of a cube
 FLOOR = HalfSpace(np.array([0.0, 0.0, 1.0]))
 
 
-@generator(dimension=3)
+@generator(dimension=3, duration=0.6)
 def sliding_box(
-    slope: float = 0.0,
-    friction: float = 0.5,
-    speed: float = 2.0,
-    heading: float = 0.0,
-    aspect: float = 1.0,
-    step: float = 0.01,
-    duration: float = 0.6,
+    slope: float = 0.0, friction: float = 0.5, speed: float = 2.0, heading: float = 0.0, aspect: float = 1.0
 ) -> Scene:
     """A box that is thrown on level ground or put on a slope: it slides straight on, stops, holds, or tips over.
 
@@ -48,21 +42,12 @@ def sliding_box(
         v0=np.array([*speed * along, 0.0, 0.0, 0.0]),
         friction=mu,
         gravity=(down, 0.0, -normal),
-        step=step,
-        duration=duration,
         path=partial(sliding, np.array([0, 0, half[2]]), along, speed, down, mu * normal) if straight and upright else None,
     )
 
 
-@generator(dimension=3)
-def box_tower(
-    boxes: int = 5,
-    mass_ratio: float = 1.0,
-    slope: float = 0.1,
-    friction: float = 0.5,
-    step: float = 0.01,
-    duration: float = 0.3,
-) -> Scene:
+@generator(dimension=3, duration=0.3)
+def box_tower(boxes: int = 5, mass_ratio: float = 1.0, slope: float = 0.1, friction: float = 0.5) -> Scene:
     """Cubes stand on each other, on a slope on which friction holds them, and stay where they are.
 
     They tip over where tan(slope) exceeds half an edge over the height of the centre of mass of all that stand on a face.
@@ -80,8 +65,6 @@ def box_tower(
         q0=np.hstack([place, np.tile(AT_REST, (n, 1))]),
         friction=mu,
         gravity=(GRAVITY * np.sin(slope), 0.0, -GRAVITY * np.cos(slope)),
-        step=step,
-        duration=duration,
         path=partial(_resting, place) if holds else None,
     )
 
@@ -90,8 +73,8 @@ def _resting(place: Array, time: float) -> Array:
     return place
 
 
-@generator(dimension=3)
-def box_in_groove(slope: float = 0.5, friction: float = 0.2, step: float = 0.01, duration: float = 0.5) -> Scene:
+@generator(dimension=3, duration=0.5)
+def box_in_groove(slope: float = 0.5, friction: float = 0.2) -> Scene:
     """A cube slides on an edge down a right-angled groove, between two planes that both press on it.
 
     Its acceleration is g (sin(slope) - sqrt(2) mu cos(slope)), and it stays if that is negative. slope: rad.
@@ -105,7 +88,5 @@ def box_in_groove(slope: float = 0.5, friction: float = 0.2, step: float = 0.01,
         q0=np.array([*start, np.cos(np.pi / 8), np.sin(np.pi / 8), 0.0, 0.0]),
         friction=mu,
         gravity=(down, 0.0, -normal),
-        step=step,
-        duration=duration,
         path=partial(sliding, start, np.array([1.0, 0, 0]), 0.0, down, mu * normal / side),
     )

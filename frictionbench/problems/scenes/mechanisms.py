@@ -18,8 +18,8 @@ from frictionbench.problems.scene import Scene
 CRANK, ROD = 0.153, 0.306  # m, of the slider-crank
 
 
-@generator()
-def pendulum(angle: float = 1.0, length: float = 1.0, spin: float = 0.0, step: float = 0.01, duration: float = 2.0) -> Scene:
+@generator(duration=2.0)
+def pendulum(angle: float = 1.0, length: float = 1.0, spin: float = 0.0) -> Scene:
     """A uniform rod that hangs from a hinge at one end, without contacts.
 
     The energy is constant; the period of small swings is 2 pi sqrt(2 length/(3 g)). angle: rad, from the vertical. length: m.
@@ -34,12 +34,10 @@ def pendulum(angle: float = 1.0, length: float = 1.0, spin: float = 0.0, step: f
         q0=np.array([x, y, direction]),
         v0=np.array([-spin * y, spin * x, spin]),
         friction=0.0,
-        step=step,
-        duration=duration,
     )
 
 
-@generator()
+@generator(step=1e-4, duration=0.08)
 def slider_crank(
     friction: float = 0.01,
     restitution: float = 0.4,
@@ -47,8 +45,6 @@ def slider_crank(
     speed: float = 150.0,
     tilt: float = 0.0,
     angle: float = 0.0,
-    step: float = 1e-4,
-    duration: float = 0.08,
 ) -> Scene:
     """A crank drives a slider that has a little clearance between its two guides (Flores, Leine and Glocker 2010).
 
@@ -89,21 +85,12 @@ def slider_crank(
         ),
         friction=friction,
         restitution=restitution,
-        step=step,
-        duration=duration,
     )
 
 
-@generator()
+@generator(duration=1.0)
 def chain(
-    links: int = 5,
-    friction: float = 0.5,
-    pull: float = 1.0,
-    ripple: float = 0.0,
-    fall: float = 0.0,
-    mass_ratio: float = 1.0,
-    step: float = 0.01,
-    duration: float = 1.0,
+    links: int = 5, friction: float = 0.5, pull: float = 1.0, ripple: float = 0.0, fall: float = 0.0, mass_ratio: float = 1.0
 ) -> Scene:
     """Boxes 1 by 0.2, flat on the ground in a row and hinged to each other in the middle of their height, are pulled along.
 
@@ -123,8 +110,6 @@ def chain(
         q0=np.column_stack([np.arange(n), np.full(n, 0.1), np.zeros(n)]),
         v0=velocity,
         friction=friction,
-        step=step,
-        duration=duration,
     )
 
 
@@ -158,7 +143,7 @@ def _across(angle: float) -> Array:
     return np.array([-np.sin(angle), np.cos(angle)])
 
 
-@generator()
+@generator(step=1e-4, duration=0.08)
 def slider_crank_angles(
     friction: float = 0.01,
     restitution: float = 0.4,
@@ -166,14 +151,12 @@ def slider_crank_angles(
     speed: float = 150.0,
     tilt: float = 0.0,
     angle: float = 0.0,
-    step: float = 1e-4,
-    duration: float = 0.08,
 ) -> SliderCrankAngles:
     """The slider-crank in generalised coordinates: the angles of crank, rod and slider, which its clearance leaves free.
 
     The same motion as slider_crank, without joint equations and their drift. Parameters as there.
     """
-    full = slider_crank(friction, restitution, clearance, speed, tilt, angle, step, duration)
+    full = slider_crank(friction, restitution, clearance, speed, tilt, angle)
     at = np.array([2, 5, 8])
     return SliderCrankAngles(
         full=full,
@@ -182,6 +165,4 @@ def slider_crank_angles(
         size=full.reach,
         friction=friction,
         restitution=restitution,
-        step=step,
-        duration=duration,
     )

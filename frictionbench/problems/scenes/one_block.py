@@ -20,8 +20,8 @@ def sliding(start: Array, along: Array, speed: float, pull: float, rate: float, 
     return np.array([start + along * (speed * until + direction * (pull - rate) * until**2 / 2)])
 
 
-@generator()
-def stopping_block(friction: float = 0.5, speed: float = 1.0, step: float = 0.01, duration: float = 1.0) -> Scene:
+@generator(duration=1.0)
+def stopping_block(friction: float = 0.5, speed: float = 1.0) -> Scene:
     """A block, 2 by 1, slides on the ground to a stop.
 
     Anitescu and Potra's scheme gives v^{k+1} = max(0, v^k - mu g h) exactly, and a stopping distance short of v0^2/(2 mu g)
@@ -34,21 +34,13 @@ def stopping_block(friction: float = 0.5, speed: float = 1.0, step: float = 0.01
         q0=np.array([0.0, 0.5, 0.0]),
         v0=np.array([speed, 0.0, 0.0]),
         friction=friction,
-        step=step,
-        duration=duration,
         path=partial(sliding, np.array([0.0, 0.5]), np.array([1.0, 0.0]), speed, 0.0, friction * GRAVITY),
     )
 
 
-@generator()
+@generator(duration=1.0)
 def two_corner_block(
-    aspect: float = 1.0,
-    friction: float = 0.5,
-    velocity: float = 1.0,
-    fall: float = 0.0,
-    spin: float = 0.0,
-    step: float = 0.01,
-    duration: float = 1.0,
+    aspect: float = 1.0, friction: float = 0.5, velocity: float = 1.0, fall: float = 0.0, spin: float = 0.0
 ) -> Scene:
     """A block with both lower corners on the ground: the smallest problem with coupled contacts.
 
@@ -63,13 +55,11 @@ def two_corner_block(
         q0=np.array([0.0, aspect / 2, 0.0]),
         v0=np.array([number("velocity", velocity), -number("fall", fall), number("spin", spin)]),
         friction=friction,
-        step=step,
-        duration=duration,
     )
 
 
-@generator()
-def incline(angle: float = 0.5, friction: float = 0.3, speed: float = 0.0, step: float = 0.01, duration: float = 1.0) -> Scene:
+@generator(duration=1.0)
+def incline(angle: float = 0.5, friction: float = 0.3, speed: float = 0.0) -> Scene:
     """A block, 2 by 1, on a slope.
 
     It rests iff friction >= tan(angle), else it slides down with the acceleration g (sin(angle) - friction cos(angle)). It
@@ -84,21 +74,12 @@ def incline(angle: float = 0.5, friction: float = 0.3, speed: float = 0.0, step:
         q0=np.array([*start, angle]),
         v0=np.array([*speed * downhill, 0.0]),
         friction=mu,
-        step=step,
-        duration=duration,
         path=partial(sliding, start, downhill, speed, GRAVITY * sin, mu * GRAVITY * cos) if speed >= 0 else None,
     )
 
 
-@generator()
-def rocking_block(
-    slenderness: float = 0.25,
-    friction: float = 1.0,
-    tilt: float = 0.1,
-    spin: float = 0.0,
-    step: float = 0.005,
-    duration: float = 5.0,
-) -> Scene:
+@generator(step=0.005, duration=5.0)
+def rocking_block(slenderness: float = 0.25, friction: float = 1.0, tilt: float = 0.1, spin: float = 0.0) -> Scene:
     """A tall block tilted over one corner falls back and rocks from corner to corner (Housner 1963).
 
     With alpha = atan(slenderness) each impact turns the spin w into w (1 - 3/2 sin(alpha)^2), provided that the corner does not
@@ -115,6 +96,4 @@ def rocking_block(
         q0=np.array([x, y, tilt]),
         v0=np.array([-spin * y, spin * x, spin]),
         friction=friction,
-        step=step,
-        duration=duration,
     )

@@ -10,7 +10,7 @@ from frictionbench.problems.planar.bodies import half_plane, rigid_rod
 from frictionbench.problems.scene import Scene
 
 
-@generator()
+@generator(duration=1.0)
 def painleve_rod(
     angle: float = math.atan(2.0),
     friction: float = 1.5,
@@ -19,8 +19,6 @@ def painleve_rod(
     lift: float = 0.0,
     mass: float = 1.0,
     half_length: float = 1.0,
-    step: float = 0.01,
-    duration: float = 1.0,
 ) -> Scene:
     """A rod that leans to the right slides on the ground on its lower tip; forces alone cannot always stop it.
 
@@ -44,6 +42,4 @@ def painleve_rod(
         q0=np.array([cos, sin, angle]),
         v0=np.array([speed - spin * sin, number("lift", lift) + spin * cos, spin]),
         friction=friction,
-        step=step,
-        duration=duration,
     )

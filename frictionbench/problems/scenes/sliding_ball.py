@@ -15,10 +15,8 @@ RADIUS = 0.1  # m
 TABLE = HalfSpace(np.array([0.0, 0.0, 1.0]))
 
 
-@generator(dimension=3)
-def sliding_ball(
-    speed: float = 2.0, side_spin: float = 14.0, friction: float = 0.3, step: float = 0.01, duration: float = 0.4
-) -> Scene:
+@generator(dimension=3, duration=0.4)
+def sliding_ball(speed: float = 2.0, side_spin: float = 14.0, friction: float = 0.3) -> Scene:
     """A ball slides on a table until it rolls, on a parabola if it has a side spin, else with 5/7 of its speed in the end.
 
     The lowest point of a ball of radius R slides at s = v + omega x (0, 0, -R). Friction mu m g against s shortens s and leaves
@@ -34,8 +32,6 @@ def sliding_ball(
         q0=np.array([0.0, 0.0, RADIUS, *AT_REST]),
         v0=np.concatenate([velocity, spin]),
         friction=friction,
-        step=step,
-        duration=duration,
         path=partial(_rolling, velocity, slip, number("friction", friction, least=0) * GRAVITY),
     )
 
@@ -49,10 +45,8 @@ def _rolling(velocity: Array, slip: Array, rate: float, time: float) -> Array:
     return np.array([[0.0, 0.0, RADIUS] + velocity * sliding - push * sliding**2 / 2 + rolling * (time - sliding)])
 
 
-@generator(dimension=3)
-def dropped_ball(
-    height: float = 0.2, restitution: float = 0.0, friction: float = 0.5, step: float = 0.002, duration: float = 0.6
-) -> Scene:
+@generator(dimension=3, step=0.002, duration=0.6)
+def dropped_ball(height: float = 0.2, restitution: float = 0.0, friction: float = 0.5) -> Scene:
     """A ball falls on a table and rebounds to e^2 of its height, again and again. height: m, of its lowest point."""
     height = number("height", height, least=0)
     return Scene(
@@ -61,8 +55,6 @@ def dropped_ball(
         q0=np.array([0.0, 0.0, RADIUS + height, *AT_REST]),
         friction=friction,
         restitution=restitution,
-        step=step,
-        duration=duration,
         path=partial(_bouncing, height, number("restitution", restitution, least=0, most=1)),
     )
 

@@ -24,7 +24,6 @@ def stack(
     slope: float = 0.0,
     fall: float = 0.0,
     jitter: float = 0.0,
-    step: float = 0.01,
 ) -> Scene:
     """A straight stack of unit boxes, the lowest pushed sideways.
 
@@ -45,7 +44,7 @@ def stack(
     bodies = tuple(
         rigid_box(1.0, 1.0, float(rho), 1.0 if i % 4 < 2 else roughness) for i, rho in zip(level, density, strict=True)
     )
-    return _pile(bodies, place, 0, friction, push, shear, slope, fall, step)
+    return _pile(bodies, place, 0, friction, push, shear, slope, fall)
 
 
 @generator()
@@ -57,7 +56,6 @@ def wall(
     shear: float = 0.0,
     slope: float = 0.0,
     fall: float = 0.0,
-    step: float = 0.01,
 ) -> Scene:
     """A brick wall in running bond, bricks 2 by 1, flush on all sides, the lowest left one pushed towards the others.
 
@@ -67,18 +65,12 @@ def wall(
     rows, columns = count("rows", rows), count("columns", columns, least=2)
     place = np.array([(2.0 * i + (row % 2), row + 0.5, 0.0) for row in range(rows) for i in range(columns - row % 2)])
     bodies = tuple(rigid_box(2.0, 1.0) for _ in place)
-    return _pile(bodies, place, 0, friction, push, shear, slope, fall, step)
+    return _pile(bodies, place, 0, friction, push, shear, slope, fall)
 
 
 @generator()
 def pyramid(
-    rows: int = 5,
-    friction: float = 0.5,
-    push: float = 1.0,
-    shear: float = 0.0,
-    slope: float = 0.0,
-    fall: float = 0.0,
-    step: float = 0.01,
+    rows: int = 5, friction: float = 0.5, push: float = 1.0, shear: float = 0.0, slope: float = 0.0, fall: float = 0.0
 ) -> Scene:
     """A pyramid of unit boxes, each resting on two that stand apart, the topmost pushed sideways.
 
@@ -88,7 +80,7 @@ def pyramid(
     rows = count("rows", rows)
     place = np.array([(1.2 * (i + row / 2), row + 0.5, 0.0) for row in range(rows) for i in range(rows - row)])
     bodies = tuple(rigid_box(1.0, 1.0) for _ in place)
-    return _pile(bodies, place, -1, friction, push, shear, slope, fall, step)
+    return _pile(bodies, place, -1, friction, push, shear, slope, fall)
 
 
 @generator()
@@ -100,7 +92,6 @@ def disc_pile(
     slope: float = 0.0,
     fall: float = 0.0,
     mass_ratio: float = 1.0,
-    step: float = 0.01,
 ) -> Scene:
     """A triangular pile of discs, each on two, that friction holds together: without it the pile spreads at once.
 
@@ -111,7 +102,7 @@ def disc_pile(
     place = np.array([(i + row / 2, 0.5 + row * np.sqrt(0.75), 0.0) for row in range(rows) for i in range(rows - row)])
     density = number("mass_ratio", mass_ratio, least=1) ** np.random.default_rng(0).random(len(place))
     bodies = tuple(rigid_disc(0.5, float(rho)) for rho in density)
-    return _pile(bodies, place, -1, friction, push, shear, slope, fall, step)
+    return _pile(bodies, place, -1, friction, push, shear, slope, fall)
 
 
 def _pile(
@@ -123,7 +114,6 @@ def _pile(
     shear: float,
     slope: float,
     fall: float,
-    step: float,
 ) -> Scene:
     """Bodies at their places (n, 3) on the ground, one of them pushed; see stack."""
     velocity = np.zeros(place.shape)
@@ -138,5 +128,4 @@ def _pile(
         v0=velocity,
         friction=friction,
         gravity=(GRAVITY * np.sin(slope), -GRAVITY * np.cos(slope)),
-        step=step,
     )

@@ -14,9 +14,7 @@ from frictionbench.problems.scene import Scene
 
 
 @generator(example_1={"friction": 0.05}, example_2={"friction": 0.2})
-def long_bar(
-    friction: float = 0.05, restitution: float = 0.6, tilt: float = math.radians(6), speed: float = 2.0, step: float = 0.01
-) -> Scene:
+def long_bar(friction: float = 0.05, restitution: float = 0.6, tilt: float = math.radians(6), speed: float = 2.0) -> Scene:
     """A tilted bar, 10 by 0.4, dropped on three posts while it moves along them.
 
     It rattles from post to post and then slides. With friction 0.05 it still slides after 3 s, with 0.2 it has stopped.
@@ -30,14 +28,11 @@ def long_bar(
         v0=np.array([number("speed", speed), 0.0, 0.0]),
         friction=friction,
         restitution=restitution,
-        step=step,
     )
 
 
-@generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})
-def two_blocks(
-    friction: float = 0.02, restitution: float = 0.2, speed: float = 3.0, step: float = 0.01, duration: float = 3.0
-) -> Scene:
+@generator(duration=3.0, example_3={"friction": 0.02}, example_4={"friction": 0.1})
+def two_blocks(friction: float = 0.02, restitution: float = 0.2, speed: float = 3.0) -> Scene:
     """A block slides over a table into another one.
 
     After 2 m they meet at V = sqrt(speed^2 - 4 mu g) and part at V (1-e)/2 and V (1+e)/2; each then travels v^2/(2 mu g). With
@@ -51,15 +46,11 @@ def two_blocks(
         v0=np.array([[number("speed", speed), 0.0, 0.0], [0.0, 0.0, 0.0]]),
         friction=friction,
         restitution=restitution,
-        step=step,
-        duration=duration,
     )
 
 
-@generator(example_6={"friction": 0.05})
-def three_blocks(
-    friction: float = 0.05, restitution: float = 0.6, speed: float = 5.0, step: float = 0.01, duration: float = 3.0
-) -> Scene:
+@generator(duration=3.0, example_6={"friction": 0.05})
+def three_blocks(friction: float = 0.05, restitution: float = 0.6, speed: float = 5.0) -> Scene:
     """A block slides over a table into the lower block of a tower of two.
 
     The lower block is pushed out from under the upper one, which hardly moves sideways and drops.
@@ -71,15 +62,11 @@ def three_blocks(
         v0=np.array([[number("speed", speed), 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
         friction=friction,
         restitution=restitution,
-        step=step,
-        duration=duration,
     )
 
 
-@generator(example_5={})
-def multiple_collisions(
-    friction: float = 0.3, restitution: float = 0.9, speed: float = 4.0, step: float = 0.005, duration: float = 2.0
-) -> Scene:
+@generator(step=0.005, duration=2.0, example_5={})
+def multiple_collisions(friction: float = 0.3, restitution: float = 0.9, speed: float = 4.0) -> Scene:
     """Two blocks and a plank thrown at each other in a pen 5 m wide.
 
     Dozens of impacts, some of several contacts at once; energy must never rise. speed: m/s, of the two blocks, 1 by 1, towards
@@ -93,15 +80,11 @@ def multiple_collisions(
         v0=np.array([[speed, 0.0, 1.0], [-speed, 0.5, -2.0], [0.0, speed / 2, 0.0]]),
         friction=friction,
         restitution=restitution,
-        step=step,
-        duration=duration,
     )
 
 
-@generator(example_7={})
-def several_blocks(
-    friction: float = 0.2, restitution: float = 1.0, drop: float = 1.0, step: float = 0.005, duration: float = 2.0
-) -> Scene:
+@generator(step=0.005, duration=2.0, example_7={})
+def several_blocks(friction: float = 0.2, restitution: float = 1.0, drop: float = 1.0) -> Scene:
     """Five tilted blocks dropped side by side in a pen 7 m wide.
 
     They bounce, spin and hit each other; the energy must never rise, also with restitution 1, and friction dissipates some.
@@ -115,8 +98,6 @@ def several_blocks(
         q0=np.column_stack([x, 0.5 + drop * (1 + np.arange(5) / 4), [0.0, 0.2, -0.1, 0.1, 0.3]]),
         friction=friction,
         restitution=restitution,
-        step=step,
-        duration=duration,
     )
 
 

@@ -88,8 +88,8 @@ class Woodpecker(GeneralisedScene):
         )
 
 
-@generator()
-def woodpecker(friction: float = 0.3, restitution: float = 0.5, step: float = 1e-4, duration: float = 0.6) -> Woodpecker:
+@generator(step=1e-4, duration=0.6)
+def woodpecker(friction: float = 0.3, restitution: float = 0.5) -> Woodpecker:
     """A toy woodpecker pecks its way down a pole (Glocker 1995), in three generalised coordinates.
 
     The sleeve jams and holds the swinging woodpecker by friction; it comes free, falls, and the beak's hit jams it again. A
@@ -103,6 +103,4 @@ def woodpecker(friction: float = 0.3, restitution: float = 0.5, step: float = 1e
         size=TO_BIRD,
         friction=friction,
         restitution=restitution,
-        step=step,
-        duration=duration,
     )
