@@ -1,13 +1,13 @@
 """The catalogues of scenes and of instances: what a name and a few parameters make.
 
-    @generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})
-    def two_blocks(friction: float = 0.02, ...) -> Scene: ...
+    @generator(friction=0.02, restitution=0.2, example_3={"friction": 0.02}, example_4={"friction": 0.1})
+    def two_blocks(speed: float = 3.0) -> Scene: ...
 
     @instance()
     def cubes(boxes: int = 5, friction: float = 0.5, ...) -> FrictionProblem: ...
 
-A scene moves in time, so that every one takes step, and most of them duration, in s. An instance is a friction problem of one
-step, made from parameters and a seed, that no scene simulates.
+A scene moves in time. Its generator makes bodies and an initial state; the fields LAWS of the scene are set here. An instance
+is a friction problem of one step, made from parameters and a seed, that no scene simulates.
 Every scene also takes mass_unit and length_unit, the units in which its masses and lengths are then given: the motion is the
 same.
 """
@@ -27,6 +27,7 @@ from frictionbench.problems.parameters import number
 from frictionbench.problems.scene import Scene
 
 UNITS = ("mass_unit", "length_unit")
+LAWS = ("friction", "restitution", "step", "duration")
 Made = TypeVar("Made")
 SceneFunction = TypeVar("SceneFunction", bound=Callable[..., Scene])
 InstanceFunction = TypeVar("InstanceFunction", bound=Callable[..., FrictionProblem])
@@ -111,18 +112,26 @@ def _unknown(kind: str, name: str) -> str:
 
 
 def generator(
-    dimension: int = 2, step: float = 0.01, duration: float | None = None, **others: dict[str, Any]
+    dimension: int = 2,
+    *,
+    friction: float | None = None,
+    restitution: float | None = None,
+    step: float = 0.01,
+    duration: float | None = None,
+    **others: dict[str, Any],
 ) -> Callable[[SceneFunction], SceneFunction]:
     """List a scene's generator under its name, and under each name in `others` with the defaults given there.
 
-    dimension: of its scenes, so that it is known before one is built. step, duration: s, defaults of these two parameters,
-    which `scene` sets; where duration is None, the scene has no such parameter. Errors: ValueError where a name is taken.
+    dimension: of its scenes, so that it is known before one is built. friction, restitution, step (s), duration (s): defaults
+    of these parameters, which need not be the function's; None where the scene has no such parameter.
+    Errors: ValueError where a name is taken.
     """
-    time = {"step": step} if duration is None else {"step": step, "duration": duration}
+    given = zip(LAWS, (friction, restitution, step, duration), strict=True)
+    laws = {name: default for name, default in given if default is not None}
 
     def register(make: SceneFunction) -> SceneFunction:
         for name, defaults in {make.__name__: {}, **others}.items():
-            SCENES.add(make, name, dimension, **time, **defaults)
+            SCENES.add(make, name, dimension, **laws | defaults)
         return make
 
     return register
@@ -186,13 +195,11 @@ def scene(name: str, **parameters: Any) -> Scene:
     units = {key: number(key, parameters[key], above=0) for key in UNITS if key in parameters}
     found = find_scene(name, parameters)
     chosen = found.parameters | parameters
-    for key in {"friction", "restitution", "step", "duration"} & chosen.keys():
-        number(key, chosen[key])
-    time = {key: chosen[key] for key in ("step", "duration") if key in chosen}
-    made = found.make(**{key: value for key, value in chosen.items() if key not in units | time})
+    laws = {key: number(key, chosen[key]) for key in LAWS if key in chosen}
+    made = found.make(**{key: chosen[key] for key in signature(found.make).parameters})
     if units:
         made = made.in_units(units.get("mass_unit", 1.0), units.get("length_unit", 1.0))
-    return replace(made, name=name, parameters=chosen, **time)
+    return replace(made, name=name, parameters=chosen, **laws)
 
 
 def make_instance(name: str, **parameters: Any) -> FrictionProblem:

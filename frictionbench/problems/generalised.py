@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from frictionbench.problems import check
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.planar.bodies import Body, Shape
 from frictionbench.problems.planar.collision import Contacts
@@ -63,8 +63,7 @@ class GeneralisedScene(Scene):
     def __post_init__(self) -> None:
         object.__setattr__(self, "q0", check.vector("q0", self.q0))
         object.__setattr__(self, "v0", check.vector("v0", 0 * self.q0 if self.v0 is None else self.v0, len(self.q0)))
-        require(0 < self.step < np.inf, "step", f"must be positive, got {self.step!r}")
-        require(0 < self.duration < np.inf, "duration", f"must be positive, got {self.duration!r}")
+        self._require_laws()
 
     @abstractmethod
     def inertia(self, q: Array) -> Array:

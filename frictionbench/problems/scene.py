@@ -48,7 +48,7 @@ class Scene:
     hinges: tuple[Hinge, ...] = ()
     q0: Array
     v0: Array = None  # type: ignore[assignment]  # at rest
-    friction: float
+    friction: float = 0.0
     restitution: float = 0.0
     gravity: tuple[float, ...] = None  # type: ignore[assignment]  # down
     step: float = 0.01
@@ -68,6 +68,9 @@ class Scene:
         object.__setattr__(self, "gravity", tuple(check.vector("gravity", down if self.gravity is None else self.gravity, d)))
         unknown = [hinge.bodies for hinge in self.hinges if max(hinge.bodies) >= len(self.bodies)]
         require(not unknown, "hinges", f"refer to bodies that do not exist: {unknown}")
+        self._require_laws()
+
+    def _require_laws(self) -> None:
         require(0 <= self.friction < np.inf, "friction", f"must not be negative, got {self.friction!r}")
         require(0 <= self.restitution <= 1, "restitution", f"must be between 0 and 1, got {self.restitution!r}")
         require(0 < self.step < np.inf, "step", f"must be positive, got {self.step!r}")

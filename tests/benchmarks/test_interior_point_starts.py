@@ -20,13 +20,13 @@ from frictionbench.problems.instances.random_bodies import random_bodies
 from frictionbench.problems.instances.spheres import sphere_pyramid
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
-from frictionbench.problems.scenes.stacks import disc_pile
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import interior_point, solve
 
 PLANE = {
     "friction 20": lambda seed: random_problem(seed, contacts=20 + seed, friction=20.0),
     "masses": lambda seed: random_problem(seed, contacts=20 + seed, friction=5.0, mass_ratio=1e4),
-    "discs": lambda seed: disc_pile(rows=6 + seed, friction=0.5).problem(),
+    "discs": lambda seed: scene("disc_pile", rows=6 + seed, friction=0.5).problem(),
 }
 SPACE = {
     "friction 20": lambda seed: random_bodies(seed, contacts=20 + seed, friction=20.0),

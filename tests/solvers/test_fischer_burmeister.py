@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
-from frictionbench.problems.scenes.stacks import stack
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers.interior.fischer_burmeister import fischer_burmeister
 from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.phases import Phased
@@ -42,7 +42,7 @@ def jointed():
         nothing(),
         random_problem(1, contacts=40),
         random_problem(2, contacts=20, friction=0.0),
-        stack(blocks=10, push=1.0).problem(),  # redundant contacts: W is singular
+        scene("stack", blocks=10, push=1.0).problem(),  # redundant contacts: W is singular
         jointed(),
     ],
     ids=["sliding", "frictionless", "nothing", "random", "frictionless-random", "stack", "joints"],

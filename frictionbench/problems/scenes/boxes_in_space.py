@@ -40,7 +40,6 @@ def sliding_box(
         obstacles=(FLOOR,),
         q0=np.array([0.0, 0.0, half[2], *AT_REST]),
         v0=np.array([*speed * along, 0.0, 0.0, 0.0]),
-        friction=mu,
         gravity=(down, 0.0, -normal),
         path=partial(sliding, np.array([0, 0, half[2]]), along, speed, down, mu * normal) if straight and upright else None,
     )
@@ -63,7 +62,6 @@ def box_tower(boxes: int = 5, mass_ratio: float = 1.0, slope: float = 0.1, frict
         bodies=tuple(solid_box((HALF, HALF, HALF), float(m)) for m in mass),
         obstacles=(FLOOR,),
         q0=np.hstack([place, np.tile(AT_REST, (n, 1))]),
-        friction=mu,
         gravity=(GRAVITY * np.sin(slope), 0.0, -GRAVITY * np.cos(slope)),
         path=partial(_resting, place) if holds else None,
     )
@@ -86,7 +84,6 @@ def box_in_groove(slope: float = 0.5, friction: float = 0.2) -> Scene:
         bodies=(solid_box((HALF, HALF, HALF)),),
         obstacles=tuple(HalfSpace(np.array([0.0, sign * side, side])) for sign in (-1, 1)),
         q0=np.array([*start, np.cos(np.pi / 8), np.sin(np.pi / 8), 0.0, 0.0]),
-        friction=mu,
         gravity=(down, 0.0, -normal),
         path=partial(sliding, start, np.array([1.0, 0, 0]), 0.0, down, mu * normal / side),
     )

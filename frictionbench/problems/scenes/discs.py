@@ -14,10 +14,8 @@ RADIUS = 0.5  # m, of the discs between walls
 DENSITY = 1 / (np.pi * RADIUS**2)  # of a disc of 1 kg
 
 
-@generator(step=0.001, duration=3.0)
-def bouncing_ball(
-    height: float = 1.0, restitution: float = 0.8, friction: float = 0.0, speed: float = 0.0, spin: float = 0.0
-) -> Scene:
+@generator(friction=0.0, restitution=0.8, step=0.001, duration=3.0)
+def bouncing_ball(height: float = 1.0, speed: float = 0.0, spin: float = 0.0) -> Scene:
     """A ball dropped on the ground.
 
     Its apexes are height e^(2k), k = 0, 1, ..., and it comes to rest at sqrt(2 height/g) (1 + e)/(1 - e). height: m, of the
@@ -28,13 +26,11 @@ def bouncing_ball(
         obstacles=(half_plane(),),
         q0=np.array([0.0, 0.5 + number("height", height, least=0), 0.0]),
         v0=np.array([number("speed", speed), 0.0, number("spin", spin)]),
-        friction=friction,
-        restitution=restitution,
     )
 
 
-@generator(duration=2.0)
-def bowl(friction: float = 0.1, radius: float = 1.0, angle: float = 1.0) -> Scene:
+@generator(friction=0.1, duration=2.0)
+def bowl(radius: float = 1.0, angle: float = 1.0) -> Scene:
     """A bead slides to and fro in a circular bowl: curved ground, from which straight steps deviate.
 
     Schemes on velocities drift out of the bowl by O(h), schemes on gaps by O(h^2). The bead is a flywheel of 1 kg and 1 kg m^2
@@ -46,12 +42,11 @@ def bowl(friction: float = 0.1, radius: float = 1.0, angle: float = 1.0) -> Scen
         bodies=(Body(1.0, 1.0, (Shape(np.zeros((1, 2)), bead),)),),
         obstacles=(hollow(radius + bead),),
         q0=np.array([radius * np.sin(angle), -radius * np.cos(angle), 0.0]),
-        friction=friction,
     )
 
 
-@generator(duration=1.0)
-def jam(friction: float = 0.5, speed: float = 1.0, overlap: float = 0.0, sideways: float = 0.0) -> Scene:
+@generator(friction=0.5, duration=1.0)
+def jam(speed: float = 1.0, overlap: float = 0.0, sideways: float = 0.0) -> Scene:
     """A disc of 1 kg slides up between two vertical walls at its own distance: the talk's difficult friction configuration.
 
     The normals cancel, so normal impulses of any size have no effect, and the friction cone is not pointed. The solutions are
@@ -66,12 +61,11 @@ def jam(friction: float = 0.5, speed: float = 1.0, overlap: float = 0.0, sideway
         obstacles=(vertical_wall(squeeze - RADIUS, side=-1), vertical_wall(RADIUS - squeeze, side=1)),
         q0=np.zeros(3),
         v0=np.array([number("sideways", sideways), number("speed", speed), 0.0]),
-        friction=friction,
     )
 
 
-@generator(duration=1.0)
-def wedge(angle: float = 0.5, friction: float = 0.3, speed: float = 1.0, spin: float = 5.0, depth: float = 0.0) -> Scene:
+@generator(friction=0.3, duration=1.0)
+def wedge(angle: float = 0.5, speed: float = 1.0, spin: float = 5.0, depth: float = 0.0) -> Scene:
     """A spinning disc of 1 kg hits both walls of an upright wedge at once.
 
     Without a spin it stops in every solution, u = 0, and friction has nothing to do. The impulses are bounded for
@@ -84,5 +78,4 @@ def wedge(angle: float = 0.5, friction: float = 0.3, speed: float = 1.0, spin: f
         obstacles=(half_plane(slope=angle - np.pi / 2), half_plane(slope=np.pi / 2 - angle)),
         q0=np.array([0.0, (RADIUS - number("depth", depth, least=0, most=RADIUS)) / np.sin(angle), 0.0]),
         v0=np.array([0.0, -number("speed", speed), number("spin", spin)]),
-        friction=friction,
     )

@@ -3,7 +3,7 @@
 The slider-crank is also given in its three independent coordinates, without hinges.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,19 +33,11 @@ def pendulum(angle: float = 1.0, length: float = 1.0, spin: float = 0.0) -> Scen
         hinges=(Hinge((0, -1), np.array([[-half, 0.0], [0.0, 0.0]])),),
         q0=np.array([x, y, direction]),
         v0=np.array([-spin * y, spin * x, spin]),
-        friction=0.0,
     )
 
 
-@generator(step=1e-4, duration=0.08)
-def slider_crank(
-    friction: float = 0.01,
-    restitution: float = 0.4,
-    clearance: float = 0.001,
-    speed: float = 150.0,
-    tilt: float = 0.0,
-    angle: float = 0.0,
-) -> Scene:
+@generator(friction=0.01, restitution=0.4, step=1e-4, duration=0.08)
+def slider_crank(clearance: float = 0.001, speed: float = 150.0, tilt: float = 0.0, angle: float = 0.0) -> Scene:
     """A crank drives a slider that has a little clearance between its two guides (Flores, Leine and Glocker 2010).
 
     Contacts at the end of a chain of three hinges: the slider rattles between the guides, which alone dissipate energy.
@@ -83,15 +75,11 @@ def slider_crank(
                 [-w * crank * sin + swing * crank * sin, 0.0, 0.0],
             ]
         ),
-        friction=friction,
-        restitution=restitution,
     )
 
 
-@generator(duration=1.0)
-def chain(
-    links: int = 5, friction: float = 0.5, pull: float = 1.0, ripple: float = 0.0, fall: float = 0.0, mass_ratio: float = 1.0
-) -> Scene:
+@generator(friction=0.5, duration=1.0)
+def chain(links: int = 5, pull: float = 1.0, ripple: float = 0.0, fall: float = 0.0, mass_ratio: float = 1.0) -> Scene:
     """Boxes 1 by 0.2, flat on the ground in a row and hinged to each other in the middle of their height, are pulled along.
 
     pull: m/s, of all of them, to the right. ripple: rad/s, spins of alternate sign, by which every second hinge is lifted at
@@ -109,7 +97,6 @@ def chain(
         hinges=tuple(Hinge((i + 1, i), np.array([[-0.5, 0.0], [0.5, 0.0]])) for i in range(n - 1)),
         q0=np.column_stack([np.arange(n), np.full(n, 0.1), np.zeros(n)]),
         v0=velocity,
-        friction=friction,
     )
 
 
@@ -143,26 +130,14 @@ def _across(angle: float) -> Array:
     return np.array([-np.sin(angle), np.cos(angle)])
 
 
-@generator(step=1e-4, duration=0.08)
+@generator(restitution=0.4, step=1e-4, duration=0.08)
 def slider_crank_angles(
-    friction: float = 0.01,
-    restitution: float = 0.4,
-    clearance: float = 0.001,
-    speed: float = 150.0,
-    tilt: float = 0.0,
-    angle: float = 0.0,
+    friction: float = 0.01, clearance: float = 0.001, speed: float = 150.0, tilt: float = 0.0, angle: float = 0.0
 ) -> SliderCrankAngles:
     """The slider-crank in generalised coordinates: the angles of crank, rod and slider, which its clearance leaves free.
 
     The same motion as slider_crank, without joint equations and their drift. Parameters as there.
     """
-    full = slider_crank(friction, restitution, clearance, speed, tilt, angle)
+    full = replace(slider_crank(clearance, speed, tilt, angle), friction=friction)
     at = np.array([2, 5, 8])
-    return SliderCrankAngles(
-        full=full,
-        q0=full.q0[at],
-        v0=full.v0[at],
-        size=full.reach,
-        friction=friction,
-        restitution=restitution,
-    )
+    return SliderCrankAngles(full=full, q0=full.q0[at], v0=full.v0[at], size=full.reach)

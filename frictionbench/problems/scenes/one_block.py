@@ -33,15 +33,12 @@ def stopping_block(friction: float = 0.5, speed: float = 1.0) -> Scene:
         obstacles=(half_plane(),),
         q0=np.array([0.0, 0.5, 0.0]),
         v0=np.array([speed, 0.0, 0.0]),
-        friction=friction,
         path=partial(sliding, np.array([0.0, 0.5]), np.array([1.0, 0.0]), speed, 0.0, friction * GRAVITY),
     )
 
 
-@generator(duration=1.0)
-def two_corner_block(
-    aspect: float = 1.0, friction: float = 0.5, velocity: float = 1.0, fall: float = 0.0, spin: float = 0.0
-) -> Scene:
+@generator(friction=0.5, duration=1.0)
+def two_corner_block(aspect: float = 1.0, velocity: float = 1.0, fall: float = 0.0, spin: float = 0.0) -> Scene:
     """A block with both lower corners on the ground: the smallest problem with coupled contacts.
 
     Its friction LCP has a P0 matrix iff friction * aspect <= 1, which is also where the sliding block starts to tip over. From
@@ -54,7 +51,6 @@ def two_corner_block(
         obstacles=(half_plane(),),
         q0=np.array([0.0, aspect / 2, 0.0]),
         v0=np.array([number("velocity", velocity), -number("fall", fall), number("spin", spin)]),
-        friction=friction,
     )
 
 
@@ -73,13 +69,12 @@ def incline(angle: float = 0.5, friction: float = 0.3, speed: float = 0.0) -> Sc
         obstacles=(half_plane(slope=angle),),
         q0=np.array([*start, angle]),
         v0=np.array([*speed * downhill, 0.0]),
-        friction=mu,
         path=partial(sliding, start, downhill, speed, GRAVITY * sin, mu * GRAVITY * cos) if speed >= 0 else None,
     )
 
 
-@generator(step=0.005, duration=5.0)
-def rocking_block(slenderness: float = 0.25, friction: float = 1.0, tilt: float = 0.1, spin: float = 0.0) -> Scene:
+@generator(friction=1.0, step=0.005, duration=5.0)
+def rocking_block(slenderness: float = 0.25, tilt: float = 0.1, spin: float = 0.0) -> Scene:
     """A tall block tilted over one corner falls back and rocks from corner to corner (Housner 1963).
 
     With alpha = atan(slenderness) each impact turns the spin w into w (1 - 3/2 sin(alpha)^2), provided that the corner does not
@@ -95,5 +90,4 @@ def rocking_block(slenderness: float = 0.25, friction: float = 1.0, tilt: float 
         obstacles=(half_plane(),),
         q0=np.array([x, y, tilt]),
         v0=np.array([-spin * y, spin * x, spin]),
-        friction=friction,
     )

@@ -10,10 +10,9 @@ from frictionbench.problems.planar.bodies import half_plane, rigid_rod
 from frictionbench.problems.scene import Scene
 
 
-@generator(duration=1.0)
+@generator(friction=1.5, duration=1.0)
 def painleve_rod(
     angle: float = math.atan(2.0),
-    friction: float = 1.5,
     tip_velocity: float = -1.0,
     spin: float = 0.0,
     lift: float = 0.0,
@@ -41,5 +40,4 @@ def painleve_rod(
         obstacles=(half_plane(),),
         q0=np.array([cos, sin, angle]),
         v0=np.array([speed - spin * sin, number("lift", lift) + spin * cos, spin]),
-        friction=friction,
     )

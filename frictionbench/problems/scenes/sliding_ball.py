@@ -31,7 +31,6 @@ def sliding_ball(speed: float = 2.0, side_spin: float = 14.0, friction: float = 
         obstacles=(TABLE,),
         q0=np.array([0.0, 0.0, RADIUS, *AT_REST]),
         v0=np.concatenate([velocity, spin]),
-        friction=friction,
         path=partial(_rolling, velocity, slip, number("friction", friction, least=0) * GRAVITY),
     )
 
@@ -45,16 +44,14 @@ def _rolling(velocity: Array, slip: Array, rate: float, time: float) -> Array:
     return np.array([[0.0, 0.0, RADIUS] + velocity * sliding - push * sliding**2 / 2 + rolling * (time - sliding)])
 
 
-@generator(dimension=3, step=0.002, duration=0.6)
-def dropped_ball(height: float = 0.2, restitution: float = 0.0, friction: float = 0.5) -> Scene:
+@generator(dimension=3, friction=0.5, step=0.002, duration=0.6)
+def dropped_ball(height: float = 0.2, restitution: float = 0.0) -> Scene:
     """A ball falls on a table and rebounds to e^2 of its height, again and again. height: m, of its lowest point."""
     height = number("height", height, least=0)
     return Scene(
         bodies=(solid_sphere(RADIUS),),
         obstacles=(TABLE,),
         q0=np.array([0.0, 0.0, RADIUS + height, *AT_REST]),
-        friction=friction,
-        restitution=restitution,
         path=partial(_bouncing, height, number("restitution", restitution, least=0, most=1)),
     )
 

@@ -13,10 +13,9 @@ from frictionbench.problems.planar.bodies import Body, half_plane, rigid_box, ri
 from frictionbench.problems.scene import GRAVITY, Scene
 
 
-@generator()
+@generator(friction=0.5)
 def stack(
     blocks: int = 10,
-    friction: float = 0.5,
     smooth: float = 1.0,
     mass_ratio: float = 1.0,
     push: float = 1.0,
@@ -44,18 +43,12 @@ def stack(
     bodies = tuple(
         rigid_box(1.0, 1.0, float(rho), 1.0 if i % 4 < 2 else roughness) for i, rho in zip(level, density, strict=True)
     )
-    return _pile(bodies, place, 0, friction, push, shear, slope, fall)
+    return _pile(bodies, place, 0, push, shear, slope, fall)
 
 
-@generator()
+@generator(friction=0.5)
 def wall(
-    rows: int = 5,
-    columns: int = 5,
-    friction: float = 0.5,
-    push: float = 1.0,
-    shear: float = 0.0,
-    slope: float = 0.0,
-    fall: float = 0.0,
+    rows: int = 5, columns: int = 5, push: float = 1.0, shear: float = 0.0, slope: float = 0.0, fall: float = 0.0
 ) -> Scene:
     """A brick wall in running bond, bricks 2 by 1, flush on all sides, the lowest left one pushed towards the others.
 
@@ -65,13 +58,11 @@ def wall(
     rows, columns = count("rows", rows), count("columns", columns, least=2)
     place = np.array([(2.0 * i + (row % 2), row + 0.5, 0.0) for row in range(rows) for i in range(columns - row % 2)])
     bodies = tuple(rigid_box(2.0, 1.0) for _ in place)
-    return _pile(bodies, place, 0, friction, push, shear, slope, fall)
+    return _pile(bodies, place, 0, push, shear, slope, fall)
 
 
-@generator()
-def pyramid(
-    rows: int = 5, friction: float = 0.5, push: float = 1.0, shear: float = 0.0, slope: float = 0.0, fall: float = 0.0
-) -> Scene:
+@generator(friction=0.5)
+def pyramid(rows: int = 5, push: float = 1.0, shear: float = 0.0, slope: float = 0.0, fall: float = 0.0) -> Scene:
     """A pyramid of unit boxes, each resting on two that stand apart, the topmost pushed sideways.
 
     With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box. shear, slope, fall: as of the
@@ -80,18 +71,12 @@ def pyramid(
     rows = count("rows", rows)
     place = np.array([(1.2 * (i + row / 2), row + 0.5, 0.0) for row in range(rows) for i in range(rows - row)])
     bodies = tuple(rigid_box(1.0, 1.0) for _ in place)
-    return _pile(bodies, place, -1, friction, push, shear, slope, fall)
+    return _pile(bodies, place, -1, push, shear, slope, fall)
 
 
-@generator()
+@generator(friction=0.5)
 def disc_pile(
-    rows: int = 5,
-    friction: float = 0.5,
-    push: float = 0.0,
-    shear: float = 0.0,
-    slope: float = 0.0,
-    fall: float = 0.0,
-    mass_ratio: float = 1.0,
+    rows: int = 5, push: float = 0.0, shear: float = 0.0, slope: float = 0.0, fall: float = 0.0, mass_ratio: float = 1.0
 ) -> Scene:
     """A triangular pile of discs, each on two, that friction holds together: without it the pile spreads at once.
 
@@ -102,14 +87,13 @@ def disc_pile(
     place = np.array([(i + row / 2, 0.5 + row * np.sqrt(0.75), 0.0) for row in range(rows) for i in range(rows - row)])
     density = number("mass_ratio", mass_ratio, least=1) ** np.random.default_rng(0).random(len(place))
     bodies = tuple(rigid_disc(0.5, float(rho)) for rho in density)
-    return _pile(bodies, place, -1, friction, push, shear, slope, fall)
+    return _pile(bodies, place, -1, push, shear, slope, fall)
 
 
 def _pile(
     bodies: tuple[Body, ...],
     place: Array,
     pushed: int,
-    friction: float,
     push: float,
     shear: float,
     slope: float,
@@ -126,6 +110,5 @@ def _pile(
         obstacles=(half_plane(),),
         q0=place,
         v0=velocity,
-        friction=friction,
         gravity=(GRAVITY * np.sin(slope), -GRAVITY * np.cos(slope)),
     )

@@ -15,8 +15,8 @@ from frictionbench.problems.scene import Scene
 THICK, HIGH, TOP = 0.1, 1.0, 0.15  # m: of a card along the ground, of a pair, and of the level top of each of its cards
 
 
-@generator(duration=1.0)
-def arch(stones: int = 7, friction: float = 0.5, thickness: float = 0.3, push: float = 0.0) -> Scene:
+@generator(friction=0.5, duration=1.0)
+def arch(stones: int = 7, thickness: float = 0.3, push: float = 0.0) -> Scene:
     """A semicircular arch of equal stones on the ground.
 
     It stands iff it is thick enough for a line of thrust (for many stones thickness >= 0.107, Heyman 1969) and no joint
@@ -37,12 +37,11 @@ def arch(stones: int = 7, friction: float = 0.5, thickness: float = 0.3, push: f
         obstacles=(half_plane(),),
         q0=np.column_stack([centre[0] * np.cos(turn), centre[0] * np.sin(turn), turn]),
         v0=velocity,
-        friction=friction,
     )
 
 
-@generator(duration=1.0)
-def house_of_cards(storeys: int = 2, friction: float = 0.5, lean: float = 0.3, push: float = 0.0) -> Scene:
+@generator(friction=0.5, duration=1.0)
+def house_of_cards(storeys: int = 2, lean: float = 0.3, push: float = 0.0) -> Scene:
     """Pairs of cards that lean against each other, on the ground and on level cards that bridge the pairs below.
 
     A card's ends are cut level at its foot and upright and level at its head, so that edges meet edges. A pair alone stands iff
@@ -73,12 +72,11 @@ def house_of_cards(storeys: int = 2, friction: float = 0.5, lean: float = 0.3, p
         obstacles=(half_plane(),),
         q0=np.column_stack([np.array(place), np.zeros(len(place))]),
         v0=velocity,
-        friction=friction,
     )
 
 
-@generator(duration=1.0)
-def redundant_table(legs: int = 4, friction: float = 0.5, speed: float = 1.0) -> Scene:
+@generator(friction=0.5, duration=1.0)
+def redundant_table(legs: int = 4, speed: float = 1.0) -> Scene:
     """A table on a row of legs: the distribution of its weight over the legs is not determined.
 
     Only the resultant m g h, its moment about the middle and the velocity are. While it slides, friction mu m g decelerates
@@ -93,5 +91,4 @@ def redundant_table(legs: int = 4, friction: float = 0.5, speed: float = 1.0) ->
         obstacles=(half_plane(),),
         q0=np.array([0.0, 1.0, 0.0]),
         v0=np.array([number("speed", speed), 0.0, 0.0]),
-        friction=friction,
     )

@@ -13,8 +13,8 @@ from frictionbench.problems.planar.bodies import Shape, box, half_plane, rigid_b
 from frictionbench.problems.scene import Scene
 
 
-@generator(example_1={"friction": 0.05}, example_2={"friction": 0.2})
-def long_bar(friction: float = 0.05, restitution: float = 0.6, tilt: float = math.radians(6), speed: float = 2.0) -> Scene:
+@generator(friction=0.05, restitution=0.6, example_1={"friction": 0.05}, example_2={"friction": 0.2})
+def long_bar(tilt: float = math.radians(6), speed: float = 2.0) -> Scene:
     """A tilted bar, 10 by 0.4, dropped on three posts while it moves along them.
 
     It rattles from post to post and then slides. With friction 0.05 it still slides after 3 s, with 0.2 it has stopped.
@@ -26,13 +26,11 @@ def long_bar(friction: float = 0.05, restitution: float = 0.6, tilt: float = mat
         obstacles=tuple(box(1.0, 1.0, centre=(x, -0.5)) for x in (-4.0, 0.0, 4.0)),
         q0=np.array([0.0, 1.2, tilt]),
         v0=np.array([number("speed", speed), 0.0, 0.0]),
-        friction=friction,
-        restitution=restitution,
     )
 
 
-@generator(duration=3.0, example_3={"friction": 0.02}, example_4={"friction": 0.1})
-def two_blocks(friction: float = 0.02, restitution: float = 0.2, speed: float = 3.0) -> Scene:
+@generator(friction=0.02, restitution=0.2, duration=3.0, example_3={"friction": 0.02}, example_4={"friction": 0.1})
+def two_blocks(speed: float = 3.0) -> Scene:
     """A block slides over a table into another one.
 
     After 2 m they meet at V = sqrt(speed^2 - 4 mu g) and part at V (1-e)/2 and V (1+e)/2; each then travels v^2/(2 mu g). With
@@ -44,13 +42,11 @@ def two_blocks(friction: float = 0.02, restitution: float = 0.2, speed: float = 
         obstacles=(box(16.0, 1.0, centre=(0.0, -0.5)),),
         q0=np.array([[-3.0, 0.5, 0.0], [0.0, 0.5, 0.0]]),
         v0=np.array([[number("speed", speed), 0.0, 0.0], [0.0, 0.0, 0.0]]),
-        friction=friction,
-        restitution=restitution,
     )
 
 
-@generator(duration=3.0, example_6={"friction": 0.05})
-def three_blocks(friction: float = 0.05, restitution: float = 0.6, speed: float = 5.0) -> Scene:
+@generator(friction=0.05, restitution=0.6, duration=3.0, example_6={"friction": 0.05})
+def three_blocks(speed: float = 5.0) -> Scene:
     """A block slides over a table into the lower block of a tower of two.
 
     The lower block is pushed out from under the upper one, which hardly moves sideways and drops.
@@ -60,13 +56,11 @@ def three_blocks(friction: float = 0.05, restitution: float = 0.6, speed: float 
         obstacles=(box(20.0, 1.0, centre=(0.0, -0.5)),),
         q0=np.array([[-5.0, 0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 1.5, 0.0]]),
         v0=np.array([[number("speed", speed), 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
-        friction=friction,
-        restitution=restitution,
     )
 
 
-@generator(step=0.005, duration=2.0, example_5={})
-def multiple_collisions(friction: float = 0.3, restitution: float = 0.9, speed: float = 4.0) -> Scene:
+@generator(friction=0.3, restitution=0.9, step=0.005, duration=2.0, example_5={})
+def multiple_collisions(speed: float = 4.0) -> Scene:
     """Two blocks and a plank thrown at each other in a pen 5 m wide.
 
     Dozens of impacts, some of several contacts at once; energy must never rise. speed: m/s, of the two blocks, 1 by 1, towards
@@ -78,13 +72,11 @@ def multiple_collisions(friction: float = 0.3, restitution: float = 0.9, speed: 
         obstacles=_pen(5.0),
         q0=np.array([[-1.7, 1.6, 0.2], [1.7, 1.4, -0.3], [0.0, 0.5, 0.05]]),
         v0=np.array([[speed, 0.0, 1.0], [-speed, 0.5, -2.0], [0.0, speed / 2, 0.0]]),
-        friction=friction,
-        restitution=restitution,
     )
 
 
-@generator(step=0.005, duration=2.0, example_7={})
-def several_blocks(friction: float = 0.2, restitution: float = 1.0, drop: float = 1.0) -> Scene:
+@generator(friction=0.2, restitution=1.0, step=0.005, duration=2.0, example_7={})
+def several_blocks(drop: float = 1.0) -> Scene:
     """Five tilted blocks dropped side by side in a pen 7 m wide.
 
     They bounce, spin and hit each other; the energy must never rise, also with restitution 1, and friction dissipates some.
@@ -96,8 +88,6 @@ def several_blocks(friction: float = 0.2, restitution: float = 1.0, drop: float 
         bodies=tuple(rigid_box(1.0, 1.0) for _ in x),
         obstacles=_pen(7.0),
         q0=np.column_stack([x, 0.5 + drop * (1 + np.arange(5) / 4), [0.0, 0.2, -0.1, 0.1, 0.3]]),
-        friction=friction,
-        restitution=restitution,
     )
 
 

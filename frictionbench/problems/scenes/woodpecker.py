@@ -8,7 +8,6 @@ import numpy as np
 from frictionbench.problems.catalogue import generator
 from frictionbench.problems.check import Array
 from frictionbench.problems.generalised import GeneralisedScene, GivenContacts
-from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import Shape, box
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.scene import GRAVITY
@@ -88,19 +87,15 @@ class Woodpecker(GeneralisedScene):
         )
 
 
-@generator(step=1e-4, duration=0.6)
-def woodpecker(friction: float = 0.3, restitution: float = 0.5) -> Woodpecker:
+@generator(friction=0.3, restitution=0.5, step=1e-4, duration=0.6)
+def woodpecker() -> Woodpecker:
     """A toy woodpecker pecks its way down a pole (Glocker 1995), in three generalised coordinates.
 
     The sleeve jams and holds the swinging woodpecker by friction; it comes free, falls, and the beak's hit jams it again. A
     cycle takes 0.146 s and 19 mm of the pole. restitution: of the beak; the sleeve has none.
     """
-    number("friction", friction, least=0)
-    number("restitution", restitution, least=0, most=1)
     return Woodpecker(
         q0=np.array([0.0, -(HOLE - POLE) / HALF_SLEEVE, -0.2788]),  # the sleeve's lower edge is closed
         v0=np.array([-0.3411, 0.0, -7.4583]),
         size=TO_BIRD,
-        friction=friction,
-        restitution=restitution,
     )
