@@ -13,17 +13,18 @@ import os
 import re
 import stat
 import zipfile
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from io import BytesIO
 from pathlib import Path
-from typing import IO, BinaryIO
+from typing import IO, Any, BinaryIO
 
 import numpy as np
 from numpy.lib import format as npy
+from scipy import sparse
 
-from frictionbench.problems.check import REAL, Array, InputError, require
+from frictionbench.problems.check import REAL, Array, InputError, require, require_consistent
 
 COMPRESSION = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # those of numpy; others can need much memory to unpack
 MOST = 1000  # arrays: far more than a problem has
@@ -125,6 +126,16 @@ def in_letters(letters: dict[str, str]) -> Iterator[None]:
     except InputError as error:
         field, _, reason = str(error).partition(": ")
         raise InputError(f"{letters.get(field, field)}: {reason}") from None
+
+
+def sparse_matrix(field: str, kind: type[sparse.sparray], parts: Any, shape: Iterable[Any]) -> sparse.csr_array:
+    """The matrix of the parts of a file, in the format of scipy that `kind` is. Errors: InputError naming the field."""
+    try:
+        matrix = kind(parts, shape=tuple(int(n) for n in shape))
+    except (ValueError, TypeError, IndexError, OverflowError) as error:
+        raise InputError(f"{field}: not a sparse matrix ({error})") from None
+    require_consistent(field, matrix)
+    return sparse.csr_array(matrix)
 
 
 def _most_like(name: str, known: Collection[str], letters: dict[str, str]) -> str:

@@ -25,6 +25,7 @@ from scipy import sparse
 
 from frictionbench.problems.check import Array, InputError, require, require_installed
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.recorded.archive import sparse_matrix
 from frictionbench.problems.recorded.forms import from_global, from_local
 
 MAX_BYTES = 2**29  # bytes of all arrays of a file; larger ones are refused
@@ -103,10 +104,9 @@ def _dimension(arrays: Arrays, form: str) -> int:
 
 
 def _whole(arrays: Arrays, field: str) -> int:
-    require(field in arrays, field, "missing")
-    value = arrays[field]
-    require(value.size == 1 and value.dtype.kind in "iu", field, "expected one integer")
-    return int(value.ravel()[0])
+    value = _index(arrays, field)
+    require(value.size == 1, field, "expected one integer")
+    return int(value[0])
 
 
 def _vector(arrays: Arrays, field: str) -> Array:
@@ -117,34 +117,21 @@ def _vector(arrays: Arrays, field: str) -> Array:
 
 def _matrix(arrays: Arrays, field: str) -> sparse.csr_array:
     m, n, nz = (_whole(arrays, f"{field}/{name}") for name in ("m", "n", "nz"))
-    x = _vector(arrays, f"{field}/x")
-    index = {}
-    for name in ("i", "p"):
-        require(f"{field}/{name}" in arrays, f"{field}/{name}", "missing")
-        index[name] = arrays[f"{field}/{name}"].ravel()
-        require(index[name].dtype.kind in "iu", f"{field}/{name}", "expected integers")
-    i, p = index["i"].astype(np.int64), index["p"].astype(np.int64)
+    x, i, p = _vector(arrays, f"{field}/x"), _index(arrays, f"{field}/i"), _index(arrays, f"{field}/p")
     for name, size in (("m", m), ("n", n)):
         require(0 <= size <= MAX_BYTES // 8, f"{field}/{name}", f"{size} is out of range")
     if nz >= 0:
         for name, value in (("i", i), ("p", p), ("x", x)):
             require(len(value) >= nz, f"{field}/{name}", f"expected {nz} entries, got {len(value)}")
-        _within(f"{field}/i", i[:nz], m)
-        _within(f"{field}/p", p[:nz], n)
-        return sparse.csr_array(sparse.coo_array((x[:nz], (i[:nz], p[:nz])), shape=(m, n)))
+        return sparse_matrix(field, sparse.coo_array, (x[:nz], (i[:nz], p[:nz])), (m, n))
     require(nz in (-1, -2), f"{field}/nz", f"must be -2, -1 or a number of entries, got {nz}")
-    lines, across = (n, m) if nz == -1 else (m, n)
-    require(len(p) == lines + 1, f"{field}/p", f"expected {lines + 1} entries, got {len(p)}")
-    require(p[0] == 0 and bool((np.diff(p) >= 0).all()), f"{field}/p", "must rise from 0")
-    count = int(p[-1])
-    require(count <= min(len(i), len(x)), f"{field}/p", f"states {count} entries, i has {len(i)} and x {len(x)}")
-    _within(f"{field}/i", i[:count], across)
-    return sparse.csr_array((sparse.csc_array if nz == -1 else sparse.csr_array)((x[:count], i[:count], p), shape=(m, n)))
+    return sparse_matrix(field, sparse.csc_array if nz == -1 else sparse.csr_array, (x, i, p), (m, n))
 
 
-def _within(field: str, index: NDArray[np.int64], size: int) -> None:
-    outside = (index < 0) | (index >= size)
-    require(not outside.any(), field, f"an index is not between 0 and {size - 1}")
+def _index(arrays: Arrays, field: str) -> NDArray[np.int64]:
+    require(field in arrays, field, "missing")
+    require(arrays[field].dtype.kind in "iu", field, "expected integers")
+    return arrays[field].ravel().astype(np.int64)
 
 
 def write(problem: FrictionProblem, path: Path, title: str = "", description: str = "") -> None:

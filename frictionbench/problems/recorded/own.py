@@ -26,10 +26,10 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems import check
-from frictionbench.problems.check import Array, InputError, ReadOnly, require, require_consistent
+from frictionbench.problems.check import Array, InputError, ReadOnly, require
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem, GivenDelassus
-from frictionbench.problems.recorded.archive import read_arrays, require_known
+from frictionbench.problems.recorded.archive import read_arrays, require_known, sparse_matrix
 
 LCP_FIELDS = ("M", "q")
 _MATRICES = {"mass", "normal", "tangent", "joints", "W", "M"}
@@ -164,13 +164,8 @@ def _names(arrays: Collection[str]) -> set[str]:
 
 
 def _matrix(arrays: dict[str, Array], name: str) -> sparse.csr_array:
-    data, indices, indptr, shape = (arrays[f"{name}_{part}"] for part in _PARTS)
-    try:
-        matrix = sparse.csr_array((data, indices, indptr), shape=tuple(int(n) for n in shape))
-    except (ValueError, TypeError, IndexError, OverflowError) as error:
-        raise InputError(f"{name}: not a sparse matrix ({error})") from None
-    require_consistent(name, matrix)
-    return matrix
+    *parts, shape = (arrays[f"{name}_{part}"] for part in _PARTS)
+    return sparse_matrix(name, sparse.csr_array, tuple(parts), shape)
 
 
 def packed(step: EngineStep) -> dict[str, Array]:

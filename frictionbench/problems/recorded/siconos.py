@@ -29,7 +29,7 @@ from scipy import sparse
 from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded.archive import opened
+from frictionbench.problems.recorded.archive import opened, sparse_matrix
 from frictionbench.problems.recorded.forms import from_global
 
 MAX_BYTES = 2**29  # bytes of text; a larger file is refused without reading it
@@ -57,13 +57,6 @@ class _Numbers:
             raise InputError(f"{field}: expected an integer, got {word[:40]!r}") from None
         require(least <= value <= self._most, field, f"{value} is out of range, or more than the file can hold")
         return value
-
-    def real(self, field: str) -> float:
-        word = self.word(field)
-        try:
-            return float(word)
-        except ValueError:
-            raise InputError(f"{field}: expected a number, got {word[:40]!r}") from None
 
     def reals(self, field: str, count: int) -> Array:
         """The next `count` numbers (count,)."""
@@ -150,15 +143,12 @@ def _blocks(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
     ends = [numbers.wholes(f"{name}, ends of block rows and columns", k, total) for k, total in zip(shape, (m, n), strict=True)]
     edges = [np.concatenate([[0], end]) for end in ends]
     for edge, total in zip(edges, (m, n), strict=True):
-        require(
-            edge[-1] == total and bool((np.diff(edge) >= 0).all()), f"{name}, ends of block rows and columns", "not in order"
-        )
+        _require_rising(edge, total, f"{name}, ends of block rows and columns")
     filled = numbers.whole(f"{name}, filled rows"), numbers.whole(f"{name}, filled blocks")
     require(filled == (shape[0] + 1, count), f"{name}, filled", f"expected {(shape[0] + 1, count)}, got {filled}")
     start = numbers.wholes(f"{name}, block pattern", shape[0] + 1, count)
     column = numbers.wholes(f"{name}, block pattern", count, shape[1] - 1)
-    ordered = start[0] == 0 and start[-1] == count and bool((np.diff(start) >= 0).all())
-    require(ordered, f"{name}, block pattern", "not in order")
+    _require_rising(start, count, f"{name}, block pattern")
     row = np.repeat(np.arange(shape[0]), np.diff(start))
     rows, columns, values = [np.empty(0, np.int64)], [np.empty(0, np.int64)], [np.empty(0)]
     for k in range(count):
@@ -167,7 +157,12 @@ def _blocks(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
         values.append(numbers.reals(f"{name}, block {k}", int((bottom - top) * (right - left))))
         rows.append(np.tile(np.arange(top, bottom), right - left))
         columns.append(np.repeat(np.arange(left, right), bottom - top))
-    return _from_triplets(name, np.concatenate(rows), np.concatenate(columns), np.concatenate(values), (m, n))
+    places = np.concatenate(rows), np.concatenate(columns)
+    return sparse_matrix(name, sparse.coo_array, (np.concatenate(values), places), (m, n))
+
+
+def _require_rising(index: Index, last: int, field: str) -> None:
+    require(index[0] == 0 and index[-1] == last and bool((np.diff(index) >= 0).all()), field, "not in order")
 
 
 def _sparse(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
@@ -181,7 +176,7 @@ def _sparse(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
     if "triplet:" in words:
         entries = [(numbers.whole(name), numbers.whole(name), _after_colon(numbers, name)) for _ in range(count)]
     else:
-        numbers.word(name), numbers.real(f"{name}, 1-norm")
+        numbers.word(name), numbers.reals(f"{name}, 1-norm", 1)
         entries = []
         for column in range(n):
             numbers.word(name), numbers.word(name), numbers.word(name), numbers.word(name)  # col j : locations
@@ -191,7 +186,7 @@ def _sparse(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
             entries += [(numbers.whole(name), column, _after_colon(numbers, name)) for _ in range(first, last + 1)]
         require(len(entries) == count, name, f"has {len(entries)} entries, but {count} by its header")
     parts = np.array(entries, dtype=float).reshape(-1, 3)
-    return _from_triplets(name, parts[:, 0].astype(np.int64), parts[:, 1].astype(np.int64), parts[:, 2], (m, n))
+    return sparse_matrix(name, sparse.coo_array, (parts[:, 2], tuple(parts[:, :2].T.astype(np.int64))), (m, n))
 
 
 def _before_comma(numbers: _Numbers, name: str) -> int:
@@ -202,10 +197,4 @@ def _before_comma(numbers: _Numbers, name: str) -> int:
 
 def _after_colon(numbers: _Numbers, name: str) -> float:
     require(numbers.word(name) == ":", name, "expected `place : value`")
-    return numbers.real(name)
-
-
-def _from_triplets(name: str, row: Index, column: Index, value: Array, shape: tuple[int, int]) -> sparse.csr_array:
-    for index, size in ((row, shape[0]), (column, shape[1])):
-        require(not len(index) or (index.min() >= 0 and index.max() < size), name, f"an index is not below {size}")
-    return sparse.csr_array(sparse.coo_array((value, (row, column)), shape=shape))
+    return float(numbers.reals(name, 1)[0])
