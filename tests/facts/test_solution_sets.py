@@ -53,8 +53,6 @@ def test_jam_solutions_are_arc_and_ray(mu) -> None:
 
     found = census(problem)
     assert found.shape is Shape.NOT_CONVEX
-    assert found.witness is not None
-    assert residual(problem, sum(found.witness).reshape(2, 2) / 2) > 1e-3
     arc, ray = (next(p for p in found.pieces if p.mode == mode) for mode in ("rr", "ss"))
     ends = np.array([on_arc(0, mu).ravel(), on_arc(1, mu).ravel()])
     assert sorted(arc.vertices.tolist()) == pytest.approx(np.array(sorted(ends.tolist())), abs=1e-12)

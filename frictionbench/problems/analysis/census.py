@@ -62,15 +62,12 @@ class Census:
     "c"losed without friction, and in capitals open contacts with a friction bias).
     velocities: the same pieces in y, maximal ones; several impulses may have one velocity.
     shape, velocity_shape: whether there is none, one, a convex set of several, isolated ones, or else a set not convex.
-    witness: two solutions whose midpoint is no solution, where the solutions are isolated or not convex; see
-    problems.analysis.polyhedra.shape.
     """
 
     pieces: tuple[Polyhedron, ...]
     velocities: tuple[Polyhedron, ...]
     shape: Shape
     velocity_shape: Shape
-    witness: tuple[Array, Array] | None
 
     @property
     def count(self) -> int | None:
@@ -116,12 +113,9 @@ def census(problem: FrictionProblem) -> Census:
             ("l", ((limit - r_t, True),), ((-u_t, False),)),
             ("r", ((limit + r_t, True),), ((u_t, False),)),
         ]
-        frictionless = [("", (), ())]
-        closed = [Choice(name or "c", (*r, (u_n, True), *u)) for name, r, u in (slips if mu or b else frictionless)]
-        opened = [
-            Choice(name.upper() or "o", (*r, (r_n, True), (u_n, False), *u)) for name, r, u in (slips if b else frictionless)
-        ]
-        choices.append(closed + opened)
+        closed = [Choice(name, (*r, (u_n, True), *u)) for name, r, u in (slips if mu or b else [("c", (), ())])]
+        opened = [Choice(name.upper(), (*r, (r_n, True), (u_n, False), *u)) for name, r, u in slips if b]
+        choices.append(closed + (opened or [Choice("o", ((r_n, True), (u_n, False)))]))
 
     def is_solution(r: Array) -> bool:
         return residual(problem, r.reshape(nc, 2)) <= WRONG
@@ -139,10 +133,7 @@ def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
         found = census(problem)
     except (InputError, ArithmeticError):
         return {"solutions": None, "velocity_count": None}
-    return {
-        "solutions": found.shape.value,
-        "velocity_count": found.velocity_count,
-    }
+    return {"solutions": found.shape.value, "velocity_count": found.velocity_count}
 
 
 def _walk(cone: Cone, choices: list[list[Choice]], mode: str = "") -> Iterator[Polyhedron]:
@@ -185,14 +176,11 @@ def enumerate_solutions(
     else:
         raise ArithmeticError("census: the problem is too ill-conditioned to separate its solutions")
     images = maximal((_image(piece, y) for piece in pieces), is_subset)
-    found, witness = shape(pieces, lambda x: is_solution(x * x_unit))
-    found_y, _ = shape(images, lambda y: any(contains(image, y) for image in images))
     return Census(
         tuple(_scaled(piece, x_unit) for piece in pieces),
         tuple(_scaled(image, y_unit) for image in images),
-        found,
-        found_y,
-        witness and (witness[0] * x_unit, witness[1] * x_unit),
+        shape(pieces, lambda x: is_solution(x * x_unit)),
+        shape(images, lambda y: any(contains(image, y) for image in images)),
     )
 
 

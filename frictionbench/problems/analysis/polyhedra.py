@@ -140,20 +140,20 @@ def contains(piece: Polyhedron, x: Array) -> bool:
     return bool(result.status == 0 and result.fun <= size)
 
 
-def shape(pieces: list[Polyhedron], is_solution: Callable[[Array], bool]) -> tuple[Shape, tuple[Array, Array] | None]:
-    """The shape of the union of maximal pieces, and two of its points whose midpoint is outside where it is not convex.
+def shape(pieces: list[Polyhedron], is_solution: Callable[[Array], bool]) -> Shape:
+    """The shape of the union of maximal pieces, not convex where the midpoint of two of its points is outside.
 
     Pairs of vertices, of points on rays and of centres are tried; a union of several pieces without such a pair is called
     convex, although this does not prove it.
     """
     if not pieces:
-        return Shape.NONE, None
+        return Shape.NONE
     points_only = all(piece.dimension == 0 for piece in pieces)
     for a, b in combinations(pieces, 2):
         for x, y in product(samples(a), samples(b)):
             if not is_solution((x + y) / 2):
-                return Shape.ISOLATED if points_only else Shape.NOT_CONVEX, (x, y)
-    return Shape.ONE if points_only else Shape.CONVEX, None
+                return Shape.ISOLATED if points_only else Shape.NOT_CONVEX
+    return Shape.ONE if points_only else Shape.CONVEX
 
 
 def samples(piece: Polyhedron) -> Iterator[Array]:

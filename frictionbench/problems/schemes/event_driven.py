@@ -53,11 +53,6 @@ def newton(scene: Scene, q: Array, v: Array, contacts: Contacts, solve: Solve) -
     return [solved], v
 
 
-def _inelastic(scene: Scene, q: Array, v: Array, contacts: Contacts, solve: Solve) -> tuple[list[Solved], Array]:
-    solved, v = respond("impact", scene.friction_problem(q, v, contacts), solve)
-    return [solved], v
-
-
 def event_driven_scheme(name: str, law: Impact, accuracy: float = ACCURACY) -> Scheme:
     """The scheme with this law of impact and accuracy of the integrator, registered under `name`."""
 
@@ -124,10 +119,10 @@ def _impact(
     low = (e > 0) & (e < 1) & (back < 0) & (rebound**2 <= 2 * np.abs(back) * LOW * scene.reach)
     if not (e > 0).any() or not low[e * rebound > 0].all():
         return solved, after, "impact", time
-    solved, after = _inelastic(scene, q, v, contacts, solve)
+    inelastic, after = respond("impact", scene.friction_problem(q, v, contacts), solve)
     if len(contacts) > 1:
-        return solved, after, "impact", time
-    return solved, after, "accumulation", time + float(2 * rebound[0] / (-back[0] * (1 - e[0])))
+        return [inelastic], after, "impact", time
+    return [inelastic], after, "accumulation", time + float(2 * rebound[0] / (-back[0] * (1 - e[0])))
 
 
 event_driven = event_driven_scheme("event_driven", impact)

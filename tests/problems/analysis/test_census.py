@@ -198,7 +198,7 @@ def test_shapes_of_unions() -> None:
         return Polyhedron(np.array([a, b]), np.zeros((0, 2)))
 
     def look(*pieces: Polyhedron) -> Shape:
-        return shape(list(pieces), lambda x: any(contains(piece, x) for piece in pieces))[0]
+        return shape(list(pieces), lambda x: any(contains(piece, x) for piece in pieces))
 
     points = [Polyhedron(np.array([[x, 0.0]]), np.zeros((0, 2))) for x in (0.0, 1.0, 2.0)]
     quadrant = Polyhedron(np.zeros((1, 2)), np.eye(2))
