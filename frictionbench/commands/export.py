@@ -70,5 +70,5 @@ def fetch(name: str) -> None:
         bar = progress.add_task(f"fclib/{family}", total=sum(file.size for file in files))
         for file in collection.fetch(family):
             progress.advance(bar, file.size)
-    Console().print(f"{len(files)} files in {collection.folder(family)}", soft_wrap=True, markup=False)
+    Console().print(f"{len(files)} files in {collection.cache_folder() / family}", soft_wrap=True, markup=False)
     Console().print(f"run them: frictionbench run recorded --data fclib/{family}", soft_wrap=True, markup=False)

@@ -195,7 +195,7 @@ def scene(name: str, **parameters: Any) -> Scene:
     units = {key: number(key, parameters[key], above=0) for key in UNITS if key in parameters}
     found = find_scene(name, parameters)
     chosen = found.parameters | parameters
-    laws = {key: number(key, chosen[key]) for key in LAWS if key in chosen}
+    laws: dict[str, Any] = {key: number(key, chosen[key]) for key in LAWS if key in chosen}
     made = found.make(**{key: chosen[key] for key in signature(found.make).parameters})
     if units:
         made = made.in_units(units.get("mass_unit", 1.0), units.get("length_unit", 1.0))

@@ -142,7 +142,7 @@ def located(location: str, of_the_paper: bool = False) -> list[Source]:
     """
     if location.startswith("fclib/"):
         family = collection.family(location)
-        folder = collection.folder(family)
+        folder = collection.cache_folder() / family
         accuracy, limit = ABH2018.get(family, (None, None)) if of_the_paper else (None, None)
         own: dict[str, Any] = {} if accuracy is None else {"tolerances": (accuracy,), "time_limit": limit}
         files, steps = sorted(_files(folder)), {}  # a selection from simulations, no sequence

@@ -10,7 +10,7 @@ where it ended.
 import csv
 import os
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -54,13 +54,8 @@ def family(name: str) -> str:
 
 
 def cache_folder() -> Path:
-    """The folder in which fetched files are stored."""
+    """The folder in which fetched files are stored, each under its path."""
     return Path(os.environ.get("FRICTIONBENCH_CACHE") or user_cache_dir("frictionbench")) / "fclib"
-
-
-def folder(name: str) -> Path:
-    """The paths of the files of a family in the cache folder, whether they have been fetched or not."""
-    return cache_folder() / name
 
 
 def fetched() -> list[str]:
@@ -68,57 +63,45 @@ def fetched() -> list[str]:
     return [name for name, entries in registry().items() if all((cache_folder() / entry.path).is_file() for entry in entries)]
 
 
-def address() -> str:
-    """The address from which files are downloaded: ADDRESS, or a mirror given by FRICTIONBENCH_FCLIB."""
-    return os.environ.get("FRICTIONBENCH_FCLIB", ADDRESS).rstrip("/") + "/"
-
-
 def fetch(name: str) -> Iterator[Entry]:
     """Download the missing files of a family one after another, check each, and yield it when it is stored.
 
+    They come from ADDRESS, or a mirror given by FRICTIONBENCH_FCLIB.
     Errors: InputError naming the file that could not be downloaded or differs from the registry, or pooch if it is missing.
     """
     require_installed("pooch", "recorded")
     import pooch
 
+    address = os.environ.get("FRICTIONBENCH_FCLIB", ADDRESS).rstrip("/")
     for entry in registry()[name]:
         path = cache_folder() / entry.path
         try:
-            _refuse_special(path)
+            require(not path.is_symlink(), str(path), "is a link; nothing was written")
+            require(path.is_file() or not path.exists(), str(path), "is no regular file; nothing was written")
             pooch.retrieve(
-                address() + entry.path,
+                f"{address}/{entry.path}",
                 known_hash=f"sha256:{entry.sha256}",
                 fname=path.name,
                 path=path.parent,
-                downloader=_Sized(entry.size),
+                downloader=partial(_download, entry.size),
             )
         except (OSError, ValueError) as error:  # requests' own errors are OSErrors, a wrong hash is a ValueError
             raise InputError(f"{entry.path}: {' '.join(str(error).split())[:300]}") from None
         yield entry
 
 
-def _refuse_special(path: Path) -> None:
-    require(not path.is_symlink(), str(path), "is a link; nothing was written")
-    require(path.is_file() or not path.exists(), str(path), "is no regular file; nothing was written")
+def _download(size: int, url: str, output_file: str, pooch: object) -> None:
+    """Download a file of known size, and stop as soon as it is longer."""
+    import requests
 
-
-class _Sized:
-    """Downloads a file of known size, and stops as soon as it is longer."""
-
-    def __init__(self, size: int) -> None:
-        self._size = size
-
-    def __call__(self, url: str, output_file: str, pooch: object) -> None:
-        import requests
-
-        with requests.get(url, stream=True, timeout=30, allow_redirects=True) as response:
-            response.raise_for_status()
-            left = self._size
-            with open(output_file, "wb") as file:
-                for chunk in response.iter_content(2**16):
-                    left -= len(chunk)
-                    if left < 0:
-                        raise InputError(f"longer than the {self._size} bytes of the registry")
-                    file.write(chunk)
-            if left:
-                raise InputError(f"{self._size - left} bytes of {self._size}")
+    with requests.get(url, stream=True, timeout=30, allow_redirects=True) as response:
+        response.raise_for_status()
+        left = size
+        with open(output_file, "wb") as file:
+            for chunk in response.iter_content(2**16):
+                left -= len(chunk)
+                if left < 0:
+                    raise InputError(f"longer than the {size} bytes of the registry")
+                file.write(chunk)
+        if left:
+            raise InputError(f"{size - left} bytes of {size}")

@@ -75,7 +75,7 @@ def test_fetch_is_cached(server) -> None:
     assert collection.fetched() == []
     assert len(list(collection.fetch(FAMILY))) == 3
     assert collection.fetched() == [FAMILY]
-    assert read(collection.folder(FAMILY) / "chain-0.hdf5").hash == random_problem(0, contacts=3).hash
+    assert read(collection.cache_folder() / FAMILY / "chain-0.hdf5").hash == random_problem(0, contacts=3).hash
     server.stop()
     assert len(list(collection.fetch(FAMILY))) == 3
     assert len(server.asked) == 3
