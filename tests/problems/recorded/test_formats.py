@@ -186,7 +186,7 @@ def test_bad_fclib_field(tmp_path, field, value) -> None:
         if value is not None:
             file[field] = value
     last = field.rpartition("/")[2]
-    named = {"m": "m|p|W", "x": "x|p|W", "i": "i|p", "mu": "mu|friction|q"}.get(last, last)
+    named = {"m": "m|W", "x": "x|W", "i": "i|W", "p": "p|W", "mu": "mu|friction|q"}.get(last, last)
     with pytest.raises(InputError, match=rf"p\.hdf5: ([\w/]*/)?({named}): "):
         read(tmp_path / "p.hdf5")
 
