@@ -11,15 +11,13 @@ complement enters next (Ralph 1994). One Newton step consists of
 1. a crash (projected Newton): a few active-set steps guess which z are basic;
 2. the path from the crash point, to t = 1 or to where it ends;
 3. the Newton point itself, from a fresh LU of the last basis, refined once;
-4. nonmonotone acceptance: the residual must fall below the worst of the last three (Dirkse and Ferris 1995; Grippo,
-   Lampariello and Lucidi 1986). After a rejected step or a path that ends early the method restarts with another perturbation,
-   alternately from z = 0 and from the best point with M + eps I in place of M, centred there, eps shrinking with the residual.
+4. acceptance: the residual must fall. Otherwise, or after a path that ends early, the method restarts from z = 0 with another
+   perturbation. (On the problems of the suites it never has to.)
 
 Differences from PATH, and their reasons:
 
-* The linearisation of an LCP is exact: where t reaches 1 with eps = 0 the Newton point is a solution. A search back along
-  the path could only stop short of it, so paths are followed to their end, and a second step is needed only after a
-  proximal one or where round-off limits the first.
+* The linearisation of an LCP is exact: where t reaches 1 the Newton point is a solution. A search back along the path could
+  only stop short of it, so paths are followed to their end, and a second step is needed only where round-off limits the first.
 * The crash point solves a shifted problem: M_AA z_A = -(q_A + delta_A), w_i = max(F_i, 0) + delta_i, with random delta > 0.
   So r < 0, and the existence proof for Lemke's method carries over: a ray v of the path has v >= 0, Mv >= 0, v'Mv = 0, hence
   (1 - t) v'r = v'Mz + v'q, where v'Mz >= 0 if M is copositive, and v'q >= 0 for friction with a bias b >= 0 (Anitescu and
@@ -55,7 +53,6 @@ from frictionbench.solvers.pivots.lu_basis import (
     basic_point,
     basic_z,
     factorise_basis,
-    largest_magnitude,
     new_basis,
     orientation,
     overflowed,
@@ -87,10 +84,8 @@ from frictionbench.solvers.pivots.vectors import fill, put
 SHIFT = 0.3  # size of the residual at a crash point, relative to the largest scaled q: smaller ones leave paths with near ties
 SPREAD = 0.1  # relative randomness of its entries: enough to resolve ties, without making one row the first to block
 DEPENDENT = 1e-9  # a column of a guessed basis keeping less of its size in elimination is left out
-DECREASE = 0.9  # required of a new residual, relative to the worst recent one (Dirkse and Ferris 1995)
-MEMORY = 3  # recent residuals that a new one is compared with
+DECREASE = 0.9  # required of a new residual, relative to the last one (Dirkse and Ferris 1995)
 WELL = 1 / 16  # of a bound of rounding, what is left even where it goes well: less is not worth a further step
-RESTART_CRASH, RESTART_PROX = 3, 1e-2  # crash steps, and eps over residual, in every second restart: as in PATH's first
 
 CRASH, STEPS, RESTARTS = 2, 3, 4  # counted in work, after pivots and factorisations
 
@@ -99,20 +94,17 @@ CRASH, STEPS, RESTARTS = 2, 3, 4  # counted in work, after pivots and factorisat
 class PathSearch:
     """PATH-like normal-map Newton: crash, then a pivotal path to the Newton point, restarted where it stalls.
 
-    crash: active-set steps before the path. proximal: eps over residual in the first attempt. restarts: the largest number.
-    seed: of the perturbations. facets: of the polygon that approximates the cone's section. limit bounds the pivots, by default
-    50 n + 1000.
+    crash: active-set steps before the path. restarts: the largest number. facets: of the polygon that approximates the cone's
+    section. limit bounds the pivots, by default 50 n + 1000.
     work: pivots, factorisations, crash (steps), newton (steps), restarts.
     """
 
     crash: int = 3
-    proximal: float = 0.0
     restarts: int = 8
-    seed: int = 0
     facets: int = 8
 
     def __post_init__(self) -> None:
-        for name in ("crash", "proximal", "restarts"):
+        for name in ("crash", "restarts"):
             require(getattr(self, name) >= 0, name, f"must not be negative, got {getattr(self, name)!r}")
 
     def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
@@ -121,14 +113,14 @@ class PathSearch:
     def setup(self, scaled: ScaledLCP) -> "Prepared":
         n = len(scaled.q)
         columns, q, unit, order = columns_in_order(scaled.M, scaled.q, scaled.unit, scaled.contacts[0])
-        basis, noise = new_basis(n, room(n, len(columns.column))), perturbations(self.seed, self.restarts + 1, n)
+        basis, noise = new_basis(n, room(n, len(columns.column))), perturbations(self.restarts + 1, n)
         return Prepared(scaled, order, columns, basis, q, unit, noise)
 
     def solve(self, prepared: "Prepared", tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, order, columns, basis, q, unit, noise = prepared
         n, target = len(q), MARGIN * tol
         limit = default_limit(n) if limit is None else limit
-        settings = q, unit, noise, target, limit, deadline(), self.crash, self.proximal
+        settings = q, unit, noise, target, limit, deadline(), self.crash
         found, least, end, ray, work = search(columns, basis, *settings)
         while basis.size[2] > 0 and not is_over():  # the factors did not fit
             basis = new_basis(n, min(n * n, 4 * len(basis.L.value)))
@@ -149,8 +141,8 @@ class PathSearch:
         first, noise = np.zeros(widest + 1, np.int64), [np.zeros(0)]
         for n in np.unique(sizes).tolist():
             first[n] = sum(map(len, noise))
-            noise.append(perturbations(self.seed, self.restarts + 1, n).ravel())
-        settings = self.restarts + 1, MARGIN * tol, limit or 0, self.crash, float(self.proximal)
+            noise.append(perturbations(self.restarts + 1, n).ravel())
+        settings = self.restarts + 1, MARGIN * tol, limit or 0, self.crash
         r, ended, work = search_loop(packed, basis, lcp_space(packed, basis), np.concatenate(noise), first, *settings)
         return solved(r, ended, (Status.SOLVED,), work, COUNTS)
 
@@ -159,9 +151,9 @@ COUNTS = "pivots", "factorisations", "crash", "newton", "restarts"
 
 
 @lru_cache(maxsize=64)
-def perturbations(seed: int, attempts: int, n: int) -> Array:
-    """Random numbers (attempts, n) from [0, 1), the same for the same seed."""
-    return np.random.default_rng(seed).random((attempts, n))
+def perturbations(attempts: int, n: int) -> Array:
+    """Random numbers (attempts, n) from [0, 1), always the same."""
+    return np.random.default_rng(0).random((attempts, n))
 
 
 class Prepared(NamedTuple):
@@ -180,7 +172,7 @@ class Prepared(NamedTuple):
 def columns_in_order(M, q, unit, nc):  # type: ignore[no-untyped-def]
     """The columns to choose from, q, the unit and the order: see in_order."""
     start, row, value, own_q, own_unit, order = in_order(M, q, unit, nc)
-    return Columns(start, row, value, np.zeros(len(q)), np.zeros(len(q))), own_q, own_unit, order
+    return Columns(start, row, value, np.zeros(len(q))), own_q, own_unit, order
 
 
 @kernel
@@ -190,7 +182,7 @@ def default_limit(n):  # type: ignore[no-untyped-def]
 
 
 @loop
-def search_loop(packed, basis, space, noise, place, attempts, tol, limit, steps, proximal):  # type: ignore[no-untyped-def]
+def search_loop(packed, basis, space, noise, place, attempts, tol, limit, steps):  # type: ignore[no-untyped-def]
     """Packed problems one after the other: impulses, how each ended, 0 where solved, and the counts (N, 5).
 
     noise: the perturbations of all attempts on n unknowns from place[n] on.
@@ -207,7 +199,7 @@ def search_loop(packed, basis, space, noise, place, attempts, tol, limit, steps,
         lu = new_basis(n, room(n, len(columns.column)))
         own_noise = noise[place[n] : place[n] + attempts * n].reshape(attempts, n)
         most = limit if limit else default_limit(n)
-        y, least, _, _, counts = search(columns, lu, q, own_unit, own_noise, tol, most, np.inf, steps, proximal)
+        y, least, _, _, counts = search(columns, lu, q, own_unit, own_noise, tol, most, np.inf, steps)
         if least <= tol and not overflowed(lu):
             ended[k] = 0
             z = np.empty(n)
@@ -220,29 +212,24 @@ def search_loop(packed, basis, space, noise, place, attempts, tol, limit, steps,
 
 
 @kernel
-def search(columns, basis, q, unit, noise, tol, limit, until, steps, proximal):  # type: ignore[no-untyped-def]
+def search(columns, basis, q, unit, noise, tol, limit, until, steps):  # type: ignore[no-untyped-def]
     """Newton's method from z = 0: the best z found, its residual, how the last path ended, whether on a true ray; work."""
     n = len(q)
     work = np.zeros(5, np.int64)
     z, w, v, A = np.zeros(n), np.empty(n), np.zeros(n), np.zeros(n, np.bool_)
-    delta, right, along, best = np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
+    delta, right, best = np.empty(n), np.empty(n), np.zeros(n)
     put(w, q)
     least = measured(unit, z, w)
-    recent = np.empty(MEMORY)
-    fill(recent, least)
-    residual, end, ray = 1.0, NEWTON, False
+    last, end, ray = 1.0, NEWTON, False
     while least > tol:
-        shift = SHIFT * min(1.0, max(residual, 1e-4))
-        eps = proximal * residual
-        fill(columns.prox, eps)
+        shift = SHIFT * min(1.0, max(last, 1e-4))
         for i in range(n):
             delta[i] = shift * (1.0 + SPREAD * noise[work[RESTARTS], i])
-            along[i] = q[i] - eps * z[i]  # F(z) + eps (z - centre) = (M + eps) z + along
-            right[i] = along[i] + delta[i]
+            right[i] = q[i] + delta[i]
         crash_point(basis, columns, right, A, z, w, steps, until, work)
         for i in range(n):  # residual r of x: -delta on A; below, with w_i = max(F_i, 0) + delta_i
             columns.cover[i] = -delta[i] if A[i] else min(w[i] - delta[i], 0.0) - delta[i]
-            right[i] = columns.cover[i] - along[i]
+            right[i] = columns.cover[i] - q[i]
         if not overflowed(basis):
             end = follow_newton_path(basis, columns, right, v, limit, until, work)
         residual = np.inf
@@ -255,24 +242,18 @@ def search(columns, basis, q, unit, noise, tol, limit, until, steps, proximal): 
                 least = residual
             if residual <= WELL * scaled_rounding(columns, q, unit, z, w):
                 break
-        elif end == RAY and eps == 0.0:
+        elif end == RAY:
             ray = ray or is_ray(columns, columns.cover, v, 0.0, w)
-        if residual < DECREASE * largest_magnitude(recent):
-            recent[work[STEPS] % MEMORY] = residual
+        if residual < DECREASE * last:
+            last = residual
             basic_z(basis, A)
             continue
         if end == LIMIT or work[RESTARTS] + 1 == len(noise):
             break
         work[RESTARTS] += 1
-        if work[RESTARTS] % 2:
-            fill(z, 0.0)
-            residual, steps, proximal = 1.0, 0, 0.0
-        else:
-            put(z, best)
-            residual, steps, proximal = 1.0, RESTART_CRASH, RESTART_PROX
-        fill(recent, np.inf)
-        for i in range(n):
-            A[i] = z[i] > 0.0
+        last, steps = 1.0, 0
+        fill(z, 0.0)
+        fill(A, False)
     return best, least, end, ray, work
 
 
@@ -342,7 +323,6 @@ def newton_point(basis, columns, q, unit, end, z, w, until, work):  # type: igno
     n = len(q)
     work[STEPS] += 1
     work[FACTORISATIONS] += 1
-    fill(columns.prox, 0.0)
     factorise_basis(basis, columns, 0.0, until)
     correction, right, point, best = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     put(best, z)

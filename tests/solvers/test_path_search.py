@@ -1,7 +1,6 @@
 """Path search: its starts and its basis."""
 
 import numpy as np
-import pytest
 from scipy import sparse
 
 from frictionbench.problems.random_problem import random_problem
@@ -16,11 +15,9 @@ from tests.helpers.kernels import (
 )
 
 
-@pytest.mark.parametrize("spec", ["path_search[crash=0]", "path_search[proximal=0.01]"])
-def test_random_problems_of_varied_size(spec) -> None:
-    work = [assert_solved(random_problem(seed, contacts=1 + seed % 25), spec).work for seed in range(300, 350)]
-    proximal = sum(count["newton"] > 1 for count in work)
-    assert proximal == 0 if "crash" in spec else proximal > 10
+def test_random_problems_of_varied_size() -> None:
+    for seed in range(300, 350):
+        assert_solved(random_problem(seed, contacts=1 + seed % 25), "path_search[crash=0]")
 
 
 def test_crash_start_shortens_path() -> None:
@@ -35,11 +32,11 @@ def test_small_pivots_of_long_stacks_are_taken_without_new_factors() -> None:
 
 
 def random_columns(n, rank, seed=0) -> tuple[Columns, np.ndarray]:
-    """The columns of a sparse M with dependent columns, and [M + prox, -I, cover] dense."""
+    """The columns of a sparse M with dependent columns, and [M, -I, cover] dense."""
     random = np.random.default_rng(seed)
     M = random.standard_normal((n, rank)) @ (random.standard_normal((rank, n)) * (random.random((rank, n)) < 0.5))
-    packed, prox, cover = sparse.csc_array(M), np.zeros(n), random.standard_normal(n)
-    columns = Columns(packed.indptr.astype(np.int64), packed.indices.astype(np.int64), packed.data, prox, cover)
+    packed, cover = sparse.csc_array(M), random.standard_normal(n)
+    columns = Columns(packed.indptr.astype(np.int64), packed.indices.astype(np.int64), packed.data, cover)
     return columns, np.column_stack([M, -np.eye(n), cover])
 
 

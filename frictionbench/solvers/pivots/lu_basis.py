@@ -2,7 +2,7 @@
 
 Methods that pivot on w = M z + q work with n columns chosen from
 
-    z_i:  M e_i + prox_i e_i        w_i:  -e_i        t:  cover
+    z_i:  M e_i        w_i:  -e_i        t:  cover
 
 numbered i, n + i and 2n. Where a basis holds w_i it leaves row i to it, so that only the other rows, the core, need an LU.
 Its columns are eliminated from the left and kept sparse (Gilbert and Peierls 1988), with pivots on the diagonal of M where
@@ -29,12 +29,11 @@ UPDATES = 96  # of a factorisation; each costs n products in every later solve, 
 
 
 class Columns(NamedTuple):
-    """The columns to choose from: M (n, n) compressed by columns, prox (n,) added to its diagonal, cover (n,)."""
+    """The columns to choose from: M (n, n) compressed by columns, cover (n,)."""
 
     start: Index64
     rows: Index64
     column: Array
-    prox: Array
     cover: Array
 
 
@@ -118,7 +117,6 @@ def column(columns, j, y):  # type: ignore[no-untyped-def]
         fill(y, 0.0)
         for k in range(columns.start[j], columns.start[j + 1]):
             y[columns.rows[k]] = columns.column[k]
-        y[j] += columns.prox[j]
     return largest_magnitude(y)
 
 
@@ -216,13 +214,6 @@ def scatter(columns, j, y, listed, seen, place, slack):  # type: ignore[no-untyp
             count += 1
             if place[i] >= 0:
                 first = min(first, place[i])
-    if j < n and columns.prox[j] != 0.0 and not slack[j]:  # M may have no entry on its diagonal
-        if seen[j] != j:
-            listed[count], seen[j] = j, j
-            count += 1
-            first = min(first, place[j]) if place[j] >= 0 else first
-        y[j] += columns.prox[j]
-        most = max(most, abs(y[j]))
     return count, most, first
 
 
@@ -253,8 +244,6 @@ def ftran(basis, columns, y):  # type: ignore[no-untyped-def]
                 i, entry = (a, columns.cover[a]) if j == 2 * n else (columns.rows[a], columns.column[a])
                 if slack[i]:
                     y[i] += x[k] * entry
-            if j < n and slack[j]:
-                y[j] += x[k] * columns.prox[j]
     for k in range(m):
         y[order[k]] = x[k]
     for k in range(updates):

@@ -69,17 +69,16 @@ class ScaledLCP(NamedTuple):
 def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
     """The scaled LCP of a friction problem, in space with so many facets, or a bare LCP scaled."""
     if isinstance(problem, LCP):
-        M, *scaled = scaled_bare_lcp(*problem.rows, problem.q)
-        return ScaledLCP(problem, facets, problem.contacts, problem.basis, scaled[0], M, *scaled[1:])
+        return ScaledLCP(problem, facets, problem.contacts, problem.basis, *scaled_bare_lcp(*problem.rows, problem.q))
     d, mu, b_f = problem.dimension, problem.friction, problem.friction_bias
     basis = tangent_basis(d, facets)
-    M, *scaled = scaled_friction_lcp(*problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.units)
-    return ScaledLCP(problem, facets, (len(mu), d), basis, scaled[0], M, *scaled[1:])
+    scaled = scaled_friction_lcp(*problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.units)
+    return ScaledLCP(problem, facets, (len(mu), d), basis, *scaled)
 
 
 @kernel
 def scaled_bare_lcp(start, column, value, q):  # type: ignore[no-untyped-def]
-    """The scaled matrix on its symmetrised pattern, the stretch, the scaled right side and the units, those of LCP.residual."""
+    """The stretch, the scaled matrix on its symmetrised pattern, the scaled right side and the units, those of LCP.residual."""
     M, n, size = symmetrised(start, column, value), len(q), 0.0
     D, right, unit = np.zeros(n), np.empty(n), np.empty((2, n))
     for j in range(n):
@@ -93,7 +92,7 @@ def scaled_bare_lcp(start, column, value, q):  # type: ignore[no-untyped-def]
         _write_unit(unit, D, theta, j, 1.0 / size, 1.0 / size)
         right[j] = D[j] * q[j] / theta
         D[j] *= theta
-    return M, D, right, unit
+    return D, M, right, unit
 
 
 @kernel
@@ -113,7 +112,7 @@ def scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, ba
     write_scaled_lcp(
         first, neighbours, part, partner, q, *law, basis, scale, units, start, rows, column, row, stretch, right, unit
     )
-    return Matrix(start, rows[: start[n]], column[: start[n]], row[: start[n]]), stretch, right, unit
+    return stretch, Matrix(start, rows[: start[n]], column[: start[n]], row[: start[n]]), right, unit
 
 
 @lean
