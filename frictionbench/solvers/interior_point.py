@@ -28,7 +28,7 @@ Given impulses to start from, the predictor-corrector starts at the centred poin
 their residual, so that a good start saves most of the iterations, and a bad one does little harm.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
@@ -39,7 +39,6 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import contact_residuals, residual
-from frictionbench.problems.rows import Index64
 from frictionbench.problems.subproblems import Parts, separate
 from frictionbench.problems.subproblems import parts as parts_of
 from frictionbench.solvers.clock import is_over
@@ -75,8 +74,6 @@ SHARE = 250  # factorisations of one phase but long paths: few that arrive in th
 PATH, SHORT_PATH, LOADED_PATH = 3, 0.4, 2
 POLISHING = 60  # factorisations of Newton's methods near an answer; a pair that vanishes keeps a path at a residual of 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
-
-Method = Callable[[FrictionProblem, Index64], Answer]  # of a part and its contacts
 
 
 @solver(
@@ -114,7 +111,7 @@ class InteriorPoint(Phased):
         answer = run(prepared, phases, tol, most, PATIENCE, residual, polish if polishable else None)
         answer.work |= spent
         if answer.status is Status.STALLED and parts:
-            return solve_parts(problem, parts, answer, tol, lambda part, own: self._part(part, own, tol, limit, start))
+            return self._solve_parts(problem, parts, answer, tol, limit, start)
         return answer
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
@@ -122,8 +119,34 @@ class InteriorPoint(Phased):
         guess = impulses(start, (int(packed.contacts[-1]), packed.dimension))
         return first_phase_of(packed, tol, limit, guess, np.full(packed.size, start is not None))
 
-    def _part(self, part: FrictionProblem, contacts: Index64, tol: float, limit: int | None, start: Array | None) -> Answer:
-        return self.solve(self.setup(self.form(part)), tol, limit, None if start is None else start[contacts])
+    def _solve_parts(
+        self, problem: FrictionProblem, parts: Parts, whole: Answer, tol: float, limit: int | None, start: Array | None
+    ) -> Answer:
+        """An answer to the problem whose parts are solved one by one, unless the answer to the whole solves them; each has the
+        impulses with the smaller residual.
+
+        The status is that of the first part that is not solved. work: that of the whole and of all parts, added up;
+        history: that of the whole, then of the parts.
+        """
+        impulse, work, history = whole.impulse.copy(), dict(whole.work), whole.history
+        by_contact, unsolved = contact_residuals(problem, impulse), None
+        for contacts, part in parts:
+            had = by_contact[contacts].max()
+            if had <= tol:
+                continue
+            if is_over():
+                unsolved = unsolved or Status.WORK_LIMIT
+                break
+            own = None if start is None else start[contacts]
+            answer = self.solve(self.setup(self.form(part)), tol, limit, own)
+            for unit, count in answer.work.items():
+                work[unit] = work.get(unit, 0) + count
+            history += answer.history
+            if answer.status is not Status.SOLVED:
+                unsolved = unsolved or answer.status
+            if not had <= residual(part, answer.impulse):
+                impulse[contacts] = answer.impulse
+        return Answer(impulse, unsolved or Status.SOLVED, work, history)
 
     def _phases(
         self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int], parts: Parts
@@ -241,30 +264,3 @@ def _around(problem: FrictionProblem, system: System, impulse: Array, least: flo
     """The centred point around impulses (nc, d), as far from the boundary as they are from a solution, or by `least`."""
     distance = max(residual(problem, impulse), least)
     return centred_point(system, space_of(system), impulse, problem.contact_velocity(impulse), distance)
-
-
-def solve_parts(problem: FrictionProblem, parts: Parts, whole: Answer, tol: float, method: Method) -> Answer:
-    """An answer to the problem whose parts are solved by `method`, unless they are solved in the answer to the whole; each has
-    the impulses with the smaller residual.
-
-    The status is that of the first part that is not solved. work: that of the whole and of all parts, added up;
-    history: that of the whole, then of the parts.
-    """
-    impulse, work, history = whole.impulse.copy(), dict(whole.work), whole.history
-    by_contact, unsolved = contact_residuals(problem, impulse), None
-    for contacts, part in parts:
-        had = by_contact[contacts].max()
-        if had <= tol:
-            continue
-        if is_over():
-            unsolved = unsolved or Status.WORK_LIMIT
-            break
-        answer = method(part, contacts)
-        for unit, count in answer.work.items():
-            work[unit] = work.get(unit, 0) + count
-        history += answer.history
-        if answer.status is not Status.SOLVED:
-            unsolved = unsolved or answer.status
-        if not had <= residual(part, answer.impulse):
-            impulse[contacts] = answer.impulse
-    return Answer(impulse, unsolved or Status.SOLVED, work, history)

@@ -299,7 +299,10 @@ class Lemke:
     def solve(self, prepared: tuple[ScaledLCP, Array], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, cover = prepared
         M, q, unit = scaled.M, scaled.q, scaled.unit
-        guess = NONE if start is None else guess_basis(scaled.lcp, start)
+        guess, problem = NONE, scaled.problem
+        if start is not None and isinstance(problem, FrictionProblem):
+            one, law = np.array([0, problem.contacts]), (problem.friction, problem.friction_bias)
+            guess, _ = guess_bases(one, impulses(start, scaled.contacts), *law, tangent_basis(problem.dimension, self.facets))
         if is_past(deadline(2.0 * len(guess) ** 3)):  # its inverse would take too long; there may be time to begin from z = 0
             guess = NONE
         limits = MARGIN * tol, limit or 100_000 + 100 * len(q), self.restarts, deadline()
@@ -309,7 +312,10 @@ class Lemke:
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         basis = tangent_basis(packed.dimension, self.facets)
-        guess = (NONE, np.zeros(packed.size + 1, np.int64)) if start is None else guess_bases(packed, start, basis)
+        guess = NONE, np.zeros(packed.size + 1, np.int64)
+        if start is not None:
+            own = slice(packed.first[0, CONTACT], packed.first[-1, CONTACT])
+            guess = guess_bases(packed.contacts, start, packed.friction[own], packed.friction_bias[own], basis)
         r, ended, work = unsolved(packed, 3)
         limits = Limits(MARGIN * tol, limit or 0, self.restarts, np.inf)
         lcp, n = lcp_space(packed, basis), int(np.diff(packed.contacts).max(initial=0)) * (len(basis[0]) + 1)
@@ -337,30 +343,20 @@ def covering_vector(n: int, contacts: int) -> Array:
     return d
 
 
-def guess_basis(lcp: LCP, impulse: Array) -> Index64:
-    """The z that contact impulses (nc, d) suggest to be basic: see basic_by_contact."""
-    nc, _ = lcp.contacts
-    impulse = impulses(impulse, lcp.contacts)
-    if not nc:
-        return NONE
-    mu, least = np.asarray(lcp.M[-nc:, :nc].diagonal()), np.full(nc, NEGLIGIBLE * np.abs(impulse).max())
-    basic = basic_by_contact(impulse, mu, lcp.q[-nc:], lcp.basis, least)  # type: ignore[arg-type]
-    return np.flatnonzero(np.concatenate([basic[:, 0], basic[:, 1:-1].ravel(), basic[:, -1]]))
+def guess_bases(first: Index64, impulse: Array, mu: Array, wider: Array, basis: Array) -> tuple[Index64, Index64]:
+    """The z that contact impulses suggest to be basic (basic_by_contact), of N problems whose contacts begin at first (N+1,).
 
-
-def guess_bases(packed: Packed, impulse: Array, basis: Array) -> tuple[Index64, Index64]:
-    """The same for packed problems: the indices of all, problem by problem, and where those of each begin (N+1,)."""
-    nc, width = np.diff(packed.contacts), len(basis[0]) + 1
-    problem, size = np.repeat(np.arange(packed.size), nc), np.zeros(packed.size)
+    Their indices, problem by problem, and where those of each begin (N+1,).
+    """
+    count, nc, width = len(first) - 1, np.diff(first), len(basis[0]) + 1
+    problem, size = np.repeat(np.arange(count), nc), np.zeros(count)
     np.maximum.at(size, problem, np.abs(impulse).max(axis=1))
-    own = slice(packed.first[0, CONTACT], packed.first[-1, CONTACT])
-    law = packed.friction[own], packed.friction_bias[own]
-    contact, unknown = np.nonzero(basic_by_contact(impulse, *law, basis, NEGLIGIBLE * size[problem]))
+    contact, unknown = np.nonzero(basic_by_contact(impulse, mu, wider, basis, NEGLIGIBLE * size[problem]))
     problem = problem[contact]
-    i, n = contact - packed.contacts[problem], nc[problem]
+    i, n = contact - first[problem], nc[problem]
     index = np.where(unknown == 0, i, np.where(unknown < width - 1, n + i * (width - 2) + unknown - 1, n * (width - 1) + i))
     ordered = np.lexsort((index, problem))
-    return index[ordered], np.searchsorted(problem, np.arange(packed.size + 1))
+    return index[ordered], np.searchsorted(problem, np.arange(count + 1))
 
 
 def basic_by_contact(impulse: Array, mu: Array, wider: Array, basis: Array, least: Array) -> NDArray[np.bool_]:

@@ -79,11 +79,6 @@ def scaled_delassus(
     return ScaledDelassus(W, q, problem.friction, E, theta, share, problem.scale, (nc, d), places)
 
 
-def entries(problem: FrictionProblem, given: ScaledDelassus) -> Array:
-    """The entries (row, column, value) of W^ (k, 3), block by block."""
-    return _entries(*problem.blocks, given.E, given.rows)
-
-
 @kernel
 def _scaled_vector(s, mu, q, units, d, rows, size):  # type: ignore[no-untyped-def]
     """E, q^, theta and share."""
@@ -123,8 +118,8 @@ def _dense(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _entries(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
-    """See entries."""
+def entries(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
+    """The entries (row, column, value) of W^ (k, 3), block by block."""
     nc, m, d = len(E), len(rows), block.shape[1]
     found, at = np.empty((len(neighbours) * d * d + nc * (m - d), 3)), 0
     for i in range(nc):

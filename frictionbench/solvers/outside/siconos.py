@@ -121,7 +121,11 @@ class Siconos:
             if kind == "global":
                 message = global_form(problem, given)
             else:
-                message = {"dense": dense, "W": given.W if dense else entries(problem, given), "q": given.q}
+                message = {
+                    "dense": dense,
+                    "W": given.W if dense else entries(*problem.blocks, given.E, given.rows),
+                    "q": given.q,
+                }
             message["mu"] = problem.friction
         return Prepared(kind, given, message)
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.forms.lcp import contact_of
 from frictionbench.solvers.sparse_lu.minimum_degree import minimum_degree
 
 
@@ -23,13 +24,9 @@ def in_order(M, q, unit, nc):  # type: ignore[no-untyped-def]
 @part
 def _least_fill(start, rows, n, nc):  # type: ignore[no-untyped-def]
     groups = nc if nc else n
-    group = np.empty(n, np.int64)  # of the normal impulses, the tangential ones, lambda (problems.forms.lcp)
-    facets = n // nc - 2 if nc else 1
+    group, width, entries = np.empty(n, np.int64), np.full(groups, n // max(groups, 1)), start[groups]
     for i in range(n):
-        group[i] = i if i < groups else i - (n - nc) if i >= n - nc else (i - nc) // facets
-    width, entries = np.zeros(groups, np.int64), start[groups]
-    for i in range(n):
-        width[group[i]] += 1
+        group[i] = contact_of(i, n, nc) if nc else i
     # The elements: each group for itself, and pairs of neighbours. Normal rows hold all neighbours of a contact but rare ones.
     first, member = np.empty(groups + entries + 1, np.int64), np.empty(groups + 2 * entries, np.int64)
     seen, pairs = np.empty(groups, np.int64), 0
