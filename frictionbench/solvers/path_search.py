@@ -12,7 +12,7 @@ complement enters next (Ralph 1994). One Newton step consists of
 2. the path from the crash point, to t = 1 or to where it ends;
 3. the Newton point itself, from a fresh LU of the last basis, refined once;
 4. acceptance: the residual must fall. Otherwise, or after a path that ends early, the method restarts from z = 0 with another
-   perturbation. (On the problems of the suites it never has to.)
+   perturbation, alternately without and with a crash. (On the problems of the suites it never has to.)
 
 Differences from PATH, and their reasons:
 
@@ -85,6 +85,7 @@ SHIFT = 0.3  # size of the residual at a crash point, relative to the largest sc
 SPREAD = 0.1  # relative randomness of its entries: enough to resolve ties, without making one row the first to block
 DEPENDENT = 1e-9  # a column of a guessed basis keeping less of its size in elimination is left out
 DECREASE = 0.9  # required of a new residual, relative to the last one (Dirkse and Ferris 1995)
+RESTART_CRASH = 3  # crash steps of every second restart
 WELL = 1 / 16  # of a bound of rounding, what is left even where it goes well: less is not worth a further step
 
 CRASH, STEPS, RESTARTS = 2, 3, 4  # counted in work, after pivots and factorisations
@@ -251,7 +252,7 @@ def search(columns, basis, q, unit, noise, tol, limit, until, steps):  # type: i
         if end == LIMIT or work[RESTARTS] + 1 == len(noise):
             break
         work[RESTARTS] += 1
-        last, steps = 1.0, 0
+        last, steps = 1.0, 0 if work[RESTARTS] % 2 else RESTART_CRASH
         fill(z, 0.0)
         fill(A, False)
     return best, least, end, ray, work
