@@ -193,18 +193,14 @@ class Mechanics(ReadOnly):
     @cached_property
     def _measures(self) -> tuple[Array, Array, float, Array, float]:
         """(q, scale, velocity_scale, units and their spread), which one pass over the contacts computes together."""
-        free = self._on_joints(self.free_velocity)
-        q, scale, velocity_scale, units = delassus.measures(
-            *self.contact_rows, *self.inverse_rows, free, self.bias, self.friction_bias
-        )
-        unlike = 1.0
+        free, bodies = self._on_joints(self.free_velocity), (*self.contact_rows, *self.inverse_rows)
+        q, scale, velocity_scale, units, unlike = delassus.measures(*bodies, free, self.bias, self.friction_bias)
         if self._has_joints:
             diagonal, locked = self._joint_diagonal
             by_contact, none = q.reshape(diagonal.shape), np.zeros(diagonal.shape)
-            terms = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, self._moves, none, self.bias)
+            terms = delassus.velocity_size(*bodies, self._moves, none, self.bias)
             by_contact[locked & (np.abs(by_contact) <= delassus.LOCKED * terms)] = 0.0
             scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, self.dimension)
-        if self._has_joints or not len(units):
             units = self._units_at(q, scale)
             unlike = spread(units)
         check.set_read_only((q, units))

@@ -22,7 +22,7 @@ from frictionbench.problems.forms.delassus import (
     write_velocity,
     write_velocity_size,
 )
-from frictionbench.problems.forms.islands import delassus_units, mechanical_units, spread
+from frictionbench.problems.forms.islands import delassus_units, spread
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import largest_with_floor
 from frictionbench.problems.rows import Index32, Index64
@@ -183,25 +183,20 @@ def _measured(packed):  # type: ignore[no-untyped-def]
     count, d = len(packed.first) - 1, packed.J.shape[1]
     contacts = packed.first[count, CONTACT]
     q, scale, units, unlike = np.empty(contacts * d), np.empty(contacts), np.empty(contacts), np.empty(count)
-    none = np.zeros(1, np.int32)
     at = 0
     for k in range(count):
         begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
         b_f = packed.friction_bias[begin:end]
         if mechanical(packed, k):
             start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
-            own_q, own_scale, _, unit = measures(start, column, J, m_start, m_column, m_value, free, bias, b_f)
-            if len(unit) == 0:
-                unit = mechanical_units(
-                    start, column, J, m_start, m_column, m_value, none, none[:0], np.abs(free), bias, own_q, own_scale, b_f
-                )
+            own_q, own_scale, _, unit, unlike[k] = measures(start, column, J, m_start, m_column, m_value, free, bias, b_f)
         else:
             own_q = packed.q[at : at + (end - begin) * d].copy()
             at += len(own_q)
             first, neighbours, block = known_blocks(packed, k)
             own_scale = block_scale(first, neighbours, block)
             unit = delassus_units(first, neighbours, block, packed.q[at - len(own_q) : at], own_scale, b_f)
-        unlike[k] = spread(unit)
+            unlike[k] = spread(unit)
         for i in range(end - begin):
             scale[begin + i], units[begin + i] = own_scale[i], unit[i]
             for a in range(d):

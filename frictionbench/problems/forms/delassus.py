@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.compiled import kernel, lean
-from frictionbench.problems.forms.islands import length, one_island
+from frictionbench.problems.forms.islands import length, mechanical_units, spread
 from frictionbench.problems.rows import Array, Index32, nowhere
 
 # Of the terms that add up to a diagonal entry of W: below this the joints lock the direction. The rounding errors observed were
@@ -445,23 +445,17 @@ def pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, 
 @kernel
 def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f):  # type: ignore[no-untyped-def]
     """Without joints: the free contact velocities (nc*d,), the mean diagonal (nc,) of each contact's own block, max_i |q_i|,
-    and the units (nc,) where `one_island` finds that all are the same, otherwise none."""
+    the units (nc,) and their spread."""
     nc, d = len(bias), J.shape[1]
     q = contact_velocity(start, column, J, free, bias).reshape(nc * d)
-    if len(m_value) > len(free):  # M is not diagonal
-        return q, mean_diagonal(diagonal(start, column, J, m_start, m_column, m_value)), largest(q, d), np.empty(0)
-    own, share, rows = np.zeros((nc, d)), np.empty(len(column)), 0
-    for i in range(nc):
-        for k in range(start[i], start[i + 1]):
-            share[k] = 0.0
-            for a in range(d):
-                term = J[k, a] * J[k, a] * m_value[column[k]]
-                own[i, a] += term
-                share[k] += term
-        tangent = 0.0
-        for a in range(1, d):
-            tangent += own[i, a]
-        rows += own[i, 0] == 0 or tangent == 0
-    s = mean_diagonal(own)
-    unit = one_island(start, column, J, share, free, bias, q, s, b_f) if rows == 0 else 0.0
-    return q, s, largest(q, d), np.full(nc if unit > 0 else 0, unit)
+    own = np.zeros((nc, d))
+    if len(m_value) > len(free):
+        own = diagonal(start, column, J, m_start, m_column, m_value)
+    else:  # M is diagonal
+        for i in range(nc):
+            for k in range(start[i], start[i + 1]):
+                for a in range(d):
+                    own[i, a] += J[k, a] * J[k, a] * m_value[column[k]]
+    s, none = mean_diagonal(own), np.zeros(1, np.int32)
+    units = mechanical_units(start, column, J, m_start, m_column, m_value, none, none[:0], np.abs(free), bias, q, s, b_f)
+    return q, s, largest(q, d), units, spread(units)

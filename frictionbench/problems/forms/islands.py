@@ -30,9 +30,6 @@ the observer's velocity.
 
 Of given mechanics W is not formed: a contact acts on the velocities that it touches, |W_ij| <= sum_v |J_iv| |J_jv| / m_v, and
 bodies that the mass matrix or joints connect are one.
-
-Most problems are one island in which all contacts can bear. That is found first, without the graph and in squares of shares;
-where it is not found, the graph decides.
 """
 
 import numpy as np
@@ -44,7 +41,6 @@ FAR = 10.0  # the sum is less than the energy where contacts share bodies: by th
 CANCELLED = 1e-6  # so that the rounding floor of contacts at rest on moving bodies is some 1e-9
 LEVEL = 1e-12  # share of a contact's speed below which it is not known to open
 NOISE = 1e-14  # some fifty roundings
-PASSES = 6  # to and fro: two find the contacts of a pile that are numbered by layers
 
 
 @kernel
@@ -83,59 +79,7 @@ def delassus_units(first, neighbours, block, q, s, b_f):  # type: ignore[no-unty
                 for a in range(1, d):
                     tangent += block[k, a, a]
                 row[i] = block[k, 0, 0] <= 0 or tangent <= 0
-    source, needed, most = _source(q, s, b_f)
-    if needed > CANCELLED * most and not row.any() and _reaches_all_in_w(first, neighbours, block, s, source):
-        return np.full(nc, needed)
     return _units(*delassus_graph(first, neighbours, block, s), size, closes, row, q, s, b_f)
-
-
-@part
-def one_island(start, column, J, share, free, bias, q, s, b_f):  # type: ignore[no-untyped-def]
-    """The largest demand, where it is found that this is the unit of every contact, of given mechanics without joints;
-    otherwise 0.
-
-    share: |J_iv|^2 / m_v of a diagonal mass matrix, as J by contacts.
-    """
-    nc, nv = len(s), len(free)
-    source, needed, _ = _source(q, s, b_f)
-    if needed == 0:
-        return 0.0
-    lever, speed, offset, entries = 0.0, 0.0, 0.0, 0
-    for k in range(len(column)):
-        for a in range(J.shape[1]):
-            lever = max(lever, abs(J[k, a]))
-    for v in range(nv):
-        speed = max(speed, abs(free[v]))
-    for i in range(nc):
-        offset, entries = max(offset, abs(bias[i])), max(entries, start[i + 1] - start[i])
-    terms = offset + entries * J.shape[1] * lever * speed  # at least the size of those of any q_i
-    return needed if needed >= CANCELLED * terms and _reaches_all(start, column, share, nv, s, source) else 0.0
-
-
-@part
-def _source(q, s, b_f):  # type: ignore[no-untyped-def]
-    """The contact with the largest |q_i|, the largest demand and |q_i|, if all contacts can bear where they are one island;
-    otherwise demand and speed are 0."""
-    nc = len(s)
-    if nc == 0:
-        return 0, 0.0, 0.0
-    d = len(q) // nc
-    energy, opening, fastest, source, needed = 0.0, 0.0, 0.0, 0, 0.0
-    for i in range(nc):
-        normal, light, square = q[i * d], 1 / s[i], 0.0
-        for a in range(d):
-            square += q[i * d + a] * q[i * d + a]
-        if normal <= 0 or normal * normal <= LEVEL * LEVEL * square:
-            energy += square * light
-        else:
-            opening = max(opening, normal * normal * light)
-        if square > fastest:
-            source, fastest = i, square
-        needed = max(needed, demand(q, i, d, s[i], b_f[i]))
-    regular = 1e-280 < fastest < 1e280 and 1e-290 < energy < 1e290  # squares neither overflow nor vanish
-    if not regular or opening > FAR * FAR * energy:
-        return source, 0.0, 0.0
-    return source, needed, np.sqrt(fastest)
 
 
 @part
@@ -143,63 +87,6 @@ def demand(q, i, d, s, b_f):  # type: ignore[no-untyped-def]
     """c_i: what impulses have to change at least of contact i's velocity."""
     needed = max(-q[i * d], 0.0)
     return max(needed, min(length(q[i * d + 1 : i * d + d], 0, d - 1), s * b_f)) if b_f > 0 else needed
-
-
-@part
-def _reaches_all(start, column, share, nv, s, source):  # type: ignore[no-untyped-def]
-    """Whether contact source's velocity reaches all others, as far as PASSES over the contacts find, to and fro."""
-    nc, known = len(s), 0
-    felt, reached = np.zeros(nv), np.zeros(nc, np.bool_)
-    for turn in range(PASSES):
-        for at in range(nc + 1):
-            i = source if at == 0 else at - 1 if turn % 2 == 0 else nc - at
-            coupled = at == 0
-            if reached[i]:
-                continue
-            for k in range(start[i], start[i + 1]):
-                if coupled:
-                    break
-                coupled = share[k] * felt[column[k]] > COUPLED * COUPLED
-            if coupled:
-                reached[i] = True
-                known += 1
-                for k in range(start[i], start[i + 1]):
-                    felt[column[k]] = max(felt[column[k]], share[k] / s[i] / s[i])
-        if known == nc:
-            return True
-    return False
-
-
-@part
-def _reaches_all_in_w(first, neighbours, block, s, source):  # type: ignore[no-untyped-def]
-    """The same where only W is known."""
-    nc, d = len(s), block.shape[1]
-    reached, stack, height, known = np.zeros(nc, np.bool_), np.empty(nc, np.int64), 1, 1
-    reached[source], stack[0] = True, source
-    while height:
-        height -= 1
-        j = stack[height]
-        for k in range(first[j], first[j + 1]):
-            i = neighbours[k]
-            if reached[i]:
-                continue
-            square = 0.0
-            for a in range(d):
-                square += _square(block[k], a, d)
-            if square / s[j] / s[j] > COUPLED * COUPLED:
-                reached[i], stack[height] = True, i
-                height += 1
-                known += 1
-    return known == nc
-
-
-@part
-def _square(rows, k, d):  # type: ignore[no-untyped-def]
-    """|rows[k]|^2."""
-    square = 0.0
-    for a in range(d):
-        square += rows[k, a] * rows[k, a]
-    return square
 
 
 @kernel
