@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.display import html_table
 
 LONGEST = 500  # characters of a solver's own message: a few lines of a table's reason
 
@@ -64,18 +63,8 @@ class Answer:
 
     def __repr__(self) -> str:
         status = getattr(self.status, "name", repr(self.status)) + (f" by {self.solver}" if self.solver else "")
-        return f"Answer({', '.join([status, *self._arrays(), *self._counts()])})"
-
-    def _repr_html_(self) -> str:
-        status = f"{self.status.name}: {self.status.value}"
-        rows: dict[str, object] = {"status": status, "solver": self.solver, "arrays": ", ".join(self._arrays())}
-        return html_table("Answer", rows | {"work": ", ".join(self._counts()), "detail": self.detail})
-
-    def _arrays(self) -> list[str]:
-        return [f"{name} {np.shape(array)}" for name in ("impulse", "z") if (array := getattr(self, name)) is not None]
-
-    def _counts(self) -> list[str]:
-        return [f"{unit} {count}" for unit, count in self.work.items()]
+        arrays = [f"{name} {np.shape(array)}" for name in ("impulse", "z") if (array := getattr(self, name)) is not None]
+        return f"Answer({', '.join([status, *arrays, *(f'{unit} {count}' for unit, count in self.work.items())])})"
 
 
 class AnswerError(ValueError):

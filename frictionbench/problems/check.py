@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from frictionbench.problems.compiled import kernel
-from frictionbench.problems.rows import Rows, copied, from_dense, from_matrix
+from frictionbench.problems.rows import Rows, from_matrix
 
 Array = NDArray[np.float64]
 REAL = "fiu"  # numpy's kinds of real numbers: floats, integers with and without sign
@@ -63,8 +62,7 @@ def vector(field: str, value: Any, length: int | None = None) -> Array:
     array = floats(field, value)
     require(array.ndim == 1, field, f"expected a vector, got shape {array.shape}")
     require(length is None or len(array) == length, field, f"expected length {length}, got {len(array)}")
-    if not is_finite(array):
-        _require_finite(field, array)
+    require_finite(field, array)
     array.setflags(write=False)
     return array
 
@@ -82,29 +80,20 @@ def entries(field: str, array: Array, expected: int) -> Array:
 
 def not_negative(field: str, value: Array) -> None:
     """Raise InputError for `field` where an entry of the checked vector is below zero."""
-    require(not _any_negative(value), field, "must not be negative")
+    require(not (value < 0).any(), field, "must not be negative")
 
 
 def rows(field: str, value: Any, shape: tuple[int | None, int]) -> Rows:
-    """A checked copy of a matrix by rows (problems.rows), accepted in any form that `matrix` accepts.
+    """A checked matrix by rows (problems.rows), accepted in any form that `matrix` accepts.
 
+    Of Rows, which this package makes canonical, only the number and the entries are checked.
     Errors: InputError naming the field.
     """
-    if isinstance(value, Rows):
-        good, *parts = copied(*value, shape[1]) if len(value.start) else (False,)
-        if good and shape[0] in (None, len(value.start) - 1):
-            return Rows(*parts)
-        raise InputError(f"{field}: expected {_show(shape)} with finite entries by rows, columns ascending and without zeros")
-    if sparse.issparse(value) and value.format == "csr" and value.dtype == np.float64 and value.indptr.dtype == np.int32:
-        if shape in (value.shape, (None, *value.shape[1:])) and len(value.indptr) == value.shape[0] + 1:
-            good, *parts = copied(value.indptr, value.indices, value.data, shape[1])
-            if good:
-                return Rows(*parts)
-    elif not sparse.issparse(value):
-        dense = floats(field, value)
-        if shape in (dense.shape, (None, *dense.shape[1:])) and is_finite(dense.ravel()):
-            return from_dense(dense)
-    return from_matrix(matrix(field, value, shape))
+    if not isinstance(value, Rows):
+        return from_matrix(matrix(field, value, shape))
+    require(shape[0] in (None, len(value.start) - 1), field, f"expected {_show(shape)}, got {len(value.start) - 1} rows")
+    require_finite(field, value.value)
+    return value
 
 
 def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> sparse.csr_array:
@@ -118,8 +107,7 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
     result = sparse.csr_array(value, dtype=np.float64, copy=True)
     for axis, expected in enumerate(shape):
         require(expected is None or result.shape[axis] == expected, field, f"expected shape {_show(shape)}, got {result.shape}")
-    if not np.isfinite(result.data).all():
-        _require_finite(field, result.data, result.tocoo().coords)
+    require_finite(field, result.data, result)
     result.sum_duplicates()
     result.eliminate_zeros()
     for part in (result.data, result.indices, result.indptr):
@@ -176,28 +164,11 @@ def _real(field: str, value: Any) -> Array:
     return np.asarray(array, dtype=np.float64)
 
 
-@kernel
-def is_finite(array):  # type: ignore[no-untyped-def]
-    """Whether all entries of a vector are finite."""
-    for entry in array:  # noqa: SIM110  # a compiled loop
-        if not abs(entry) < np.inf:
-            return False
-    return True
-
-
-@kernel
-def _any_negative(array):  # type: ignore[no-untyped-def]
-    for entry in array:  # noqa: SIM110  # a compiled loop
-        if entry < 0:
-            return True
-    return False
-
-
-def _require_finite(field: str, values: Array, places: tuple[Any, ...] = ()) -> None:
-    """Errors: InputError naming the field and its first entry that is not finite. places: the indices of a matrix's values."""
+def require_finite(field: str, values: Array, of: sparse.csr_array | None = None) -> None:
+    """Errors: InputError naming the field and its first entry that is not finite. of: the matrix whose values these are."""
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
-        place = f"({', '.join(str(axis[bad[0]]) for axis in places)})" if places else str(bad[0])
+        place = bad[0] if of is None else tuple(int(axis[bad[0]]) for axis in of.tocoo().coords)
         raise InputError(f"{field}: entry {place} is {values[bad[0]]}; all must be finite")
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from frictionbench.problems import check, sizes
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.display import count, extent, html_table
+from frictionbench.problems.display import count
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.balance import delassus_factors
 from frictionbench.problems.forms.definite import DIGITS, require_semidefinite
@@ -112,7 +112,7 @@ class FrictionProblem(Mechanics):
             free_velocity=v,
             bias=check.vector("bias", bias, nc),
             joint_bias=check.vector("joint_bias", np.zeros(nj) if joint_bias is None else joint_bias, nj),
-            contact_rows=ByContact(*by_contact(*normal_rows, *tangent_rows, dimension)),
+            contact_rows=by_contact(normal_rows, tangent_rows, dimension),
             joint_rows=joint_rows,
             mass_rows=mass_rows,
             inverse_rows=inverse_mass(mass_rows),
@@ -207,10 +207,6 @@ class FrictionProblem(Mechanics):
     def __repr__(self) -> str:
         return f"FrictionProblem({self.summary})"
 
-    def _repr_html_(self) -> str:
-        rows = {"size": self.summary, "friction": extent(self.friction), "free speeds up to": self.velocity_scale}
-        return html_table("FrictionProblem", rows | {"hash": self.hash})
-
 
 class GivenDelassus(FrictionProblem):
     """A problem of which only W (nc*d, nc*d) and q (nc*d,) are known, rows per contact, normal first.
@@ -273,10 +269,10 @@ class GivenDelassus(FrictionProblem):
         return same, factor
 
     def contact_velocity(self, impulse: Array) -> Array:
-        return delassus.act(*self.blocks, self._by_contact(impulse), self.offset)
+        return delassus.act(*self.blocks, self._by_contact(impulse), self.offset, False)
 
     def velocity_size(self, impulse: Array) -> Array:
-        return delassus.act_size(*self.blocks, self._by_contact(impulse), self.offset)
+        return delassus.act(*self.blocks, self._by_contact(impulse), self.offset, True)
 
     @cached_property
     def bias(self) -> Array:  # type: ignore[override]
@@ -309,9 +305,9 @@ class GivenDelassus(FrictionProblem):
         value, basis = np.linalg.eigh((self.W + self.W.T).toarray() / 2)
         floor = np.finfo(float).eps * len(value) * abs(value).max(initial=0.0)
         root = (basis * np.sqrt(np.where(value > floor, value, 0.0))).reshape(-1, self.dimension, len(value))
-        normal, tangent = root[:, :1].reshape(-1, len(value)), root[:, 1:].reshape(-1, len(value))
-        rows = *check.rows("W", normal, normal.shape), *check.rows("W", tangent, tangent.shape)
-        return ByContact(*by_contact(*rows, self.dimension))
+        touched = np.asarray(root.any(axis=1))
+        start = np.append(0, touched.sum(axis=1).cumsum()).astype(np.int32)
+        return ByContact(start, np.nonzero(touched)[1].astype(np.int32), root.transpose(0, 2, 1)[touched])
 
 
 def _is_dimension(value: object) -> bool:

@@ -17,10 +17,8 @@ from frictionbench.problems.forms.delassus import (
     delassus,
     measures,
     write_act,
-    write_act_size,
     write_contact_velocity,
     write_velocity,
-    write_velocity_size,
 )
 from frictionbench.problems.forms.islands import delassus_units, spread
 from frictionbench.problems.friction import FrictionProblem
@@ -223,12 +221,14 @@ def _residuals(packed, impulse, by_velocity, by_contact, found):  # type: ignore
         if mechanical(packed, k):
             start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
             momentum, pushed = by_velocity[0], by_velocity[1]
-            write_velocity(start, column, J, m_start, m_column, m_value, free, r, momentum, pushed)
-            write_contact_velocity(start, column, J, pushed, bias, u)
-            write_velocity_size(start, column, J, m_start, m_column, m_value, free, r, bias, by_velocity, terms)
+            given = start, column, J, m_start, m_column, m_value, free, r
+            write_velocity(*given, False, momentum, pushed)
+            write_contact_velocity(start, column, J, pushed, bias, False, u)
+            write_velocity(*given, True, momentum, pushed)
+            write_contact_velocity(start, column, J, pushed, bias, True, terms)
         else:
             first, neighbours, block = known_blocks(packed, k)
             q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(r), r.shape[1])
-            write_act(first, neighbours, block, r, q, u)
-            write_act_size(first, neighbours, block, r, q, terms)
+            write_act(first, neighbours, block, r, q, False, u)
+            write_act(first, neighbours, block, r, q, True, terms)
         found[k, 0], found[k, 1] = largest_with_floor(r, u, terms, scale, mu, wider, units)

@@ -29,7 +29,7 @@ import numpy as np
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel, lean_kernel
-from frictionbench.problems.forms.cone import nearest
+from frictionbench.problems.forms.cone import nearest, project_cone
 from frictionbench.problems.forms.delassus import pushed_contact_velocity, velocity_size
 from frictionbench.problems.forms.islands import length
 from frictionbench.problems.forms.lcp import LCP, by_unknown
@@ -156,19 +156,6 @@ def contact_floors(problem: FrictionProblem, impulse: Array, shift: float = 1.0)
     return _floors(impulse, u, terms, problem.scale, *law, _units(problem, shift), shift)
 
 
-def energy_within(problem: FrictionProblem, impulse: Array, bound: float) -> float:
-    """The largest energy defect, J, of impulses (nc, d) whose residual is within bound.
-
-    It is bound sum_i unit_i (|r_i| + |g(u_i)|/s_i), because with p = P_K(r - g/s) and h = g + s (p - r), p.h = 0, the energy
-    defect r.g (problems.simulate.ledger_defect) is s p.(r - p) + (r - p).h + s |r - p|^2.
-    """
-    u = problem.contact_velocity(impulse)
-    with np.errstate(over="ignore", invalid="ignore"):
-        u[:, 0] += problem.friction * np.linalg.norm(u[:, 1:], axis=1)
-        sizes = np.linalg.norm(impulse, axis=1) + np.linalg.norm(u, axis=1) / problem.scale
-        return float(bound * (problem.units * sizes).sum())
-
-
 @kernel
 def _residuals(r, u, s, mu, b, units, shift):  # type: ignore[no-untyped-def]
     """(nc,): the residual of each contact."""
@@ -242,15 +229,6 @@ def _contact_floor(r, u, terms, s, mu, b, unit, shift):  # type: ignore[no-untyp
     return relative_defect(2 * EPSILON * impulse + moved, unit)
 
 
-@kernel
-def _defects(r: Array, u: Array, mu: Array, b: Array) -> Array:
-    """|r_i - P_K(r_i - g(u_i))| (nc,), contact by contact."""
-    defects = np.empty(len(r))
-    for i in range(len(r)):
-        defects[i] = contact_defect(r[i], u[i], 1.0, 1.0, mu[i], b[i], 1.0)
-    return defects
-
-
 @inlined
 def contact_defect(r, u, s, v, mu, b, shift):  # type: ignore[no-untyped-def]
     """|s r - P_K(s r - v (u + shift mu |u_t| e_n))| of one contact, r and u (d,), with K that of the impulses s r."""
@@ -274,8 +252,9 @@ def fclib_error(problem: FrictionProblem, impulse: Array) -> float:
         return 0.0
     if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
         return np.inf
-    u = problem.contact_velocity(impulse)
-    error = float(np.linalg.norm(_defects(impulse, u, problem.friction, problem.friction_bias)))
+    g = problem.contact_velocity(impulse)
+    g[:, 0] += problem.friction * np.linalg.norm(g[:, 1:], axis=1)
+    error = float(np.linalg.norm(impulse - project_cone(impulse - g, problem.friction, problem.friction_bias)))
     size = float(np.linalg.norm(problem.q))
     if not np.isfinite(error):
         return np.inf

@@ -50,28 +50,18 @@ class ByContact(NamedTuple):
 
 def from_dense(dense: Array) -> Rows:
     """A dense matrix by rows."""
-    return Rows(*_from_dense(np.ascontiguousarray(dense)))
+    row, column = np.nonzero(dense)
+    return Rows(_starts(row, len(dense)), column.astype(np.int32), dense[row, column])
+
+
+def _starts(row: Index64, rows: int) -> Index32:
+    """Where each row begins (rows+1,) among entries whose rows ascend."""
+    return np.searchsorted(row, np.arange(rows + 1)).astype(np.int32)
 
 
 def from_matrix(matrix: sparse.csr_array) -> Rows:
     """A canonical scipy matrix by rows; a copy."""
     return Rows(np.array(matrix.indptr, np.int32), np.array(matrix.indices, np.int32), np.array(matrix.data))
-
-
-@kernel
-def _from_dense(dense):  # type: ignore[no-untyped-def]
-    entries = 0
-    for entry in dense.flat:
-        entries += entry != 0
-    start = np.zeros(len(dense) + 1, np.int32)
-    column, value, at = np.empty(entries, np.int32), np.empty(entries), 0
-    for i in range(len(dense)):
-        for j in range(dense.shape[1]):
-            if dense[i, j] != 0:
-                column[at], value[at] = j, dense[i, j]
-                at += 1
-        start[i + 1] = at
-    return start, column, value
 
 
 @part
@@ -83,53 +73,17 @@ def nowhere(n):  # type: ignore[no-untyped-def]
     return index
 
 
-@kernel
-def copied(start, column, value, columns):  # type: ignore[no-untyped-def]
-    """(valid, copies of the three): valid where they are a canonical matrix with so many columns and finite entries."""
-    good = start[0] == 0 and start[-1] <= len(column) and start[-1] <= len(value)
-    own_start, own_column, own_value = np.empty(len(start), np.int32), np.empty(len(column), np.int32), np.empty(len(value))
-    own_start[0] = 0
-    for i in range(len(start) - 1):
-        own_start[i + 1] = start[i + 1]
-        last = -1
-        if not good or start[i + 1] < start[i] or start[i + 1] > start[-1]:
-            return False, own_start, own_column, own_value
-        for k in range(start[i], start[i + 1]):
-            own_column[k], own_value[k] = column[k], value[k]
-            good = good and last < column[k] < columns and value[k] != 0 and abs(value[k]) < np.inf
-            last = column[k]
-    return good and start[-1] == len(column) and start[-1] == len(value), own_start, own_column, own_value
-
-
-@kernel
-def by_contact(n_start, n_column, n_value, t_start, t_column, t_value, d):  # type: ignore[no-untyped-def]
-    """A contact's normal row and its d-1 tangent rows over the union of their columns, ascending."""
-    nc = len(n_start) - 1
-    start, at = np.zeros(nc + 1, np.int32), 0
-    column = np.empty(len(n_column) + len(t_column), np.int32)
-    value = np.zeros((len(column), d))
-    here, end = np.empty(d, np.int64), np.empty(d, np.int64)
-    for i in range(nc):
-        here[0], end[0] = n_start[i], n_start[i + 1]
-        for a in range(1, d):
-            here[a], end[a] = t_start[i * (d - 1) + a - 1], t_start[i * (d - 1) + a]
-        while True:
-            least = -1
-            for a in range(d):
-                if here[a] < end[a]:
-                    j = t_column[here[a]] if a else n_column[here[a]]
-                    if least < 0 or j < least:
-                        least = j
-            if least < 0:
-                break
-            column[at] = least
-            for a in range(d):
-                if here[a] < end[a] and (t_column[here[a]] if a else n_column[here[a]]) == least:
-                    value[at, a] = t_value[here[a]] if a else n_value[here[a]]
-                    here[a] += 1
-            at += 1
-        start[i + 1] = at
-    return start, column[:at], value[:at]
+def by_contact(normal: Rows, tangent: Rows, d: int) -> ByContact:
+    """Each contact's normal row and its d-1 tangent rows over the union of their columns."""
+    nc = len(normal.start) - 1
+    row = [np.repeat(np.arange(len(rows.start) - 1), np.diff(rows.start)) for rows in (normal, tangent)]
+    contact, axis = np.append(row[0], row[1] // (d - 1)), np.append(0 * row[0], 1 + row[1] % (d - 1))
+    column = np.append(normal.column, tangent.column)
+    width = int(column.max(initial=0)) + 1
+    place, entry = np.unique(contact * width + column, return_inverse=True)
+    value = np.zeros((len(place), d))
+    value[entry, axis] = np.append(normal.value, tangent.value)
+    return ByContact(_starts(place // width, nc), (place % width).astype(np.int32), value)
 
 
 @kernel

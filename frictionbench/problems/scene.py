@@ -20,7 +20,7 @@ from scipy import sparse
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.display import count, html_table
+from frictionbench.problems.display import count
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.planar.bodies import Body, Geometry, Shape
 from frictionbench.problems.planar.collision import Contacts, find_contacts
@@ -242,10 +242,6 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"Scene({self.name}: {', '.join(self._summary())})" if self.name else f"Scene({', '.join(self._summary())})"
-
-    def _repr_html_(self) -> str:
-        rows = {"size": ", ".join(self._summary()), "restitution": self.restitution, **self.parameters}
-        return html_table(f"Scene {self.name}".rstrip(), rows)
 
     def _summary(self) -> list[str]:
         hinges = [count(len(self.hinges), "hinge")] if self.hinges else []

@@ -9,7 +9,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.rows import Index64
+from frictionbench.problems.rows import Index64, from_matrix
 
 
 def keep_contacts(problem: FrictionProblem, contacts: list[int]) -> FrictionProblem:
@@ -101,14 +101,14 @@ def _separate_mechanics(problem: FrictionProblem, part: Index64, count: int) -> 
             (
                 own,
                 FrictionProblem(
-                    mass=M[bodies, bodies],
-                    normal=N[c[k] : c[k + 1], bodies],
-                    tangent=T[c[k] * (d - 1) : c[k + 1] * (d - 1), bodies],
+                    mass=from_matrix(M[bodies, bodies]),
+                    normal=from_matrix(N[c[k] : c[k + 1], bodies]),
+                    tangent=from_matrix(T[c[k] * (d - 1) : c[k + 1] * (d - 1), bodies]),
                     friction=problem.friction[own],
                     free_velocity=problem.free_velocity[velocity[bodies]],
                     bias=problem.bias[own],
                     friction_bias=problem.friction_bias[own],
-                    joints=F[joints, bodies],
+                    joints=from_matrix(F[joints, bodies]),
                     joint_bias=problem.joint_bias[joint[joints]],
                     dimension=d,
                 ),

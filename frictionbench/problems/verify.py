@@ -38,7 +38,6 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import (
     contact_floors,
     contact_residuals,
-    energy_within,
     fclib_error,
     largest,
     polygon_residuals,
@@ -49,7 +48,6 @@ from frictionbench.problems.verdicts import ACCEPTED, Verdict
 NEAR = 10.0  # times the tolerance: a residual below may be due to another norm in the solver's own stopping test
 LEAST_GAIN = 0.01  # of the residual of no impulses: a tolerance above it hardly tells an answer from none
 SOFTEST = 1e-6  # of s: softness allowed at any tolerance, because regularised methods cannot solve with rigid contacts
-FAR = 10.0  # times the energy defect that the tolerance allows: above it the row has a remark
 
 
 @dataclass(frozen=True)
@@ -111,9 +109,6 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
         "" if accepted and quiet else answer.detail,
         answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else "",
     ]
-    allowed = energy_within(problem, impulse, max(exact, tol))
-    if abs(defect) > FAR * allowed:
-        reasons.append(f"energy defect of {abs(defect):.2g} J, more than the {allowed:.2g} J that such a residual explains")
     return Finding(verdict, "; ".join(filter(None, reasons)), exact, of_model, floor, fclib_error(problem, impulse), defect)
 
 

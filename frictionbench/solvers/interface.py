@@ -426,5 +426,5 @@ def impulses(start: Any, shape: tuple[int, ...]) -> Array:
     guess = check.floats("start", start)
     if guess.shape != shape:
         raise InputError(f"start: expected impulses of shape {shape}, got {guess.shape}")
-    require(check.is_finite(guess.ravel()), "start", "must be finite")
+    require(bool(np.isfinite(guess).all()), "start", "must be finite")
     return guess

@@ -98,7 +98,6 @@ def test_large_impulses_are_unjudgeable():
     assert finding.floor > 1
     assert finding.verdict == "unjudgeable"
     assert "rounding alone" in finding.reason
-    assert "energy defect of" in finding.reason
     assert abs(finding.energy_defect) > 1e15
     assert verify(problem, claim(garbage, Status.STALLED), LEMKE, 1e-8).verdict == "unsolved"
 

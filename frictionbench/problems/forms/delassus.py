@@ -43,81 +43,60 @@ def blocks(W: sparse.csr_array, d: int) -> Blocks:
 def velocity(start, column, J, m_start, m_column, m_value, free, impulse):  # type: ignore[no-untyped-def]
     """free + M^-1 J' impulse (nv,), for impulse (nc, d)."""
     pushed = np.empty(len(free))
-    write_velocity(start, column, J, m_start, m_column, m_value, free, impulse, np.empty(len(free)), pushed)
+    write_velocity(start, column, J, m_start, m_column, m_value, free, impulse, False, np.empty(len(free)), pushed)
     return pushed
 
 
 @lean
 def write_velocity(  # type: ignore[no-untyped-def]
-    start, column, J, m_start, m_column, m_value, free, impulse, momentum, pushed
+    start, column, J, m_start, m_column, m_value, free, impulse, size, momentum, pushed
 ):
-    """The same over pushed (nv,); momentum (nv,) is workspace."""
+    """The same over pushed (nv,); momentum (nv,) is workspace. size: of the terms, all in absolute values."""
     for v in range(len(free)):
         momentum[v] = 0.0
     for i in range(len(impulse)):
         for a in range(impulse.shape[1]):
             for k in range(start[i], start[i + 1]):
-                momentum[column[k]] += J[k, a] * impulse[i, a]
+                momentum[column[k]] += _term(J[k, a] * impulse[i, a], size)
     for v in range(len(free)):
-        pushed[v] = free[v]
+        pushed[v] = _term(free[v], size)
         for m in range(m_start[v], m_start[v + 1]):
-            pushed[v] += m_value[m] * momentum[m_column[m]]
+            pushed[v] += _term(m_value[m] * momentum[m_column[m]], size)
+
+
+@lean
+def _term(value, size):  # type: ignore[no-untyped-def]
+    return abs(value) if size else value
 
 
 @kernel
 def contact_velocity(start, column, J, v, bias):  # type: ignore[no-untyped-def]
     """J v + bias e_n (nc, d)."""
     u = np.empty((len(start) - 1, J.shape[1]))
-    write_contact_velocity(start, column, J, v, bias, u)
+    write_contact_velocity(start, column, J, v, bias, False, u)
     return u
 
 
 @lean
-def write_contact_velocity(start, column, J, v, bias, u):  # type: ignore[no-untyped-def]
-    """The same over u (nc, d)."""
+def write_contact_velocity(start, column, J, v, bias, size, u):  # type: ignore[no-untyped-def]
+    """The same over u (nc, d). size: as of write_velocity."""
     nc, d = u.shape
     for i in range(nc):
         for a in range(d):
             u[i, a] = 0.0
         for k in range(start[i], start[i + 1]):
             for a in range(d):
-                u[i, a] += J[k, a] * v[column[k]]
-        u[i, 0] += bias[i]
+                u[i, a] += _term(J[k, a] * v[column[k]], size)
+        u[i, 0] += _term(bias[i], size)
 
 
 @kernel
 def velocity_size(start, column, J, m_start, m_column, m_value, free, impulse, bias):  # type: ignore[no-untyped-def]
     """|J| (|free| + |M^-1| |J'| |impulse|) + |bias| e_n (nc, d): the terms of pushed_contact_velocity in absolute values."""
-    u = np.empty(impulse.shape)
-    workspace = np.empty((2, len(free)))
-    write_velocity_size(start, column, J, m_start, m_column, m_value, free, impulse, bias, workspace, u)
+    u, pushed = np.empty(impulse.shape), np.empty(len(free))
+    write_velocity(start, column, J, m_start, m_column, m_value, free, impulse, True, np.empty(len(free)), pushed)
+    write_contact_velocity(start, column, J, pushed, bias, True, u)
     return u
-
-
-@lean
-def write_velocity_size(  # type: ignore[no-untyped-def]
-    start, column, J, m_start, m_column, m_value, free, impulse, bias, workspace, u
-):
-    """The same over u (nc, d). workspace: (2, nv) or more."""
-    nc, d = u.shape
-    momentum, pushed = workspace[0], workspace[1]
-    for v in range(len(free)):
-        momentum[v] = 0.0
-    for i in range(nc):
-        for a in range(d):
-            for k in range(start[i], start[i + 1]):
-                momentum[column[k]] += abs(J[k, a]) * abs(impulse[i, a])
-    for v in range(len(free)):
-        pushed[v] = abs(free[v])
-        for m in range(m_start[v], m_start[v + 1]):
-            pushed[v] += abs(m_value[m]) * momentum[m_column[m]]
-    for i in range(nc):
-        for a in range(d):
-            u[i, a] = 0.0
-        u[i, 0] = abs(bias[i])
-        for k in range(start[i], start[i + 1]):
-            for a in range(d):
-                u[i, a] += abs(J[k, a]) * pushed[column[k]]
 
 
 @kernel
@@ -355,43 +334,23 @@ def _insert(neighbours, place, j, begin, end):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def act(first, neighbours, block, r, q):  # type: ignore[no-untyped-def]
-    """W r + q (nc, d)."""
+def act(first, neighbours, block, r, q, size):  # type: ignore[no-untyped-def]
+    """W r + q (nc, d); with size |W| |r| + |q|, its terms in absolute values."""
     u = np.empty(r.shape)
-    write_act(first, neighbours, block, r, q, u)
+    write_act(first, neighbours, block, r, q, size, u)
     return u
 
 
 @lean
-def write_act(first, neighbours, block, r, q, u):  # type: ignore[no-untyped-def]
+def write_act(first, neighbours, block, r, q, size, u):  # type: ignore[no-untyped-def]
     """The same over u (nc, d)."""
     for i in range(len(u)):
         for a in range(u.shape[1]):
             u[i, a] = 0.0
             for k in range(first[i], first[i + 1]):
                 for b in range(u.shape[1]):
-                    u[i, a] += block[k, a, b] * r[neighbours[k], b]
-            u[i, a] += q[i, a]
-
-
-@kernel
-def act_size(first, neighbours, block, r, q):  # type: ignore[no-untyped-def]
-    """|W| |r| + |q| (nc, d): the terms of act in absolute values."""
-    size = np.empty(r.shape)
-    write_act_size(first, neighbours, block, r, q, size)
-    return size
-
-
-@lean
-def write_act_size(first, neighbours, block, r, q, size):  # type: ignore[no-untyped-def]
-    """The same over size (nc, d)."""
-    for i in range(len(size)):
-        for a in range(size.shape[1]):
-            size[i, a] = 0.0
-            for k in range(first[i], first[i + 1]):
-                for b in range(size.shape[1]):
-                    size[i, a] += abs(block[k, a, b]) * abs(r[neighbours[k], b])
-            size[i, a] += abs(q[i, a])
+                    u[i, a] += _term(block[k, a, b] * r[neighbours[k], b], size)
+            u[i, a] += _term(q[i, a], size)
 
 
 @kernel

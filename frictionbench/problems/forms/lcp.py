@@ -24,7 +24,7 @@ from scipy import sparse
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, ReadOnly
 from frictionbench.problems.compiled import kernel, lean
-from frictionbench.problems.display import count, html_table
+from frictionbench.problems.display import count
 from frictionbench.problems.forms.delassus import LOCKED
 from frictionbench.problems.rows import Index32, Rows
 
@@ -116,9 +116,6 @@ class LCP(ReadOnly):
 
     def __repr__(self) -> str:
         return f"LCP({count(self.size, 'unknown')})"
-
-    def _repr_html_(self) -> str:
-        return html_table("LCP", {"unknowns": self.size, "nonzeros of M": len(self.rows.value), "hash": self.hash})
 
 
 @cache

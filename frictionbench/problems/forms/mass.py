@@ -10,10 +10,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse.csgraph import connected_components
 
 from frictionbench.problems.check import require
-from frictionbench.problems.compiled import kernel
 from frictionbench.problems.rows import Array, Index64, Rows, from_matrix
-
-DENSE = 300  # velocities up to which one block, as of a robot, is inverted without scipy's sparse matrices
 
 
 def inverse_mass(mass: Rows) -> Rows:
@@ -21,36 +18,19 @@ def inverse_mass(mass: Rows) -> Rows:
 
     Errors: InputError naming `mass` where it is not symmetric to round-off or not positive definite.
     """
-    n = len(mass.start) - 1
-    inverse, diagonal = _reciprocal(*mass)
-    if diagonal:
-        return Rows(mass.start, mass.column, inverse)
+    n, value = len(mass.start) - 1, mass.value
+    alone = np.array_equal(mass.start, np.arange(n + 1)) and np.array_equal(mass.column, mass.start[:-1])
+    if alone and bool((value > 0).all()):
+        return Rows(mass.start, mass.column, 1 / value)
     matrix = mass.matrix(n)
-    count, label = connected_components(matrix, directed=False)
-    if count == 1 and n <= DENSE:
-        dense = mass.dense(n)
-        _require_symmetric(dense.diagonal(), float(np.abs(dense - dense.T).max()), float(np.abs(dense).max()))
-        start, column = n * np.arange(n + 1, dtype=np.int32), np.tile(np.arange(n, dtype=np.int32), n)
-        return Rows(start, column, _inverse(dense, np.arange(n)).ravel())
-    return from_matrix(_by_blocks(matrix, count, label))
-
-
-@kernel
-def _reciprocal(start, column, value):  # type: ignore[no-untyped-def]
-    """(1/value, whether that is the inverse: the matrix is diagonal, with positive entries)."""
-    inverse = np.empty(len(value))
-    for i in range(len(start) - 1):
-        k = start[i]
-        if start[i + 1] != k + 1 or column[k] != i or not value[k] > 0:
-            return inverse, False
-        inverse[k] = 1 / value[k]
-    return inverse, True
+    return from_matrix(_by_blocks(matrix, *connected_components(matrix, directed=False)))
 
 
 def _by_blocks(mass: sparse.csr_array, count: int, label: Index64) -> sparse.csr_array:
     """The inverse, block by block; label: (nv,), the block of each coordinate. Errors: as of inverse_mass."""
     asymmetry = abs(mass - mass.T)
-    _require_symmetric(mass.diagonal(), asymmetry.max() if asymmetry.nnz else 0.0, abs(mass).max() if mass.nnz else 0.0)
+    require(bool(np.all(mass.diagonal() > 0)), "mass", "not positive definite: a diagonal entry is not positive")
+    require(not asymmetry.nnz or asymmetry.max() <= 1e-12 * abs(mass).max(), "mass", "not symmetric")
     order = np.argsort(label, kind="stable")
     blocks = np.split(order, np.cumsum(np.bincount(label, minlength=count))[:-1])
     rows, columns, entries = [], [], []
@@ -60,11 +40,6 @@ def _by_blocks(mass: sparse.csr_array, count: int, label: Index64) -> sparse.csr
         entries.append(_inverse(mass[block][:, block].toarray(), block).ravel())
     triplets = (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns)))
     return sparse.csr_array(sparse.coo_array(triplets, shape=mass.shape))
-
-
-def _require_symmetric(diagonal: Array, asymmetry: float, largest: float) -> None:
-    require(bool(np.all(diagonal > 0)), "mass", "not positive definite: a diagonal entry is not positive")
-    require(asymmetry <= 1e-12 * largest, "mass", "not symmetric")
 
 
 def _inverse(block: Array, coordinates: Index64) -> Array:
