@@ -127,30 +127,12 @@ def near_pairs(low: Array, high: Array, owner: Index64, margin: float) -> Index6
     bounded = np.isfinite(low[:, 0])
     middle = (low[bounded] + high[bounded]) / 2
     axis = int(np.argmax(np.ptp(middle, axis=0))) if len(middle) else 0
-    pairs = _sweep(np.argsort(low[:, axis], kind="stable"), low, high, owner, axis, margin)
+    order = np.argsort(low[:, axis], kind="stable")
+    begin, end = low[order], high[order] + margin
+    reached = np.searchsorted(begin[:, axis], end[:, axis], side="right") - np.arange(len(order)) - 1  # shapes after each
+    one = np.repeat(np.arange(len(order)), reached)
+    other = one + 1 + np.arange(len(one)) - np.repeat(np.cumsum(reached) - reached, reached)
+    near = (begin[one, 1 - axis] <= end[other, 1 - axis]) & (begin[other, 1 - axis] <= end[one, 1 - axis])
+    pairs = np.sort(np.column_stack([order[one], order[other]])[near], axis=1)
+    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
     return np.asarray(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
-
-
-@kernel
-def _sweep(order: Index64, low: Array, high: Array, owner: Index64, axis: int, margin: float) -> Index64:
-    pairs, found = np.empty((2 * len(order) + 1, 2), np.int64), 0
-    for k in range(len(order)):
-        i = order[k]
-        for m in range(k + 1, len(order)):
-            j = order[m]
-            if low[j, axis] > high[i, axis] + margin:
-                break
-            across = 1 - axis
-            if (
-                owner[i] != owner[j]
-                and low[i, across] <= high[j, across] + margin
-                and low[j, across] <= high[i, across] + margin
-            ):
-                if found == len(pairs):
-                    longer = np.empty((2 * found, 2), np.int64)
-                    for f in range(found):
-                        longer[f, 0], longer[f, 1] = pairs[f, 0], pairs[f, 1]
-                    pairs = longer
-                pairs[found, 0], pairs[found, 1] = min(i, j), max(i, j)
-                found += 1
-    return pairs[:found]
