@@ -181,15 +181,12 @@ def packed(step: EngineStep) -> dict[str, Array]:
 def unpacked(problem: FrictionProblem, arrays: Mapping[str, Array]) -> EngineStep:
     """The step in a file's arrays. Errors: InputError naming the array that cannot be used."""
     require("impulse" in arrays, "impulse", "is missing: the file holds a problem, but not what an engine answered")
-    require(arrays["impulse"].shape == (problem.contacts, problem.dimension), "impulse", _shape(problem, arrays["impulse"]))
+    expected, found = (problem.contacts, problem.dimension), arrays["impulse"].shape
+    require(found == expected, "impulse", f"expected shape {expected}, got {found}")
     step = arrays.get("step")
     require(step is None or step.size == 1, "step", "expected a number")
     notes = _text(arrays["notes"]) if "notes" in arrays else {}
     return EngineStep(problem, arrays["impulse"], notes, None if step is None else float(step.item()))
-
-
-def _shape(problem: FrictionProblem, impulse: Array) -> str:
-    return f"expected shape {(problem.contacts, problem.dimension)}, got {impulse.shape}"
 
 
 def _text(stored: Array) -> Any:

@@ -34,7 +34,6 @@ from frictionbench.problems.recorded.forms import from_global
 
 MAX_BYTES = 2**29  # bytes of text; a larger file is refused without reading it
 CHUNK = 2**20
-DIGITS = 20  # of a number of entries and a comma: those of 64 bits
 Index = NDArray[np.int64]
 
 
@@ -52,7 +51,7 @@ class _Numbers:
     def whole(self, field: str, least: int = 0) -> int:
         word = self.word(field)
         try:
-            value = int(word)
+            value = int(word.rstrip(","))  # CSparse writes a comma after a number of entries
         except ValueError:
             raise InputError(f"{field}: expected an integer, got {word[:40]!r}") from None
         require(least <= value <= self._most, field, f"{value} is out of range, or more than the file can hold")
@@ -171,7 +170,7 @@ def _sparse(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
     while not words.endswith("nnz: "):
         require(len(words) < 1000, name, "is not in the format that CSparse prints")
         words += numbers.word(name) + " "
-    count = _before_comma(numbers, name)
+    count = numbers.whole(name)
     require(f" {m}-by-{n}, " in f" {words}", name, f"expected {m}-by-{n}")
     if "triplet:" in words:
         entries = [(numbers.whole(name), numbers.whole(name), _after_colon(numbers, name)) for _ in range(count)]
@@ -187,12 +186,6 @@ def _sparse(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
         require(len(entries) == count, name, f"has {len(entries)} entries, but {count} by its header")
     parts = np.array(entries, dtype=float).reshape(-1, 3)
     return sparse_matrix(name, sparse.coo_array, (parts[:, 2], tuple(parts[:, :2].T.astype(np.int64))), (m, n))
-
-
-def _before_comma(numbers: _Numbers, name: str) -> int:
-    word = numbers.word(name)
-    require(word.rstrip(",").isdigit() and len(word) < DIGITS, name, f"expected a number of entries, got {word[:40]!r}")
-    return int(word.rstrip(","))
 
 
 def _after_colon(numbers: _Numbers, name: str) -> float:
