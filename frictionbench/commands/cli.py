@@ -178,10 +178,10 @@ def report(
     run = read_run(folder, rank_by, budget)
     typer.echo(f"report: {write_report(folder, run)}")
     if paper:
-        from frictionbench.reports.paper import Layout, chosen, of_scenes, write_paper
+        from frictionbench.reports.paper import Layout, restricted, write_paper
 
-        run_of_paper = of_scenes(run, options.split_names(scenes)) if scenes else run
-        run_of_paper = chosen(run_of_paper, options.split_names(solvers)) if solvers else run_of_paper
+        run_of_paper = restricted(run, "scenes", options.split_names(scenes)) if scenes else run
+        run_of_paper = restricted(run_of_paper, "solvers", options.split_names(solvers)) if solvers else run_of_paper
         wanted = options.split_names(figures) if figures else None
         written = write_paper(folder, run_of_paper, Layout(width, font), wanted)
         typer.echo(f"paper:  {written}; preview.tex includes everything, references.bib has the references")

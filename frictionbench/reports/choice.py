@@ -36,7 +36,7 @@ from frictionbench.reports.accuracy import (
     solved_words,
     weights,
 )
-from frictionbench.reports.drawing.text import ahead, count, percent, power, seconds
+from frictionbench.reports.drawing.text import count, percent, power, seconds
 from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.conventions import COLD, WARM, RankBy, law
 from frictionbench.results.hardness import ILL
@@ -89,10 +89,6 @@ class Choice(NamedTuple):
     outside: int
     interval: tuple[float, float] | None
     orders: dict[int, list[str]]
-
-    @property
-    def winner(self) -> Place | None:
-        return None if self.unclear else self.places[0]
 
     @property
     def unclear(self) -> str:
@@ -355,7 +351,8 @@ def lead_words(choice: Choice) -> str:
     """The lead with its interval: 1.3 times ahead of nsgs (1.1 to 1.6)."""
     if choice.lead is None:
         return ""
-    told = ahead(choice.lead, choice.places[1].label)
+    other = choice.places[1].label
+    told = f"level with {other}" if choice.lead < 1.005 else f"{choice.lead:.3g} times ahead of {other}"
     return told + (f" ({choice.interval[0]:.3g} to {choice.interval[1]:.3g})" if choice.interval else "")
 
 

@@ -14,7 +14,6 @@ from pathlib import Path
 from shutil import which
 from typing import NamedTuple
 
-import pandas as pd
 from markupsafe import Markup
 from matplotlib.artist import Artist
 
@@ -138,34 +137,24 @@ def _marked(caption: str, names: Iterable[str]) -> str:
     return caption + " An asterisk marks a portfolio, which runs other solvers." * any(PORTFOLIO in name for name in names)
 
 
-def of_scenes(run: Run, names: Collection[str]) -> Run:
-    """The run restricted to some scenes, or classes of problems. Errors: ResultsError naming one that is not in the run."""
-    there = {*run.rows["scene"], *run.rows["problem_class"], *run.simulations["scene"]}
-    if missing := [name for name in names if name not in there]:
-        raise ResultsError(f"scenes: {missing[0]} is not in this run; there are {', '.join(sorted(there))}")
-    rows = run.rows[run.rows["scene"].isin(names) | run.rows["problem_class"].isin(names)]
-    simulations = run.simulations[run.simulations["scene"].isin(names)]
-    return replace(run, rows=rows, simulations=simulations)
+RESTRICTED = {"scenes": ["scene", "problem_class"], "solvers": ["variant", "solver", "label"]}  # the columns of their names
 
 
-def chosen(run: Run, names: Collection[str]) -> Run:
-    """The run restricted to some solvers, given by name, variant or label.
+def restricted(run: Run, what: str, names: Collection[str]) -> Run:
+    """The run restricted to some of RESTRICTED, a label with or without its asterisk.
 
-    Errors: ResultsError naming a solver that is not in the run.
+    Errors: ResultsError naming one that is not in the run.
     """
-    every = pd.concat([table[["solver", "variant", "label"]] for table in (run.rows, run.simulations)])
-    named = {
-        name: every[every[["solver", "variant"]].eq(name).any(axis=1) | (every["label"].str.removesuffix(PORTFOLIO) == name)]
-        for name in names
+    given = {
+        name: getattr(run, name).reindex(columns=RESTRICTED[what]).astype(str)
+        for name in ("rows", "simulations", "map_simulations")
     }
-    if missing := [name for name, found in named.items() if found.empty]:
-        raise ResultsError(f"solvers: {missing[0]} is not in this run; there are {', '.join(sorted(set(every['variant'])))}")
-    selected = {label for found in named.values() for label in found["label"]}
-    parts = {
-        name: table[table["label"].isin(selected)] if len(table) else table
-        for name, table in (("rows", run.rows), ("simulations", run.simulations), ("map_simulations", run.map_simulations))
-    }
-    return replace(run, **parts)
+    given = {name: table.apply(lambda texts: texts.str.removesuffix(PORTFOLIO)) for name, table in given.items()}
+    there = {text for table in given.values() for text in table.to_numpy().ravel()} - {"nan"}
+    wanted = {name.removesuffix(PORTFOLIO): name for name in names}
+    if missing := [name for bare, name in wanted.items() if bare not in there]:
+        raise ResultsError(f"{what}: {missing[0]} is not in this run; there are {', '.join(sorted(there))}")
+    return replace(run, **{name: getattr(run, name)[table.isin(list(wanted)).any(axis=1)] for name, table in given.items()})
 
 
 def _setting(run: Run) -> str:

@@ -95,7 +95,7 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
     settings, versions, machine = manifest["settings"], manifest.get("versions"), manifest.get("machine")
     solves, simulations = read_table(folder, "solves"), read_table(folder, "simulations")
     totals = list(map(repeats, *(solves[f"{column}s"] for column in rank_by.columns)))
-    least = [times.min() if len(times) else np.nan for times in totals]
+    least = [times.min(initial=np.inf) for times in totals]
     few = np.array([len(times) < ENOUGH for times in totals], dtype=bool)
     parts = [solves.assign(table="solve", seconds=least, disturbed=solves["disturbed"].fillna(False).astype(bool) & few)]
     parts.append(
@@ -114,7 +114,7 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
             step=None,
             phase=batches["way"],
             work=[_unverified(row) for row in batches.to_dict("records")],
-            seconds=[_least(own) for own in batches["times"]],
+            seconds=[repeats(own).min(initial=np.inf) for own in batches["times"]],
         )
     )
     rows = pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
@@ -179,11 +179,6 @@ def _unverified(row: Row) -> str:
     share, problems = row["verified"], row["problems"]
     failed = {"unsolved_problems": round((1 - share) * problems)} if pd.notna(share) and pd.notna(problems) else {}
     return json.dumps(json_object(row["work"]) | failed)
-
-
-def _least(times: Any) -> float:
-    """The least of the times of a batch's rounds; NaN where it has none."""
-    return float(repeats(times).min(initial=np.inf)) if times is not None and len(times) else np.nan
 
 
 def repeats(*steps: Any) -> np.ndarray:

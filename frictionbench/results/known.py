@@ -13,7 +13,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_type_hints
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.changes import GONE, NEW, Change, Flip, Growth, Time
@@ -23,7 +23,6 @@ from frictionbench.results.files import ResultsError, read_text
 F = TypeVar("F", Flip, Growth, Time)
 OF_CELLS = ("verdict", GONE, Verdict.SKIPPED, NEW)
 LARGEST = 2**20  # bytes
-FIELDS: dict[str, Any] = {"solver": str, "change": str, "scene": str, "after": str, "ratio": int | float, "reason": str}
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,7 @@ class Known:
     reason: str
     scene: str = ""
     after: str = ""
-    ratio: float = 0.0
+    ratio: int | float = 0.0
 
     def is_of(self, found: Change) -> bool:
         if not found.worse or found.variant != self.solver:
@@ -65,10 +64,11 @@ def _entry(path: Path, number: int, entry: Any) -> Known:
     where = f"{path}: known {number}"
     if not isinstance(entry, dict):
         raise ResultsError(f"{where}: not a table")
+    fields = get_type_hints(Known)
     for name, value in entry.items():
-        if name not in FIELDS:
-            raise ResultsError(f"{where}: unknown field {name!r}; the fields are {', '.join(FIELDS)}")
-        if not isinstance(value, FIELDS[name]) or isinstance(value, bool):
+        if name not in fields:
+            raise ResultsError(f"{where}: unknown field {name!r}; the fields are {', '.join(fields)}")
+        if not isinstance(value, fields[name]) or isinstance(value, bool):
             raise ResultsError(f"{where}: {name} cannot be {value!r}")
     for name in ("solver", "change", "reason"):
         if not entry.get(name):

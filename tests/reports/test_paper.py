@@ -10,7 +10,7 @@ import pytest
 from frictionbench.commands.options import parse_length, split_names
 from frictionbench.reports.charts import pareto, profiles
 from frictionbench.reports.latex import cited, escaped, references
-from frictionbench.reports.paper import Layout, booktabs, chosen, of_scenes, write_paper
+from frictionbench.reports.paper import Layout, booktabs, restricted, write_paper
 from frictionbench.reports.printed import Table, one_unit
 from frictionbench.reports.run import Run, read_run
 from frictionbench.results.files import ResultsError
@@ -54,12 +54,12 @@ def test_latex_escaping() -> None:
 
 
 def test_chosen_solvers(run) -> None:
-    few = chosen(run, ["lemke", "ccp"])
+    few = restricted(run, "solvers", ["lemke", "ccp"])
     assert set(few.looks) == {"lemke", "ccp[backend=osqp]"}
     assert few.looks["lemke"][:3] == run.looks["lemke"][:3]
     assert set(few.summaries[1e-8]["label"]) == set(few.looks)
     with pytest.raises(ResultsError, match=r"solvers: murty is not in this run; there are .*lemke"):
-        chosen(run, ["murty"])
+        restricted(run, "solvers", ["murty"])
     assert split_names("a, b[x=1,y=2],c") == ["a", "b[x=1,y=2]", "c"]
 
 
@@ -92,12 +92,12 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     assert "strip at the top" not in captions
     assert "(continued)." in captions
     (tmp_path / "one").mkdir()
-    one = write_paper(tmp_path / "one", of_scenes(many, ["scene_3"]), Layout(), ["speed_accuracy"])
+    one = write_paper(tmp_path / "one", restricted(many, "scenes", ["scene_3"]), Layout(), ["speed_accuracy"])
     assert [path.name for path in one.glob("*.pdf")] == ["speed_accuracy.pdf"]
     with pytest.raises(ResultsError, match="figures: there is no pie; there are stability"):
         write_paper(tmp_path, many, Layout(), ["pie"])
     with pytest.raises(ResultsError, match="scenes: other is not in this run; there are scene_0"):
-        of_scenes(many, ["other"])
+        restricted(many, "scenes", ["other"])
 
 
 def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:

@@ -19,7 +19,7 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.style import INK
-from frictionbench.reports.drawing.text import seconds
+from frictionbench.reports.drawing.text import percent, seconds
 from frictionbench.reports.drawing.tiles import Drawing, Entry, Field, Grid, Tile, polylines
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
@@ -143,7 +143,7 @@ def _verdicts(cells: MapCells) -> dict[str, Field]:
     for label in cells.labels:
         rows = cells.rows[cells.rows["label"] == label]
         known = rows[rows["known"]]
-        share = f" {_share((known['verdict'] == Verdict.SOLVED).mean())}" if len(known) else ""
+        share = f" {percent((known['verdict'] == Verdict.SOLVED).mean(), 1)}" if len(known) else ""
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
         tooltips = _at(cells, rows) + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
         tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "") + " · " + rows["key"]
@@ -151,11 +151,6 @@ def _verdicts(cells: MapCells) -> dict[str, Field]:
         ended = pd.Series(endings(rows), index=rows.index)
         fields[label] = _field(label + share, rows, ended.map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], tooltips)
     return fields
-
-
-def _share(value: float) -> str:
-    """A share as per cent, rounded down so that less than all is never 100 %."""
-    return f"{np.floor(1000 * value) / 10:g} %"
 
 
 def _problem(cells: MapCells) -> list[Field]:

@@ -49,11 +49,6 @@ def count(number: int, noun: str) -> str:
     return f"{number} {noun}{'s' * (number != 1)}"
 
 
-def ahead(lead: float, other: str) -> str:
-    """How far the first is ahead of the second, by the ratio of their means: 1.3 times ahead of nsgs."""
-    return f"level with {other}" if lead < 1.005 else f"{lead:.3g} times ahead of {other}"
-
-
 def power(value: float) -> str:
     """A power of ten: 1e-8."""
     return f"1e{round(np.log10(value))}" if value > 0 else "0"

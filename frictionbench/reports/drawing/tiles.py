@@ -11,7 +11,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import groupby
-from math import hypot
+from math import dist
 from typing import NamedTuple
 
 from markupsafe import Markup, escape
@@ -219,17 +219,13 @@ def polylines(points: Iterable[Point], reach: float = REACH) -> list[list[Point]
     left = list(dict.fromkeys(points))
     found = []
     while left:
-        start = min(left, key=lambda point: (sum(_apart(point, other) <= reach for other in left), point))
+        start = min(left, key=lambda point: (sum(dist(point, other) <= reach for other in left), point))
         line = [start]
         left.remove(start)
-        while left and _apart(nearest := min(left, key=lambda point: _apart(point, line[-1])), line[-1]) <= reach:
+        while left and dist(nearest := min(left, key=lambda point: dist(point, line[-1])), line[-1]) <= reach:
             line.append(nearest)
             left.remove(nearest)
-        if len(line) > 3 and _apart(line[0], line[-1]) <= reach / 2:
+        if len(line) > 3 and dist(line[0], line[-1]) <= reach / 2:
             line.append(line[0])
         found.append(line)
     return found
-
-
-def _apart(a: Point, b: Point) -> float:
-    return hypot(a[0] - b[0], a[1] - b[1])
