@@ -10,7 +10,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import available, find, solve
 from tests.helpers.paths import ROOT
-from tools.direct.__main__ import BLOCKS, BODIES, FAIR, TOL, charged_tables
+from tools.direct.__main__ import BLOCKS, BODIES, FAIR, TOL, charged_tables, recorded_table
 from tools.direct.calls import CALLS
 from tools.direct.given import arrays
 
@@ -56,7 +56,7 @@ def test_every_library_has_a_call_by_hand() -> None:
     assert {name for name, info in available().items() if info.needs and info.ours} == called
 
 
-def test_the_tables_have_a_row_for_each_solver_named(monkeypatch) -> None:
+def test_the_tables_have_a_row_for_each_solver_named(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr("tools.direct.__main__.BLOCKS", (1, 5))
     monkeypatch.setattr("tools.direct.__main__.BODIES", (4,))
     lines = list(charged_tables(["osqp", "clarabel"]))
@@ -65,3 +65,5 @@ def test_the_tables_have_a_row_for_each_solver_named(monkeypatch) -> None:
     assert re.fullmatch(r"\| clarabel\S* \| \d+, \d+, \d+; [\d.]+ .*\|.*\|", lines[7])
     with pytest.raises(InputError, match="'lemke' has no call by hand"):
         next(charged_tables(["lemke"]))
+    with pytest.raises(InputError, match="no friction problem"):
+        next(recorded_table([], tmp_path))

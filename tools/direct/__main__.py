@@ -1,18 +1,22 @@
 """What an adapter is charged over a call of its library by hand: form + setup + solve over the wall time of tools.direct.calls.
 
-    python -m tools.direct [SOLVER ...]      tables in Markdown, of all libraries or of the solvers named
+    python -m tools.direct [SOLVER ...] [--data DIR]      tables in Markdown, of all libraries or of the solvers named
 
-The samples are pushed stacks and random bodies of 2 to 300 contacts at 1e-8.
+The samples are pushed stacks and random bodies of 2 to 300 contacts at 1e-8 and, with --data, a folder's recorded problems.
 Each adapter and its call are timed in turn, one call after the other, least of REPEATS or of as many as take SECONDS: what
 else the machine does falls on both. Of a library in another process, setup and solve are its own clock there, on both sides.
 Where the ratio is above FAIR, the adapter's docstring says why, under Charged. A verdict other than solved or relaxed follows
 the times: of the adapter's answer, and of the one by hand.
 """
 
+import argparse
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
+
+import numpy as np
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
@@ -79,6 +83,36 @@ def _table(specs: list[str], problems: list[FrictionProblem]) -> Iterator[str]:
         yield _row(spec, *map(str, measured), *["–"] * (len(problems) - len(measured)), why)
 
 
+def recorded_table(solvers: list[str], folder: Path) -> Iterator[str]:
+    """The lines of the table on the recorded problems of a folder: calls that take a problem by its W and q.
+
+    Errors: InputError as of charged_tables, or where the folder has no friction problem.
+    """
+    problems = {path.name: fb.load(path) for path in sorted(folder.iterdir()) if path.is_file()}
+    ordinary = {name: p for name, p in problems.items() if isinstance(p, FrictionProblem) and not p.friction_bias.any()}
+    if not ordinary:
+        raise fb.InputError(f"data: no friction problem in {folder}")
+    heads = "problems", "adapter solves", "by hand", "ratio: geometric mean", "worst", "of"
+    yield _row("recorded", *heads)
+    yield _row(*["---"] * (len(heads) + 1))
+    for spec in chosen(solvers):
+        call, (info, _) = CALLS[spec], find(spec)
+        taken = {
+            name: problem
+            for name, problem in ordinary.items()
+            if call.by_matrix and problem.dimension in call.d and problem.contacts <= call.most and not info.refuses(problem)
+        }
+        if info.missing or not taken:
+            continue
+        found = {
+            name: charged(spec, FrictionProblem.from_delassus(p.W, p.q, p.friction, p.dimension)) for name, p in taken.items()
+        }
+        both = {name: each.ratio for name, each in found.items() if each.good == (True, True)}
+        solved = [sum(each.good[side] for each in found.values()) for side in (0, 1)]
+        mean, worst = np.exp(np.mean(np.log(list(both.values())))), max(both, key=both.__getitem__)
+        yield _row(spec, str(len(taken)), *map(str, solved), f"{mean:.2f}", f"{both[worst]:.2f}", worst)
+
+
 def _row(*cells: str) -> str:
     return f"| {' | '.join(cells)} |"
 
@@ -120,8 +154,12 @@ def charged(spec: str, problem: FrictionProblem) -> Charged:
 
 
 if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("solvers", nargs="*", metavar="SOLVER")
+    parser.add_argument("--data", type=Path, metavar="DIR")
+    asked = parser.parse_args()
     try:
-        for line in charged_tables(sys.argv[1:]):
+        for line in recorded_table(asked.solvers, asked.data) if asked.data else charged_tables(asked.solvers):
             print(line, flush=True)
     except fb.InputError as error:
         sys.exit(str(error))

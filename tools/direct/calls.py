@@ -277,11 +277,13 @@ def siconos(given: Arrays, tol: float, method: str) -> Called:
 
 
 class Call(NamedTuple):
-    """A call by hand; d: the dimensions that it takes, most: the contacts above which it takes minutes."""
+    """A call by hand; d: the dimensions that it takes, most: the contacts above which it takes minutes, by_matrix: whether it
+    takes problems that are known by W and q alone."""
 
     function: Callable[[Arrays, float], Called]
     d: tuple[int, ...] = (2,)
     most: int = 300
+    by_matrix: bool = False
 
 
 # The variant of an adapter, and the call by hand that makes the same choices.
@@ -299,13 +301,15 @@ CALLS: dict[str, Call] = {
     "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0)),
     "casadi[method=qrqp]": Call(casadi_qrqp, most=20),
     "mujoco_boxqp[settings=default]": Call(mujoco_boxqp, most=100),
-    "quantecon[settings=default]": Call(quantecon, most=100),
-    "drake[method=unrevised]": Call(drake, most=20),
-    "path": Call(path, most=20),
-    "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100),
-    "pinocchio[method=admm,settings=tuned]": Call(partial(pinocchio, anderson_capacity=8, lanczos_size=10), (2, 3)),
+    "quantecon[settings=default]": Call(quantecon, most=100, by_matrix=True),
+    "drake[method=unrevised]": Call(drake, most=20, by_matrix=True),
+    "path": Call(path, most=20, by_matrix=True),
+    "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100, by_matrix=True),
+    "pinocchio[method=admm,settings=tuned]": Call(
+        partial(pinocchio, anderson_capacity=8, lanczos_size=10), (2, 3), by_matrix=True
+    ),
     "mujoco[method=newton]": Call(mujoco, (2, 3), 100),
-    "siconos[method=friction_2d_nsgs]": Call(partial(siconos, method="FRICTION_2D_NSGS")),
-    "siconos[method=friction_3d_nsgs]": Call(partial(siconos, method="FRICTION_3D_NSGS"), (3,)),
-    "siconos[method=friction_3d_prox]": Call(partial(siconos, method="FRICTION_3D_PROX"), (3,)),
+    "siconos[method=friction_2d_nsgs]": Call(partial(siconos, method="FRICTION_2D_NSGS"), by_matrix=True),
+    "siconos[method=friction_3d_nsgs]": Call(partial(siconos, method="FRICTION_3D_NSGS"), (3,), by_matrix=True),
+    "siconos[method=friction_3d_prox]": Call(partial(siconos, method="FRICTION_3D_PROX"), (3,), by_matrix=True),
 }

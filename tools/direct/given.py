@@ -2,7 +2,7 @@
 
 A problem of nc contacts of dimension d is the arrays M and M^-1 (nv, nv), J (nc*d, nv), a contact's normal row first, v*
 (nv,), b (nc*d,) and mu (nc,), which a user of a library has at hand: dense for few contacts, and scipy's sparse arrays above.
-The friction LCP in the plane is
+A problem that is known by W and q alone has no mechanics. The friction LCP in the plane is
 
     z = (c, beta+, beta-, lambda),      w = [W G + e lambda; mu c - beta+ - beta-] + q,
 
@@ -23,15 +23,17 @@ DENSE = 60  # contacts up to which dense arrays are the faster ones
 
 
 class Arrays(NamedTuple):
-    """A problem without joints and friction bias."""
+    """A problem without joints and friction bias; W and q where it is known by them alone, and no mechanics then."""
 
     d: int
     mu: Array
-    M: Any
-    inverse: Any
-    J: Any
-    v: Array
-    b: Array
+    M: Any = None
+    inverse: Any = None
+    J: Any = None
+    v: Any = None
+    b: Any = None
+    W: Any = None
+    q: Any = None
 
 
 class Called(NamedTuple):
@@ -48,6 +50,8 @@ def arrays(problem: FrictionProblem) -> Arrays:
     """The arrays of a problem."""
     nc, d = problem.contacts, problem.dimension
     kept = (lambda matrix: matrix.toarray()) if nc <= DENSE else sparse.csr_array
+    if not problem.mechanical:
+        return Arrays(d, problem.friction.copy(), W=kept(problem.W), q=problem.q.copy())
     b = np.zeros((nc, d))
     b[:, 0] = problem.bias
     M = sparse.csc_matrix(problem.mass)
@@ -85,6 +89,8 @@ def _edges(given: Arrays) -> Array:
 
 def delassus(given: Arrays) -> tuple[Any, Array]:
     """W and q, a contact's normal row first."""
+    if given.W is not None:
+        return given.W, given.q
     return given.J @ given.inverse @ given.J.T, given.J @ given.v + given.b
 
 
