@@ -112,12 +112,12 @@ def newton_step(rows, r, work, shift):  # type: ignore[no-untyped-def]
             g, place[i, a] = rows.row[i, a], -1
             if g < 0:
                 continue
-            dry = state[i] == SLIDES and rows.row[i, 3 - a] < 0  # in one direction alone: its impulse is known
+            dry = a > 0 and state[i] == SLIDES and rows.row[i, 3 - a] < 0  # in one direction alone: its impulse is known
             if not dry and ((state[i] & CLOSED) if a == 0 else (state[i] & (STICKS | SLIDES))):
                 active[m], place[i, a] = g, m
                 m += 1
             else:
-                known = np.sign(z[i, a - 1]) * rows.friction_bias[i] if dry and a > 0 else 0.0
+                known = np.sign(z[i, a - 1]) * rows.friction_bias[i] if dry else 0.0
                 push(rows, w, g, known - r[i, a])
                 r[i, a] = known
     for i in range(nc):
