@@ -4,7 +4,6 @@
 Large imports are inside the commands that need them, so that --help is fast.
 """
 
-import json
 import signal
 import sys
 import traceback
@@ -72,16 +71,16 @@ def about(
 
 
 @_command("list")
-def list_(what: options.Listing, as_json: options.AsJson = False) -> None:
+def list_(what: options.Listing) -> None:
     """List the scenes, the solvers or the suites."""
     from frictionbench.commands import listing
 
-    (listing.show_json if as_json else listing.show)(what)
+    listing.show(what)
 
 
 @_command()
 def run(
-    suite: options.Suite = None,
+    suite: options.Suite = "standard",
     scene: options.Scenes = None,
     solver: options.Solvers = None,
     tol: options.Tolerances = None,
@@ -90,7 +89,6 @@ def run(
     data: options.Data = None,
     cluster: options.Cluster = None,
     out: options.Out = None,
-    config: options.Config = None,
     all_solvers: Annotated[
         bool, typer.Option("--all-solvers", help="Every installed solver in place of the suite's; this may take long.")
     ] = False,
@@ -104,23 +102,19 @@ def run(
     The same command resumes an interrupted run.
     """
     from frictionbench.commands.summary import folder_for, summary
-    from frictionbench.harness.plans.choose import chosen
-    from frictionbench.harness.plans.config import RunOptions, read_options
+    from frictionbench.harness.plans.choose import choose
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.run import drop_disturbed
     from frictionbench.harness.run import run as run_plan
     from frictionbench.harness.workers.inputs import load_plugins, require_buildable
 
     progress = Progress(quiet=quiet)
-    wanted = RunOptions(suite, scene, solver, tol, time_limit, data, all_solvers or None, str(out) if out else None)
-    if config:
-        wanted = wanted.before(read_options(config))
-    variants, plugins = load_plugins(wanted.solver or [])
-    plan = chosen(wanted, variants, plugins)
-    if wanted.scene:
+    variants, plugins = load_plugins(solver or [])
+    plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()), all_solvers)
+    if scene:
         named = [(source.scene, source.parameters) for source in plan.sources]
         require_buildable([*named, *((batch.scene, batch.parameters) for batch in plan.batches)])
-    folder = Path(wanted.out) if wanted.out else folder_for(plan)
+    folder = out or folder_for(plan)
     if plan.expects:
         progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores")
     with _resumable(folder, progress):
@@ -279,7 +273,6 @@ def solve(
     jobs: options.Jobs = None,
     rank_by: options.ByOfProblem = None,
     budget: options.Budget = None,
-    as_json: options.AsJson = False,
     quiet: options.Quiet = False,
 ) -> None:
     """Solve one problem with every solver and show a table."""
@@ -287,8 +280,8 @@ def solve(
     from frictionbench.harness.progress import Progress
 
     progress = Progress(quiet=quiet)
-    chosen: dict[str, Any] = {"rank_by": rank_by, "budget": budget, "progress": progress, "as_json": as_json}
-    solve_one(problem, solver or [], tol, time_limit, _jobs(jobs, progress), **chosen)
+    given = problem, solver or [], tol, time_limit, _jobs(jobs, progress)
+    solve_one(*given, rank_by=rank_by, budget=budget, progress=progress)
 
 
 @_command()
@@ -308,14 +301,13 @@ def judge(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these steps."),
     ] = None,
-    as_json: options.AsJson = False,
     quiet: options.Quiet = False,
 ) -> None:
     """Judge how exact an engine's own steps are.
 
     Its impulses are measured by Coulomb's law, and exact solvers answer the same steps.
     """
-    from frictionbench.commands.judge import as_data, told
+    from frictionbench.commands.judge import told
     from frictionbench.harness.judge import judge as judge_folder
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.workers.inputs import load_plugins
@@ -325,55 +317,40 @@ def judge(
     progress = Progress(quiet=quiet)
     written = judge_folder(folder, variants, plugins, tol, time_limit, _jobs(jobs, progress), out, progress)
     report_of_it = write_judgement(written)
-    typer.echo(json.dumps(as_data(written), indent=1) if as_json else f"{told(written)}\nreport: {report_of_it}")
+    typer.echo(f"{told(written)}\nreport: {report_of_it}")
 
 
 @_command()
 def export(
     problems: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="SCENE|DIR|SUITE...|fclib/FAMILY", help="A scene, a results folder, suites or a recorded family."
-        ),
+        str, typer.Argument(metavar="SCENE|DIR|fclib/FAMILY", help="A scene, a results folder or a recorded family.")
     ],
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="FILE|FOLDER", help="A file, .hdf5 or .npz, or a folder for several or of suites."),
+        typer.Option("--out", "-o", metavar="FILE|FOLDER", help="A file, .hdf5 or .npz, or a folder for several."),
     ] = None,
     pick: Annotated[
         int,
         typer.Option("--pick", metavar="N", min=0, help="Number of problems, spread over the motion; 0: the first problem."),
     ] = 0,
-    scene: options.Scenes = None,
 ) -> None:
     """Write problems in FCLIB's HDF5 format, or as .npz.
 
-    Of suites, a data set with a data card, known answers and checksums. fclib/FAMILY downloads recorded problems of FCLIB's
-    collection into the user's cache, verified by size and sha256; fclib/ lists all.
+    fclib/FAMILY downloads recorded problems of FCLIB's collection into the user's cache, verified by size and sha256; fclib/
+    lists all.
     """
-    from frictionbench.harness.plans.suites import SUITES
+    from frictionbench.commands.export import export as export_problems
+    from frictionbench.commands.export import fetch
     from frictionbench.problems import InputError
 
-    first, *others = problems
-    if first.startswith("fclib/"):
-        if others or out or scene:
-            raise InputError("problems: a family of fclib is fetched alone, into the user's cache")
-        from frictionbench.commands.export import fetch
-
-        fetch(first)
+    if problems.startswith("fclib/"):
+        if out:
+            raise InputError("out: a family of fclib is fetched into the user's cache")
+        fetch(problems)
         return
     if out is None:
         raise InputError("out: name the file or folder to write with --out")
-    if first in SUITES:
-        from frictionbench.commands.dataset import dataset
-
-        typer.echo(f"data card: {dataset(problems, scene or [], out, lambda line: typer.echo(line, err=True))}")
-        return
-    if others or scene:
-        raise InputError("problems: give one scene or results folder, or only suites; --scene selects of suites")
-    from frictionbench.commands.export import export as export_problems
-
-    for path in export_problems(first, out, pick):
+    for path in export_problems(problems, out, pick):
         typer.echo(path)
 
 

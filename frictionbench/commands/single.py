@@ -47,7 +47,6 @@ def solve_one(
     rank_by: RankBy | None = None,
     budget: float | None = None,
     progress: Progress | None = None,
-    as_json: bool = False,
 ) -> None:
     """Solve one problem with solvers (all if none are named), and print a table with the best first and a recommendation.
 
@@ -63,9 +62,8 @@ def solve_one(
         facts = _collect(problem, source, pool)
         record = facts["record"]
         rank_by = rank_by or (RankBy.BODIES if facts["mechanical"] else RankBy.FORM)
-        if not as_json:
-            print(f"{problem}: {facts['summary']}", flush=True)
-        if facts["contradiction"] and not as_json:
+        print(f"{problem}: {facts['summary']}", flush=True)
+        if facts["contradiction"]:
             print("\n".join(paragraph(facts["contradiction"], screen(), "")), flush=True)
         tasks = [
             Task(cell.variant, worker.run_solve, (cell, record, time_limit), time_limit, plan.owner(cell.variant))
@@ -78,11 +76,6 @@ def solve_one(
                 stage.finished(outcome.task)
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
-    if as_json:
-        told = {"problem": problem, **{name: facts[name] for name in ("summary", "contradiction")}, "tol": tol}
-        told |= {"rank_by": rank_by, "solvers": [_data(row) for row in applicable], "advice": advice(rows, rank_by, budget)}
-        print(json.dumps(told, indent=1))
-        return
     title = f"tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
     if record["dimension"] != SPATIAL:  # in space the exact problem is no LCP
         title = f"LCP of {record['size']} unknowns, {title}"
@@ -92,12 +85,6 @@ def solve_one(
     for reason in unusable:
         print("\n".join(paragraph(reason, screen(), "")))
     print("\n".join(paragraph(advice(rows, rank_by, budget), screen(), "")))
-
-
-def _data(row: Row) -> Row:
-    """What `solve --json` says of a solver: the columns of a run's table, docs/columns.md."""
-    names = ("variant", "verdict", "status", "residual", "model_residual", "form_time", "setup_time", "solve_time", "reason")
-    return {name: row.get(name) for name in names} | {"work": counts(row.get("work"))}
 
 
 def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES, budget: float | None = None) -> str:

@@ -6,7 +6,6 @@ an interruption does not lose.
 """
 
 import json
-import re
 import tempfile
 from hashlib import sha256
 from itertools import groupby
@@ -20,6 +19,7 @@ from scipy.linalg import null_space
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plan, Plugin, Source
+from frictionbench.harness.plans.recorded import natural
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, open_folder
 from frictionbench.harness.run import run as run_plan
@@ -155,7 +155,7 @@ def judge(
     out: by default one below runs/ that is named by what is judged. Errors: InputError naming the folder or the file that
     cannot be used, and as of harness.run.run.
     """
-    paths = sorted(folder.glob("*.npz"), key=_natural)
+    paths = sorted(folder.glob("*.npz"), key=natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
     progress = progress or Progress()
     with tempfile.TemporaryDirectory() as name:
@@ -197,8 +197,3 @@ def _sources(folder: Path, found: list[Judgement], out: Path) -> tuple[Source, .
 
 def _digest(*settings: object) -> str:
     return sha256(json.dumps(settings).encode()).hexdigest()[:8]
-
-
-def _natural(path: Path) -> list[tuple[int, str]]:
-    """A key that sorts step_2 before step_10."""
-    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", path.name)]

@@ -152,7 +152,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
         return
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written. Choose another --out")
-    begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": _now(), "options": plan.options}
+    begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": _now()}
     store.write_manifest(folder, manifest | begun | dependencies.begun(plan))
 
 
@@ -227,8 +227,7 @@ def _task(cell: Cell, records: dict[str, Record], plan: Plan) -> Task:
     if isinstance(cell, SolveCell):
         record = records[cell.origin]
         name = f"{cell.variant} on {record['scene']}, {record['contacts']} contacts"
-        limit = record.get("time_limit", plan.time_limit)
-        return Task(name, worker.run_solve, (cell, record, limit), limit, owner)
+        return Task(name, worker.run_solve, (cell, record, plan.time_limit), plan.time_limit, owner)
     if isinstance(cell, BatchCell):
         name = f"{cell.variant} on {cell.count} of {cell.scene}, {cell.way}"
         return Task(name, worker.run_batch, (cell, plan.time_limit), plan.time_limit, owner)

@@ -59,7 +59,7 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
         (("compare", "a"), "DIR"),
         (("compare", "a", "b", "c"), "DIR"),
         (("export", "stack"), "out"),
-        (("export", "stack", "arch", "--out", "x"), "problems"),
+        (("export", "fclib/Chain", "--out", "x"), "out"),
     ],
 )
 def test_combinations_without_a_meaning(command, field, tmp_path, monkeypatch) -> None:

@@ -37,8 +37,6 @@ STANDS_FOR = {
     "[SUITE]": "smoke",
     "SUITE": "smoke",
     "ADDRESS": "tcp://127.0.0.1:8786",
-    "--out NEW": "--out new/data",
-    "new-folder": "new/set",
     "--out SITE": "--out site",
     "run batch --out DIR": "run batch --out runs/batch",
     "BASELINE": "baselines/smoke.tsv",
@@ -66,7 +64,6 @@ ON_LESS = {
         "--tol 1e-6",
         "--out runs/standard",
     ),
-    "run --config": ("--scene 'stack[blocks=2]'",),
     "run smoke": ("--scene 'random_bodies[contacts=8,friction=100]'", "--tol 1e-6"),
     "run spatial": ("--scene 'sphere_pyramid[levels=1]'", "--solver nsgs", "--tol 1e-4"),
     "run robots": ("--scene 'robot_step[case=humanoid-settle-269]'", "--solver nsgs"),
@@ -75,7 +72,6 @@ ON_LESS = {
     "run hard": ("--scene stack", "--solver lemke"),
     "run recorded": ("--solver lemke",),
     "run replay": ("--solver lemke",),
-    "export smoke": ("--scene 'stack[blocks=2,push=1]'",),
     "solve": ("--solver lemke",),
     "rerun": ("--solver mine.py",),
     "show": ("--steps 3",),
@@ -86,7 +82,6 @@ GRID = ":30", ":16", ":13"  # along an axis of a map; a test has two
 REFUSED = {
     "export fclib/": "Chain",
     "run recorded --data fclib": "frictionbench export fclib",
-    "run abh2018": "frictionbench export fclib",
     "run standard --cluster": "cluster",
     "run smoke --cluster": "cluster",
 }
@@ -120,8 +115,6 @@ def newcomer(tmp_path_factory) -> Path:
     (home / "solvers").mkdir()
     for path in (home / "mine.py", home / "solvers" / "mine.py"):
         path.write_text(plugin, encoding="utf-8")
-    (config,) = re.findall(r"```toml\n(.*?)```", (DOCS / "commands.md").read_text(encoding="utf-8"), flags=re.DOTALL)
-    (home / "run.toml").write_text(config, encoding="utf-8")
     problem = random_problem(1, contacts=2)
     for name in ("problem.npz", "FOLDER/step_0001.npz", "FOLDER/step_0002.npz"):
         (home / name).parent.mkdir(exist_ok=True)

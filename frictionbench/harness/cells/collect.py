@@ -45,7 +45,7 @@ from frictionbench.problems.simulate import first_problem_of, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
 from frictionbench.results.files import ResultsError, read_json, replaced, subfolder, write_text
 
-Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, its starts and its own terms
+Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, its starts and repeats
 
 
 def read_records(path: Path) -> list[Record]:
@@ -110,7 +110,7 @@ def collect(folder: Path, source: Source) -> list[Record]:
         known = read_records(listed)
         facts_of_source = source.scene, json.dumps(source.parameters, sort_keys=True)
         if all((record["scene"], record["parameters"]) == facts_of_source for record in known):
-            return [record | _own_terms(source) for record in known]
+            return [record | {"repeats": source.repeats} for record in known]
     records: dict[str, Record] = {}
     for found, starts in _recorded(source) if source.file else _chosen(source):
         problem = found if isinstance(found, LCP) else found.problem
@@ -120,7 +120,7 @@ def collect(folder: Path, source: Source) -> list[Record]:
                 save(problem, file)
             described = lcp_facts(source, found) if isinstance(found, LCP) else _answered_facts(folder, source, found)
             digests = {COLD: ""} | {start: _digest(impulses) for start, impulses in starts.items()}
-            records[name] = described | {"starts": digests, **_own_terms(source)}
+            records[name] = described | {"starts": digests, "repeats": source.repeats}
             if starts:
                 with replaced(_starts_file(folder, name, origin(records[name]))) as file:
                     np.savez(file, **starts)  # type: ignore[arg-type]
@@ -136,16 +136,6 @@ def _answered_facts(folder: Path, source: Source, found: Collected) -> Record:
         with replaced(_answer_file(folder, found.problem.hash)) as file:
             np.savez(file, impulse=finest)
     return facts(source, found._replace(impulse=answer))
-
-
-def _own_terms(source: Source) -> Record:
-    """The source's own repeats, tolerances and limit, in place of the plan's."""
-    terms: Record = {"repeats": source.repeats}
-    if source.tolerances:
-        terms["tolerances"] = list(source.tolerances)
-    if source.time_limit is not None:
-        terms["time_limit"] = source.time_limit
-    return terms
 
 
 def stored(folder: Path, problem: str) -> FrictionProblem | LCP:

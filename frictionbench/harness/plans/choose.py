@@ -3,7 +3,6 @@
 from dataclasses import replace
 from typing import Any
 
-from frictionbench.harness.plans.config import RunOptions
 from frictionbench.harness.plans.plan import BatchSource, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import every, with_data
 from frictionbench.harness.plans.suites import SUITES
@@ -16,14 +15,6 @@ from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
 COUNT = 100  # problems of a batch that is named on the command line
-
-
-def chosen(wanted: RunOptions, variants: tuple[str, ...], plugins: tuple[Plugin, ...]) -> Plan:
-    """The plan of these options of `run`, with the variants and plug-ins that `solver` names. Errors: as of choose."""
-    scenes, data = wanted.scene or [], tuple(wanted.data or ())
-    suite, every_one = wanted.suite or "standard", bool(wanted.all_solvers)
-    plan = choose(suite, scenes, variants, wanted.tol, wanted.time_limit, plugins, data, every_one)
-    return replace(plan, options=wanted._replace(out=None).given())
 
 
 def choose(
@@ -48,7 +39,7 @@ def choose(
         raise InputError("data: names the problems to run, and so does --scene; give one of the two")
     if all_solvers and variants:
         raise InputError("all-solvers: runs every solver, and --solver names some; give one of the two")
-    plan = with_data(SUITES[suite](), list(data))
+    plan = with_data(SUITES[suite](), data)
     if scene_specs and plan.batches:
         plan = replace(plan, batches=tuple(each for spec in scene_specs for each in _batches(plan, spec)), expects="")
     elif scene_specs:

@@ -16,7 +16,7 @@ from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER,
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
-NO_SETTINGS = ("expects", "options", "map_sources", "map_simulations")
+NO_SETTINGS = ("expects", "map_sources", "map_simulations")
 MOST_SHOWN = 100  # steps of a motion that is recorded only for the report's animation
 MEMORY_LIMIT = (
     4 * 2**30
@@ -30,7 +30,7 @@ class Source:
     scene: the name of the scene or instance (problems.instances), or of the set that a file belongs to. pick: the number of
     problems, spread over the motion; 0 for the first problem of the scheme, which needs no solver. repeats: how often a short
     solve is timed, None for the default (harness.cells.timing). before, step: of a file that is a step of a sequence, the file
-    of the step before and its number. tolerances, time_limit: in place of the plan's.
+    of the step before and its number.
     """
 
     scene: str
@@ -42,8 +42,6 @@ class Source:
     file: str = ""
     before: str = ""
     step: int = 0
-    tolerances: tuple[float, ...] = ()
-    time_limit: float | None = None
 
     @property
     def key(self) -> str:
@@ -153,8 +151,7 @@ class Plan:
     """What a run does; times in seconds, memory in bytes. Simulations have one tolerance, simulation_tol.
 
     spatial_solvers: for problems and simulations in space, in place of the others; `solvers` if empty. expects: how long the
-    run takes on two cores with one worker, for people; options: those of the command line that chose the plan
-    (harness.plans.config). Neither is a setting.
+    run takes on two cores with one worker, for people; it is not a setting.
 
     map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.maps). They are not
     settings, because they follow from the maps and from the rows found.
@@ -178,7 +175,6 @@ class Plan:
     memory_limit: int = MEMORY_LIMIT
     plugins: tuple[Plugin, ...] = ()
     expects: str = ""
-    options: dict[str, Any] = field(default_factory=dict)
     map_sources: tuple[Source, ...] = ()
     map_simulations: tuple[SimulationCell, ...] = ()
 
@@ -201,7 +197,7 @@ class Plan:
             for variant in self.lineup(record["dimension"])
             for start in self.starts
             if start in record["starts"]
-            for tol in sorted(record.get("tolerances") or self.tolerances, reverse=True)
+            for tol in sorted(self.tolerances, reverse=True)
         ]
 
     def simulation_cells(self) -> list[SimulationCell]:

@@ -18,7 +18,7 @@ from frictionbench.problems.recorded import collection
 from frictionbench.results.conventions import COLD, WARM
 from frictionbench.solvers import available, find
 
-REPLAY = "replay"  # the suite of motions, which takes recorded ones as well
+RECORDED, REPLAY = "recorded", "replay"  # the suites that take recorded problems, and recorded motions
 LADDER = (1e-4, 1e-6, 1e-8)  # tolerances, from what simulations need to what exact methods reach
 FORMATS = (".hdf5", ".h5", ".dat", ".npz")  # suffixes of files that problems.recorded reads
 
@@ -33,24 +33,6 @@ PHENOMENA = (
     Source("sliding_ball"),
     *(Source("dropped_ball", {"restitution": e, "step": 0.01}) for e in (0.0, 0.5, 1.0)),
 )
-
-# Accuracy and time limit of Acary, Brémond and Huber 2018, family by family of the collection.
-ABH2018 = {
-    "Global/LMGC90/cubes_H8": (1e-8, 100.0),
-    "Local/LMGC90/Cubes_H8": (1e-8, 100.0),
-    "Local/LMGC90/LowWall_FEM": (1e-8, 400.0),
-    "Local/LMGC90/Aqueduct_PR": (1e-4, 200.0),
-    "Local/LMGC90/Bridge_PR": (1e-8, 400.0),
-    "Local/LMGC90/100_PR_PerioBox": (1e-4, 100.0),
-    "Local/LMGC90/945_SP_Box_PL": (1e-4, 100.0),
-    "Local/siconos/Capsules": (1e-8, 50.0),
-    "Local/siconos/Chain": (1e-8, 50.0),
-    "Local/siconos/KaplasTower": (1e-8, 200.0),
-    "Local/siconos/BoxesStack": (1e-8, 100.0),
-    "Local/siconos/Chute_1000": (1e-4, 200.0),
-    "Local/siconos/Chute_4000": (1e-4, 200.0),
-}
-
 
 # Of our methods for Coulomb's law, those that are the fastest on problems of some kind; all others are --all-solvers.
 WINNERS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg")
@@ -74,7 +56,7 @@ def recorded() -> Plan:
     """Recorded problems, of a folder or a fetched family (--data DIR|fclib/FAMILY), with the solvers that can be the fastest;
     with --all-solvers, with every installed one."""
     return Plan(
-        suite="recorded",
+        suite=RECORDED,
         sources=(),
         solvers=WINNERS,
         spatial_solvers=SPATIAL_WINNERS,
@@ -82,11 +64,6 @@ def recorded() -> Plan:
         starts=(COLD, WARM),  # warm: from the initial guess of a file that has one
         time_limit=10.0,
     )
-
-
-def abh2018() -> Plan:
-    """Families of Acary, Brémond and Huber 2018 at the paper's accuracies and limits (--data fclib/FAMILY, or all fetched)."""
-    return replace(recorded(), suite="abh2018", solvers=every(2), spatial_solvers=every(3), tolerances=(1e-4, 1e-8))
 
 
 def spatial() -> Plan:
@@ -114,60 +91,42 @@ def spatial() -> Plan:
     )
 
 
-def with_data(plan: Plan, locations: list[str]) -> Plan:
+def with_data(plan: Plan, locations: tuple[str, ...]) -> Plan:
     """The plan with the recorded problems at these locations, in place of its own.
 
     Errors: InputError naming `data` or the family.
     """
-    names = [suite().suite for suite in (recorded, abh2018)]
-    of_the_paper = plan.suite == abh2018().suite
-    if of_the_paper and not locations:
-        locations = [f"fclib/{family}" for family in collection.fetched() if family in ABH2018]
-    if not locations:
-        if plan.suite in names:
-            needed = "--data DIR, or --data fclib/FAMILY after `frictionbench export fclib/FAMILY`"
-            raise InputError(f"data: {plan.suite} needs {needed}")
-        return plan
-    takers = (*names, REPLAY)
-    if plan.suite not in takers:
-        raise InputError(f"data: {plan.suite} has problems of its own; recorded ones are run by {', '.join(takers)}")
-    found = [source for location in locations for source in located(location, of_the_paper)]
-    return replace(plan, sources=tuple(found))
+    if not locations and plan.suite == RECORDED:
+        raise InputError(f"data: {RECORDED} needs --data DIR, or --data fclib/FAMILY after `frictionbench export fclib/FAMILY`")
+    if locations and plan.suite not in (RECORDED, REPLAY):
+        raise InputError(f"data: {plan.suite} has problems of its own; recorded ones are run by {RECORDED}, {REPLAY}")
+    found = tuple(source for location in locations for source in located(location))
+    return replace(plan, sources=found) if locations else plan
 
 
-def located(location: str, of_the_paper: bool = False) -> list[Source]:
-    """The recorded problems of a file, a folder or a fetched family. of_the_paper: at its accuracies and limits.
-
-    Errors: InputError naming `data` or the family.
-    """
+def located(location: str) -> list[Source]:
+    """The recorded problems of a file, a folder or a fetched family. Errors: InputError naming `data` or the family."""
     if location.startswith("fclib/"):
         family = collection.family(location)
         folder = collection.cache_folder() / family
-        accuracy, limit = ABH2018.get(family, (None, None)) if of_the_paper else (None, None)
-        own: dict[str, Any] = {} if accuracy is None else {"tolerances": (accuracy,), "time_limit": limit}
         files, steps = sorted(_files(folder)), {}  # a selection from simulations, no sequence
-        missing = f"no problems in {location}; fetch it with `frictionbench export {location}`"
+        missing = f"; fetch it with `frictionbench export {location}`"
     else:
-        place, own = Path(location).resolve(), {}
-        folder = place.parent if place.is_file() else place
-        family = place.name
-        files = [place] if place.is_file() else sorted(_files(folder), key=_natural)
+        place = Path(location).resolve()
+        folder, family = place.parent if place.is_file() else place, place.name
+        files = [place] if place.is_file() else sorted(_files(folder), key=natural)
         steps = _steps(files)
-        missing = f"no problems in {location}: " + (
-            "it is no folder" if not place.exists() else f"no {', '.join(FORMATS)} file"
-        )
+        missing = f": no {', '.join(FORMATS)} file" if place.exists() else ": it is no folder"
     if not files:
-        raise InputError(f"data: {missing}")
-    return [
-        Source(family, {"file": str(path.relative_to(folder))}, file=str(path), **own, **steps.get(path, {})) for path in files
-    ]
+        raise InputError(f"data: no problems in {location}{missing}")
+    return [Source(family, {"file": str(path.relative_to(folder))}, file=str(path), **steps.get(path, {})) for path in files]
 
 
 def _files(folder: Path) -> list[Path]:
     return [path for path in folder.rglob("*") if path.suffix in FORMATS and path.is_file()]
 
 
-def _natural(path: Path) -> tuple[str | int, ...]:
+def natural(path: Path) -> tuple[str | int, ...]:
     """A key that sorts step_2 before step_10."""
     return tuple(int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", str(path)))
 
@@ -180,7 +139,7 @@ def _steps(files: list[Path]) -> dict[Path, dict[str, Any]]:
     steps = {}
     for _, group in groupby(files, key=lambda path: path.parent):
         members = list(group)
-        names = [_natural(Path(path.name)) for path in members]
+        names = [natural(Path(path.name)) for path in members]
         differ = [i for i, parts in enumerate(zip(*names, strict=False)) if len({*parts}) > 1]
         if len({len(name) for name in names}) == len(differ) == 1 and isinstance(names[0][differ[0]], int):
             for step, path in enumerate(members):

@@ -7,7 +7,7 @@ from frictionbench.harness.plans import robots as of_robots
 from frictionbench.harness.plans.atlas import ATLAS
 from frictionbench.harness.plans.hard import hard
 from frictionbench.harness.plans.plan import BatchSource, Plan, Source
-from frictionbench.harness.plans.recorded import LADDER, abh2018, recorded, spatial, theirs
+from frictionbench.harness.plans.recorded import LADDER, recorded, spatial, theirs
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM
 
@@ -235,6 +235,5 @@ SUITES = {
     "maps": maps,
     "recorded": recorded,
     "spatial": spatial,
-    "abh2018": abh2018,
     "peers": peers,
 }

@@ -58,11 +58,6 @@ def cache_folder() -> Path:
     return Path(os.environ.get("FRICTIONBENCH_CACHE") or user_cache_dir("frictionbench")) / "fclib"
 
 
-def fetched() -> list[str]:
-    """The families of which all files have been fetched."""
-    return [name for name, entries in registry().items() if all((cache_folder() / entry.path).is_file() for entry in entries)]
-
-
 def fetch(name: str) -> Iterator[Entry]:
     """Download the missing files of a family one after another, check each, and yield it when it is stored.
 

@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from frictionbench.harness.plans.choose import choose
-from frictionbench.harness.plans.recorded import ABH2018
 from frictionbench.problems import InputError
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import collection, fclib, read
@@ -72,17 +71,13 @@ def server(tmp_path, monkeypatch):
 
 
 def test_fetch_is_cached(server) -> None:
-    assert collection.fetched() == []
     assert len(list(collection.fetch(FAMILY))) == 3
-    assert collection.fetched() == [FAMILY]
     assert read(collection.cache_folder() / FAMILY / "chain-0.hdf5").hash == random_problem(0, contacts=3).hash
     server.stop()
     assert len(list(collection.fetch(FAMILY))) == 3
     assert len(server.asked) == 3
     plan = choose("recorded", [], (), None, None, data=("fclib/Chain",))
     assert [Path(source.file).name for source in plan.sources] == [f"chain-{k}.hdf5" for k in range(3)]
-    of_the_paper = choose("abh2018", [], (), None, None)
-    assert {(source.tolerances, source.time_limit) for source in of_the_paper.sources} == {((1e-8,), 50.0)}
 
 
 def test_interrupted_download_resumes(server) -> None:
@@ -90,7 +85,6 @@ def test_interrupted_download_resumes(server) -> None:
     content = server.files.pop(missing)
     with pytest.raises(InputError, match=rf"^{missing}: 404"):
         list(collection.fetch(FAMILY))
-    assert collection.fetched() == []
     server.files[missing] = content
     server.asked.clear()
     assert len(list(collection.fetch(FAMILY))) == 3
@@ -121,7 +115,6 @@ def test_redirects(server) -> None:
         server.code, server.headers = 302, {"Location": target}
         with pytest.raises(InputError, match=rf"^{FAMILY}/chain-0\.hdf5: "):
             list(collection.fetch(FAMILY))
-    assert collection.fetched() == []
 
 
 def test_answer_that_unpacks_to_much(server) -> None:
@@ -148,10 +141,8 @@ def test_what_is_no_file_in_the_cache_is_refused(server, tmp_path, kind) -> None
 def test_family_names() -> None:
     assert collection.family("fclib/Capsules") == "Local/siconos/Capsules"
     assert collection.family("fclib/global/siconos/capsules") == "Global/siconos/Capsules"
-    assert collection.family("fclib/cubes_H8") in ABH2018
     with pytest.raises(InputError, match=r"^family: unknown family 'fclib/Nonesuch'; known are fclib/Global"):
         collection.family("fclib/Nonesuch")
-    assert set(ABH2018) - {"Local/siconos/Chute_4000"} <= collection.registry().keys()
     for entries in collection.registry().values():
         assert all(len(entry.sha256) == 64 and entry.size > 0 and ".." not in entry.path for entry in entries)
 
@@ -161,7 +152,6 @@ def test_missing_data(server, tmp_path) -> None:
         ("recorded", (), r"^data: recorded needs --data DIR"),
         ("recorded", (str(tmp_path / "nothing"),), r"^data: no problems in .*nothing"),
         ("recorded", ("fclib/Chain",), r"^data: no problems in fclib/Chain; fetch it"),
-        ("abh2018", (), r"^data: abh2018 needs"),
     ):
         with pytest.raises(InputError, match=complaint):
             choose(suite, [], (), None, None, data=data)
