@@ -1,8 +1,6 @@
 """`frictionbench show`: the motion of a scene, simulated in this process by our own solvers, in a worker by plug-ins."""
 
-import tempfile
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -11,7 +9,7 @@ from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.plans.plan import MEMORY_LIMIT
 from frictionbench.harness.workers.inputs import load_plugins
-from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import InputError
 from frictionbench.problems.instances import instances
 from frictionbench.problems.scenes import scene, scenes
@@ -58,9 +56,8 @@ def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int |
     if not plugins:
         with process.memory_within(MEMORY_LIMIT):
             return record_motion(stage, variant, scheme, steps)
-    with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, plugins, MEMORY_LIMIT) as pool:
-        call = (name, settings, variant, scheme, steps, MAX_SECONDS)
+    with scratch_pool(plugins) as pool:
+        call = (name, settings, variant, scheme, steps)
         (outcome,) = pool.run([Task(variant, worker.run_show, call, MAX_SECONDS, plugins[0].source)])
-        if outcome.failure:
-            raise outcome.input_error(f"solver: {variant}: {outcome.reason}")
-        return replace(decoded(outcome.value, f"solver: {variant}"), scene=stage.name, solver=variant)
+    found = decoded(outcome.result(f"solver: {variant} cannot be shown"), f"solver: {variant}")
+    return replace(found, scene=stage.name, solver=variant)

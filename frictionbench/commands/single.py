@@ -4,9 +4,8 @@ All run in isolated workers and are verified like any run.
 """
 
 import json
-import tempfile
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,12 +13,12 @@ from frictionbench.commands.stored_cell import stored_cell, trusted
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
-from frictionbench.harness.plans.plan import BatchCell, Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
+from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SimulationCell, SolveCell, Source, origin
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.run import COLLECT_SECONDS, row_of
+from frictionbench.harness.run import COLLECT_SECONDS, cell_task, row_of
 from frictionbench.harness.shrink import shrink_rows
 from frictionbench.harness.workers.inputs import load_plugins
-from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.catalogue import require_known
 from frictionbench.problems.recorded.own import load
@@ -58,22 +57,16 @@ def solve_one(
     source = _source(problem)
     variants, plugins, unusable = (*load_plugins(solver_specs), []) if solver_specs else all_variants()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
-    with tempfile.TemporaryDirectory() as name, Pool(Path(name), jobs, plugins, plan.memory_limit) as pool:
-        facts = _collect(problem, source, pool)
+    with scratch_pool(plugins, jobs=jobs) as pool:
+        (outcome,) = pool.run([Task(problem, worker.run_problem, (source,), COLLECT_SECONDS)])
+        facts = outcome.result(f"problem: {problem} cannot be made")
         record = facts["record"]
         rank_by = rank_by or (RankBy.BODIES if facts["mechanical"] else RankBy.FORM)
         print(f"{problem}: {facts['summary']}", flush=True)
         if facts["contradiction"]:
             print("\n".join(paragraph(facts["contradiction"], screen(), "")), flush=True)
-        tasks = [
-            Task(cell.variant, worker.run_solve, (cell, record, time_limit), time_limit, plan.owner(cell.variant))
-            for cell in plan.solve_cells([record])
-        ]
-        rows: list[Row] = []
-        with (progress or Progress()).stage("solvers", len(tasks), 0) as stage:
-            for outcome in pool.run(tasks, stage.started, stage.compiling):
-                rows.append(row_of(outcome, plugins))
-                stage.finished(outcome.task)
+        tasks = [cell_task(cell, time_limit, plugins, record) for cell in plan.solve_cells([record])]
+        rows = [row_of(outcome, plugins) for outcome in (progress or Progress()).follow("solvers", pool, tasks)]
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
     title = f"tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
@@ -138,12 +131,8 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
     if table == "solves" and not row["problem"]:
         raise InputError(f"row: {row['key']} has no problem to run again: {row['reason']}")
     plugins = trusted(row, settings, named)
-    task = _task_again(row, table, plugins)
-    with tempfile.TemporaryDirectory() as name:
-        if table == "solves":
-            (Path(name) / "problems").symlink_to((folder / "problems").resolve())
-        with Pool(Path(name), 1, plugins, memory_limit) as pool:
-            (outcome,) = pool.run([task])
+    with scratch_pool(plugins, memory_limit, folder=folder) as pool:
+        (outcome,) = pool.run([_task_again(row, table, plugins)])
     return row, row_of(outcome, plugins)
 
 
@@ -170,33 +159,17 @@ def _source(problem: str) -> Source:
     return Source(name, settings)
 
 
-def _collect(problem: str, source: Source, pool: Pool) -> dict[str, Any]:
-    """What worker.run_problem finds of the source's first problem.
-
-    Errors: InputError naming problem where it takes too much memory or time, and as of collect.
-    """
-    (outcome,) = pool.run([Task(problem, worker.run_problem, (source, COLLECT_SECONDS), COLLECT_SECONDS)])
-    if outcome.failure:
-        raise InputError(f"problem: {problem} cannot be made ({outcome.reason})")
-    if reason := outcome.value.get("refused"):
-        raise InputError(reason)
-    facts: dict[str, Any] = outcome.value
-    return facts
-
-
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
-    limit, outside = row["time_limit"], owner(row["variant"], plugins)
+    limit, variant, tol = row["time_limit"], row["variant"], row["tol"]
     if table == "solves":
         record = {name: row[name] for name in PROBLEM_FACTS}
-        cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
-        return Task(row["variant"], worker.run_solve, (cell, record, limit), limit, outside)
+        return cell_task(SolveCell(row["problem"], origin(row), variant, tol, row["start"]), limit, plugins, record)
+    scene, parameters = row["scene"], json.loads(row["parameters"])
     if table == "batches":
-        size = row["scene"], json.loads(row["parameters"]), row["problems"]
-        batch = BatchCell(*size, row["variant"], row["way"], row["tol"], row["start"])
-        return Task(row["variant"], worker.run_batch, (batch, limit), limit, outside)
-    facts = json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], row["steps"], row["after_failure"]
-    simulation = SimulationCell(row["scene"], *facts)
-    return Task(row["variant"], worker.run_simulation, (simulation, limit), limit, outside)
+        cell: Cell = BatchCell(scene, parameters, row["problems"], variant, row["way"], tol, row["start"])
+    else:
+        cell = SimulationCell(scene, parameters, variant, tol, row["scheme"], row["steps"], row["after_failure"])
+    return cell_task(cell, limit, plugins)
 
 
 def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> None:

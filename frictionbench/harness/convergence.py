@@ -66,11 +66,9 @@ def _limits() -> list[int]:
     return limits
 
 
-def run_history(name: str, variant: str, tol: float, limit: float) -> dict[str, Any]:
+def run_history(name: str, variant: str, tol: float) -> dict[str, Any]:
     """In a worker: a solver's history on a stored problem, as units of work, verified residuals and the last impulses."""
-    problem, solver = worker.prepared(name, variant, limit)
-    with worker.within(limit):
-        units, residuals, impulse = history(problem, solver, tol)
+    units, residuals, impulse = history(*worker.prepared(name, variant, LIMIT), tol)
     finite = np.isfinite(residuals)
     curve = {"units": np.array(units)[finite].tolist(), "residuals": np.array(residuals)[finite].tolist()}
     return curve | {"impulse": impulse.tolist()}
@@ -87,19 +85,17 @@ def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: 
         if row.get("tol") == tol and row.get("verdict") in ACCEPTED and not row.get("members")
     }
     tasks = [
-        Task(f"convergence history of {variant}", run_history, (name, variant, tol, LIMIT), LIMIT, plan.owner(variant))
+        Task(f"convergence history of {variant}", run_history, (name, variant, tol), LIMIT, plan.owner(variant))
         for variant in sorted(plan.variants, key=plan.owner)
         for name in problems
         if (name, variant) in solved
     ]
     found = []
-    with progress.stage("convergence histories", len(tasks), 0) as stage:
-        for outcome in pool.run(tasks, stage.started, stage.compiling):
-            name, variant, *_ = outcome.task.arguments
-            if not outcome.failure:
-                with suppress(ValueError, TypeError, LookupError, OverflowError):
-                    found.append(_history(problems[name], variant, outcome.value))
-            stage.finished(outcome.task)
+    for outcome in progress.follow("convergence histories", pool, tasks):
+        name, variant, _ = outcome.task.arguments
+        if not outcome.failure:
+            with suppress(ValueError, TypeError, LookupError, OverflowError):
+                found.append(_history(problems[name], variant, outcome.value))
     write_histories(
         folder, sorted(found, key=lambda history: (history.scene, history.parameters, str(history.step), history.variant))
     )

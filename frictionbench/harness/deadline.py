@@ -23,14 +23,9 @@ class Deadline:
     """Created by the supervisor before it forks the worker, so that both share the memory."""
 
     def __init__(self) -> None:
-        self._moment = memoryview(mmap(-1, 16)).cast("d")
+        self._moment = memoryview(mmap(-1, 8)).cast("d")
         self._met: set[Any] = set()
         self.allow(HARNESS_SECONDS)
-
-    @property
-    def compiling(self) -> bool:
-        """Whether numba compiles in a block within a limit; true for a moment also when it reads its cache."""
-        return bool(self._moment[1])
 
     @property
     def left(self) -> float:
@@ -53,7 +48,7 @@ class Deadline:
         """
         from numba.core import event
 
-        deadline = self
+        deadline, outer = self, self._moment[0]
 
         class Pause(event.Listener):
             depth, left, begun, budget, stops = 0, 0.0, 0.0, compiling, False  # compilations nest
@@ -64,13 +59,11 @@ class Deadline:
                 if not self.depth and self.stops:
                     self.left, self.begun = deadline.left, monotonic()
                     deadline.allow(self.left + self.budget)
-                    deadline._moment[1] = 1.0
                 self.depth += 1
 
             def on_end(self, _: object) -> None:
                 self.depth -= 1
                 if not self.depth and self.stops:
-                    deadline._moment[1] = 0.0
                     self.budget -= monotonic() - self.begun
                     deadline.allow(self.left + min(self.budget, 0.0))
 
@@ -79,8 +72,7 @@ class Deadline:
                 self.allow(seconds)
                 yield self.allow
         finally:
-            self._moment[1] = 0.0
-            self.allow(HARNESS_SECONDS)
+            self._moment[0] = max(outer, monotonic() + HARNESS_SECONDS)
 
     def _met_first(self) -> bool:
         """Whether numba now compiles or loads a function of this package for the first time for its arguments' types."""

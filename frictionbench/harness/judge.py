@@ -24,7 +24,7 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, open_folder
 from frictionbench.harness.run import run as run_plan
 from frictionbench.harness.workers.pool import Pool, Task
-from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.measures import judged, penetration, violations
@@ -131,13 +131,9 @@ def _ranges(numbers: tuple[int, ...]) -> str:
     return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 
-def judge_step(path: str, limit: float) -> dict[str, Any]:
-    """In a worker: the fields of the judgement on the step in a file, or why the file is refused."""
-    with worker.within(limit):
-        try:
-            return judge_file(worker.folder(), Path(path))._asdict()
-        except InputError as error:
-            return {"refused": str(error)}
+def judge_step(path: str) -> dict[str, Any]:
+    """In a worker: the fields of the judgement on the step in a file."""
+    return judge_file(worker.folder(), Path(path))._asdict()
 
 
 def judge(
@@ -174,16 +170,12 @@ def judge(
 
 def _judgements(paths: list[Path], scratch: Path, jobs: int, progress: Progress) -> list[Judgement]:
     """The judgements in the order of the paths. Errors: InputError naming the first file that cannot be judged."""
-    tasks = [Task(path.name, judge_step, (str(path.absolute()), COLLECT_SECONDS), COLLECT_SECONDS) for path in paths]
-    found: dict[str, Judgement] = {}
-    with Pool(scratch, jobs, (), MEMORY_LIMIT) as pool, progress.stage("steps", len(tasks), 0) as stage:
-        for outcome in pool.run(tasks, stage.started, stage.compiling):
-            if outcome.failure:
-                raise InputError(f"{outcome.task.arguments[0]}: cannot be judged ({outcome.reason})")
-            if refused := outcome.value.get("refused"):
-                raise InputError(refused)
-            found[outcome.task.name] = checked(outcome.value)
-            stage.finished(outcome.task)
+    tasks = [Task(path.name, judge_step, (str(path.absolute()),), COLLECT_SECONDS) for path in paths]
+    with Pool(scratch, jobs, (), MEMORY_LIMIT) as pool:
+        found = {
+            outcome.task.name: checked(outcome.result(f"{outcome.task.arguments[0]}: cannot be judged"))
+            for outcome in progress.follow("steps", pool, tasks)
+        }
     return [found[path.name] for path in paths]
 
 

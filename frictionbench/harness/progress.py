@@ -9,7 +9,8 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from frictionbench.harness.workers.pool import Task
+from frictionbench.harness.workers.cluster import Cluster
+from frictionbench.harness.workers.pool import Outcome, Pool, Task
 
 BAR = 20  # characters
 BESIDE = BAR + 2 * len("0:00:00") + len("/") + 5  # characters of a line but its name, its counts and what is running
@@ -24,23 +25,14 @@ class Stage:
         self._id = bar.add_task(name, total=total, completed=done, running="")
         self._room = max(console.width - len(name) - 2 * len(str(total)) - BESIDE, 0)
         self._running: list[str] = []
-        self._compiling: dict[int, str] = {}
         self._printed = time.monotonic()
 
     def started(self, task: Task) -> None:
         self._running.append(task.name)
         self._show()
 
-    def compiling(self, task: Task, now: bool) -> None:
-        """The task's worker has begun to compile (now), or has finished compiling."""
-        self._compiling.pop(id(task), None)
-        if now:
-            self._compiling[id(task)] = task.name
-        self._show()
-
     def finished(self, task: Task) -> None:
         self._running.remove(task.name)
-        self._compiling.pop(id(task), None)
         self.advance()
 
     def advance(self) -> None:
@@ -50,12 +42,10 @@ class Stage:
 
     def _show(self) -> None:
         running = next(iter(self._running), "")
-        shown = f"compiling for {next(iter(self._compiling.values()))}" if self._compiling else running
-        self._bar.update(self._id, completed=self._done, running=escape(shown[: self._room]))
+        self._bar.update(self._id, completed=self._done, running=escape(running[: self._room]))
         if not self._console.is_terminal and time.monotonic() - self._printed > INTERVAL:
             self._printed = time.monotonic()
-            compiling = ", compiling" if self._compiling else ""
-            self._console.print(f"{self._name}: {self._done} of {self._total}{compiling}", highlight=False)
+            self._console.print(f"{self._name}: {self._done} of {self._total}", highlight=False)
 
 
 class Progress:
@@ -67,6 +57,15 @@ class Progress:
     def tell(self, text: str) -> None:
         """Print a line."""
         self._console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    def follow(self, name: str, engine: Pool | Cluster, tasks: list[Task], done: int = 0) -> Iterator[Outcome]:
+        """The outcomes of the tasks as they arrive, shown in a stage if there are any. done: tasks of earlier runs."""
+        if not tasks:
+            return
+        with self.stage(name, done + len(tasks), done) as stage:
+            for outcome in engine.run(tasks, stage.started):
+                stage.finished(outcome.task)
+                yield outcome
 
     @contextmanager
     def stage(self, name: str, total: int, done: int) -> Iterator[Stage]:

@@ -8,7 +8,7 @@ import os
 import secrets
 import sys
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from datetime import UTC, datetime
 from importlib.metadata import version
 from inspect import cleandoc
@@ -19,7 +19,7 @@ from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.rows import batch_row, no_problem, simulation_row, solve_row
 from frictionbench.harness.convergence import record_histories
-from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SolveCell, origin
+from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SolveCell, origin, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
@@ -32,6 +32,11 @@ from frictionbench.solvers import find
 
 Counted = dict[str, dict[Path, Extent]]  # of each table, what counts of its shards
 ROWS: dict[str, Callable[..., Row]] = {"solves": solve_row, "simulations": simulation_row, "batches": batch_row}
+RUNS: dict[str, Callable[..., Row]] = {
+    "solves": worker.run_solve,
+    "simulations": worker.run_simulation,
+    "batches": worker.run_batch,
+}
 COLLECT_SECONDS = 600.0  # seconds for one source's problems: a bound for scenes whose reference answers take too long
 
 
@@ -99,27 +104,20 @@ def _run(
     done = set().union(*(store.stored_keys(folder, table, counted[table]) for table in TABLES))
     left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: _loaded_by(plan, cell))
     writer = f"{os.getpid()}-{secrets.token_hex(4)}"
-    with (
-        ShardWriter(folder, "solves", writer) as solved,
-        ShardWriter(folder, "simulations", writer) as simulated,
-        ShardWriter(folder, "batches", writer) as batched,
-        progress.stage("cells", len(cells), len(cells) - len(left)) as stage,
-    ):
-        shards = {"solves": solved, "simulations": simulated, "batches": batched}
+    with ExitStack() as opened:
+        shards = {table: opened.enter_context(ShardWriter(folder, table, writer)) for table in TABLES}
         tasks = []
         for task in (_task(cell, records, plan) for cell in left):
             if reason := _no_problem(task):
-                stage.started(task)
-                solved.write(row_of(Outcome(task, failure=Verdict.SKIPPED, reason=reason), plan.plugins))
-                stage.finished(task)
+                shards["solves"].write(row_of(Outcome(task, failure=Verdict.SKIPPED, reason=reason), plan.plugins))
             else:
                 tasks.append(task)
         record = dependencies.Record(folder)
-        for outcome in engine.run(tasks, stage.started, stage.compiling):
-            if source := plan.source(outcome.task.arguments[0].variant):
+        for outcome in progress.follow("cells", engine, tasks, len(cells) - len(tasks)):
+            cell = outcome.task.arguments[0]
+            if source := plan.source(cell.variant):
                 record.add(source, outcome.loaded)
-            shards[outcome.task.arguments[0].table].write(row_of(outcome, plan.plugins))
-            stage.finished(outcome.task)
+            shards[cell.table].write(row_of(outcome, plan.plugins))
     for table, shard in shards.items():
         if shard.path.exists():
             counted[table][shard.path] = shard.extent
@@ -189,29 +187,21 @@ def _brief(value: object) -> str:
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
     """The records of all problems by origin, in the plan's order; for a source without problems one with the reason."""
     tasks = [
-        Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source, COLLECT_SECONDS), COLLECT_SECONDS)
+        Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source,), COLLECT_SECONDS)
         for source in (*plan.sources, *plan.map_sources)
     ]
     by_task: dict[int, list[Record]] = {}
-    with progress.stage("problems", len(tasks), 0) as stage:
-        for outcome in pool.run(tasks, stage.started, stage.compiling):
-            source, _ = outcome.task.arguments
-            by_task[id(outcome.task)] = [no_problem(source, outcome.reason)] if outcome.failure else outcome.value
-            stage.finished(outcome.task)
+    for outcome in progress.follow("problems", pool, tasks):
+        (source,) = outcome.task.arguments
+        by_task[id(outcome.task)] = [no_problem(source, outcome.reason)] if outcome.failure else outcome.value
     return {origin(record): record for task in tasks for record in by_task[id(task)]}
 
 
 def _record_motions(plan: Plan, pool: Pool, progress: Progress) -> None:
     """Record a motion of every scene, on this machine; the report does without those that fail."""
-    tasks = [
-        Task(f"motion of {shown.scene}", worker.run_motion, (shown, plan.simulation_limit), plan.simulation_limit)
-        for shown in plan.shown()
-    ]
-    if not tasks:
-        return
-    with progress.stage("motions", len(tasks), 0) as stage:
-        for outcome in pool.run(tasks, stage.started, stage.compiling):
-            stage.finished(outcome.task)
+    tasks = [Task(f"motion of {shown.scene}", worker.run_motion, (shown,), plan.simulation_limit) for shown in plan.shown()]
+    for _ in progress.follow("motions", pool, tasks):
+        pass
 
 
 def _loaded_by(plan: Plan, cell: Cell) -> tuple[str, str]:
@@ -223,17 +213,16 @@ def _loaded_by(plan: Plan, cell: Cell) -> tuple[str, str]:
 
 
 def _task(cell: Cell, records: dict[str, Record], plan: Plan) -> Task:
-    owner = plan.owner(cell.variant)
     if isinstance(cell, SolveCell):
-        record = records[cell.origin]
-        name = f"{cell.variant} on {record['scene']}, {record['contacts']} contacts"
-        return Task(name, worker.run_solve, (cell, record, plan.time_limit), plan.time_limit, owner)
-    if isinstance(cell, BatchCell):
-        name = f"{cell.variant} on {cell.count} of {cell.scene}, {cell.way}"
-        return Task(name, worker.run_batch, (cell, plan.time_limit), plan.time_limit, owner)
-    return Task(
-        f"{cell.variant} in {cell.scene}", worker.run_simulation, (cell, plan.simulation_limit), plan.simulation_limit, owner
-    )
+        return cell_task(cell, plan.time_limit, plan.plugins, records[cell.origin])
+    return cell_task(cell, plan.time_limit if isinstance(cell, BatchCell) else plan.simulation_limit, plan.plugins)
+
+
+def cell_task(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Record | None = None) -> Task:
+    """The task of a cell; record: of the problem of a solve cell."""
+    name = f"{cell.variant} on {(record or vars(cell))['scene']}"
+    arguments = (cell, limit) if record is None else (cell, record, limit)
+    return Task(name, RUNS[cell.table], arguments, limit, owner(cell.variant, plugins), whole=False)
 
 
 def _no_problem(task: Task) -> str:

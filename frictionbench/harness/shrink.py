@@ -6,18 +6,16 @@ and is verified like any cell; it fails if its verdict is the row's own and its 
 rows are shrunk concurrently, one trial each in turn.
 """
 
-import tempfile
 from collections.abc import Generator, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
 from frictionbench.harness import process
-from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import stored_friction
 from frictionbench.harness.cells.rows import no_problem
-from frictionbench.harness.plans.plan import Plugin, SolveCell, Source, owner
-from frictionbench.harness.run import row_of
-from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.harness.plans.plan import Plugin, SolveCell, Source
+from frictionbench.harness.run import cell_task, row_of
+from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
 from frictionbench.problems.subproblems import keep_contacts
@@ -73,18 +71,15 @@ def shrink_rows(
         return
     with process.memory_within(memory_limit):
         searches = [Search(row, stored_friction(folder, row["problem"]), seconds) for row in rows]
-    with tempfile.TemporaryDirectory() as name:
-        scratch = Path(name)
-        (scratch / "problems").mkdir()
-        with Pool(scratch, jobs, plugins, memory_limit) as pool:
-            while searches:
-                trials = [(search, _trial(search, scratch, plugins)) for search in searches]
-                outcomes = {id(outcome.task): outcome for outcome in pool.run([task for _, task in trials])}
-                for search, task in trials:
-                    search.update(row_of(outcomes[id(task)], plugins))
-                    if search.done:
-                        yield search.row, _written(folder, search)
-                searches = [search for search in searches if not search.done]
+    with scratch_pool(plugins, memory_limit, jobs) as pool:
+        while searches:
+            trials = [(search, _trial(search, pool.folder, plugins)) for search in searches]
+            outcomes = {id(outcome.task): outcome for outcome in pool.run([task for _, task in trials])}
+            for search, task in trials:
+                search.update(row_of(outcomes[id(task)], plugins))
+                if search.done:
+                    yield search.row, _written(folder, search)
+            searches = [search for search in searches if not search.done]
 
 
 def reduction(parts: list[int]) -> Generator[list[int], bool, None]:
@@ -108,12 +103,10 @@ def reduction(parts: list[int]) -> Generator[list[int], bool, None]:
 
 def _trial(search: Search, scratch: Path, plugins: tuple[Plugin, ...]) -> Task:
     row, problem = search.row, keep_contacts(search.problem, search.candidate)
-    save(problem, scratch / "problems" / f"{problem.hash}.npz")
+    save(problem, subfolder(scratch, "problems") / f"{problem.hash}.npz")
     record = no_problem(Source(row["scene"]), "") | {"repeats": 1}
     cell = SolveCell(problem.hash, f"shrink {search.trials}", row["variant"], row["tol"], COLD)
-    return Task(
-        row["variant"], worker.run_solve, (cell, record, row["time_limit"]), row["time_limit"], owner(row["variant"], plugins)
-    )
+    return cell_task(cell, row["time_limit"], plugins, record)
 
 
 def _written(folder: Path, search: Search) -> Shrunk:

@@ -7,11 +7,10 @@ import pytest
 
 from frictionbench.commands.single import rerun_row
 from frictionbench.harness import run as run_module
-from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.rows import no_problem
 from frictionbench.harness.plans.plan import SolveCell, Source
-from frictionbench.harness.run import row_of, run
-from frictionbench.harness.workers.pool import Outcome, Task
+from frictionbench.harness.run import cell_task, row_of, run
+from frictionbench.harness.workers.pool import Outcome
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import ShardWriter
@@ -103,7 +102,7 @@ def test_rerun_is_bitwise_equal(tmp_path) -> None:
 def test_a_reply_without_a_verdict_is_a_crashed_row(verdict) -> None:
     source = Source("stack", {"blocks": 2})
     cell = SolveCell("abc", "origin", "lemke", 1e-6)
-    task = Task("lemke", worker.run_solve, (cell, no_problem(source, "") | {"repeats": 1}, 1.0), 1.0)
+    task = cell_task(cell, 1.0, (), no_problem(source, "") | {"repeats": 1})
     row = row_of(Outcome(task, {"verdict": verdict}), ())
     assert (row["verdict"], row["reason"]) == ("crashed", "the worker returned a malformed row")
 

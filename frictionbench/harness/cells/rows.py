@@ -73,7 +73,7 @@ def _cell_row(cell: SimulationCell | BatchCell, limit: float, plugins: tuple[Plu
 
 def _solver_row(variant: str, plugins: tuple[Plugin, ...]) -> Row:
     described = next((plugin.solvers[variant] for plugin in plugins if variant in plugin.solvers), None)
-    return {"variant": variant, "host": machine.host(), **(described or solver_facts(variant))}
+    return {"variant": variant, **(described or solver_facts(variant))}
 
 
 def solver_facts(variant: str) -> Row:

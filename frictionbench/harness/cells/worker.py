@@ -8,7 +8,7 @@ import gc
 import json
 import os
 from collections.abc import Callable
-from contextlib import AbstractContextManager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness import process
+from frictionbench.harness import machine, process
 from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.cells.collect import Record, collect, stored, stored_answer, stored_start
 from frictionbench.harness.cells.motion import record_motion, store_motion
-from frictionbench.harness.cells.rows import batch_row, finding_columns, simulation_row, solve_row, solver_facts
+from frictionbench.harness.cells.rows import finding_columns, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, Timing, time_solver
 from frictionbench.harness.deadline import COMPILE_SECONDS, Deadline
@@ -68,75 +68,60 @@ def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tupl
     _worker = _Worker(deadline, core, folder, plugin_files, process.bound_memory(memory_limit))
 
 
-def within(limit: float) -> AbstractContextManager[Callable[[float], None]]:
-    """End this worker if the block takes longer than `limit` seconds."""
-    return _worker.deadline.within(limit)
-
-
 def folder() -> Path:
     """The folder of the run."""
     return _worker.folder
 
 
 def prepared(name: str, variant: str, limit: float) -> tuple[FrictionProblem, Solver]:
-    """A stored friction problem and a solver that has been warmed up for it."""
+    """A stored friction problem and a solver that has been warmed up for it; from then on the task may take the limit."""
     _, solver = _solver(variant)
     problem = _problem(name)
     assert isinstance(problem, FrictionProblem)
-    _warm_up(variant, problem.dimension, problem.joints.shape[0] > 0, limit)
+    _warm_up(variant, *_kind(problem), limit)
+    _worker.deadline.allow(limit)
     return problem, solver
 
 
-def describe_plugin(source: str, named: list[str], limit: float) -> dict[str, Any]:
+def describe_plugin(source: str, named: list[str]) -> dict[str, Any]:
     """Import a plug-in; the fields of harness.plans.plan.Plugin, for the variants named and all solvers that a file defines."""
-    with _worker.deadline.within(limit):
-        content, version = plugins.content(source), plugins.version(source)
-        names = plugins.load(source)
+    content, version = plugins.content(source), plugins.version(source)
+    names = plugins.load(source)
     defined = names if plugins.defines_all(source) else ()
     variants = [*defined, *(spec for spec in named if split("solver", spec)[0] in names)]
     return {"source": source, "content": content, "solvers": {v: solver_facts(v) | {"version": version} for v in variants}}
 
 
-def run_source(source: Source, limit: float) -> list[Record]:
+def run_source(source: Source) -> list[Record]:
     """Collect a source's problems."""
-    with _worker.deadline.within(limit):
-        return collect(_worker.folder, source)
+    return collect(_worker.folder, source)
 
 
-def run_scene(name: str, parameters: dict[str, Any], limit: float) -> dict[str, str]:
-    """Build a scene and its first problem, or an instance; why it is refused, if it is."""
-    with _worker.deadline.within(limit):
-        try:
-            problem_of(name, **parameters)
-        except InputError as error:
-            return {"refused": str(error)}
-    return {}
+def run_scene(name: str, parameters: dict[str, Any]) -> None:
+    """Build a scene and its first problem, or an instance."""
+    problem_of(name, **parameters)
 
 
-def run_problem(source: Source, limit: float) -> dict[str, Any]:
+def run_problem(source: Source) -> dict[str, Any]:
     """Collect a source's first problem: its record, its summary, whether its mechanics are given, and in words the
-    contradiction in it, if any; or why it is refused."""
-    try:
-        (record, *_) = run_source(source, limit)
-        problem = stored(_worker.folder, record["problem"])
-        facts = {"record": record, "summary": problem.summary, "mechanical": False, "contradiction": ""}
-        if isinstance(problem, FrictionProblem):
-            facts |= {"mechanical": problem.mechanical, "contradiction": str(contradiction(problem) or "")}
-        return facts
-    except InputError as error:
-        return {"refused": str(error)}
+    contradiction in it, if any."""
+    record, *_ = run_source(source)
+    problem = stored(_worker.folder, record["problem"])
+    facts = {"record": record, "summary": problem.summary, "mechanical": False, "contradiction": ""}
+    if isinstance(problem, FrictionProblem):
+        facts |= {"mechanical": problem.mechanical, "contradiction": str(contradiction(problem) or "")}
+    return facts
 
 
 def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     """Run a solve cell; its row."""
     start_time = perf_counter()
-    row = solve_row(cell, record, limit, _worker.plugins)
     info, solver = _solver(cell.variant)
     problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
     no_start = None if takes_start else f"{info.name} takes no start"
     if reason := info.missing or info.refuses(problem) or _too_large(solver, problem) or no_start:
-        return _done(start_time, row | {"verdict": Verdict.SKIPPED, "reason": reason})
+        return _done(start_time, {"verdict": Verdict.SKIPPED, "reason": reason})
     start_time += _warm_up(cell.variant, *_kind(problem), limit)
     given = duplicate(problem)
     process.reset_peak_memory()
@@ -145,11 +130,10 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
             timing = _timed(solver, given, cell, record, limit, info.remote and info.ours)
     except AnswerError as error:
         verdict = Verdict.WRONG if error.claimed else Verdict.UNSOLVED
-        return _done(start_time, row | {"verdict": verdict, "reason": str(error), "claimed": error.claimed})
+        return _done(start_time, {"verdict": verdict, "reason": str(error), "claimed": error.claimed})
     except BaseException as error:  # whatever a solver raises, also SystemExit, is a finding of its row
-        return _done(start_time, row | _crashed(error))
-    row["peak_memory"] = process.peak_memory()
-    row |= _core_columns(core, timing.spent)
+        return _done(start_time, _crashed(error))
+    row = {"peak_memory": process.peak_memory(), **_core_columns(core, timing.spent)}
     reference = stored_answer(_worker.folder, cell.problem)
     row |= finding_columns(problem, timing, info, cell.tol, limit, reference, disturbed=bool(row["disturbed"]))
     if not same(problem, given):
@@ -167,23 +151,21 @@ def _too_large(solver: Solver, problem: FrictionProblem | LCP) -> str | None:
 def run_simulation(cell: SimulationCell, limit: float) -> Row:
     """Simulate a scene with a solver; the row of the simulation cell."""
     start_time = perf_counter()
-    row = simulation_row(cell, limit, _worker.plugins)
     info, solver = _solver(cell.variant)
     if reason := refusal(cell, info):
-        return _done(start_time, row | {"verdict": Verdict.SKIPPED, "reason": reason})
+        return _done(start_time, {"verdict": Verdict.SKIPPED, "reason": reason})
     stage = scene(cell.scene, **cell.parameters)
     start_time += _warm_up(cell.variant, stage.dimension, bool(stage.hinges), limit)
-    return _done(start_time, row | _measured(cell.variant, limit, lambda: run_closed_loop(cell, info, solver)))
+    return _done(start_time, _measured(cell.variant, limit, lambda: run_closed_loop(cell, info, solver)))
 
 
 def run_batch(cell: BatchCell, limit: float) -> Row:
     """Solve the problems of a batch in one way; the row of the batch cell."""
-    row = batch_row(cell, limit, _worker.plugins)
     info, _ = _solver(cell.variant)
     with _worker.deadline.within(limit, COMPILE_SECONDS):
         batch = batch_of(cell.scene, json.dumps(cell.parameters), cell.count)
     start_time = perf_counter()
-    row |= batch.facts
+    row = batch.facts
     if reason := info.missing or next(filter(None, map(info.refuses, batch.problems)), None):
         return _done(start_time, row | {"verdict": Verdict.SKIPPED, "reason": reason})
     start_time += _warm_up(cell.variant, batch.dimension, False, limit)
@@ -215,17 +197,15 @@ def run_check(variant: str, check: str, violations: Callable[[SolverInfo, Solver
         return violations(info, solver, check)
 
 
-def run_motion(source: Source, limit: float) -> None:
+def run_motion(source: Source) -> None:
     """Record the motion of a scene by reference answers."""
-    with _worker.deadline.within(limit):
-        store_motion(_worker.folder, source)
+    store_motion(_worker.folder, source)
 
 
-def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None, limit: float) -> dict[str, Any]:
+def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None) -> dict[str, Any]:
     """The motion of a scene by a solver, encoded: in its sandbox a plug-in's worker writes no file."""
     _solver(variant)
-    with _worker.deadline.within(limit):
-        return encoded(record_motion(scene(name, **settings), variant, scheme, steps))
+    return encoded(record_motion(scene(name, **settings), variant, scheme, steps))
 
 
 def _solver(variant: str) -> tuple[SolverInfo, Solver]:
@@ -275,7 +255,7 @@ def _core_columns(core: process.Core, spent: float) -> Row:
 
 
 def _done(start_time: float, row: Row) -> Row:
-    return row | {"core": _worker.core, "wall_time": perf_counter() - start_time}
+    return row | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - start_time}
 
 
 def _foreign(variant: str) -> bool:

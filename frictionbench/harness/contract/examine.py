@@ -1,18 +1,16 @@
 """All checks on a solver, each a task of its own: a check that hangs or crashes counts as a violation."""
 
-import tempfile
 from collections import Counter
 from collections.abc import Iterable
 from itertools import groupby
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from frictionbench.harness.cells import worker
 from frictionbench.harness.contract import checks  # noqa: F401  # registers them
 from frictionbench.harness.contract.check import CHECKS, Subject
-from frictionbench.harness.plans.plan import Plan
+from frictionbench.harness.plans.plan import owner
 from frictionbench.harness.workers.inputs import load_plugins
-from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import InputError
 from frictionbench.solvers import Solver, SolverInfo, available, find
 
@@ -31,16 +29,17 @@ def examine(specs: list[str], jobs: int) -> list[Found]:
     """Run all checks on every variant of the specs, files or names. Errors: InputError naming the solver or the file."""
     named = [variant for spec in specs for variant in (available()[spec].specs if spec in available() else (spec,))]
     variants, plugins = load_plugins(named)
-    plan = Plan("check-solver", (), variants, (1e-8,), plugins=plugins)
     for variant in variants:
-        if not plan.owner(variant) and (missing := find(variant)[0].missing):
+        if not owner(variant, plugins) and (missing := find(variant)[0].missing):
             raise InputError(f"solver: {variant}: {missing}")
     tasks = [
-        Task(f"{check} {variant}", worker.run_check, (variant, check, _violations, LIMIT), LIMIT, plan.owner(variant))
+        Task(
+            f"{check} {variant}", worker.run_check, (variant, check, _violations, LIMIT), LIMIT, owner(variant, plugins), False
+        )
         for variant in variants
         for check in CHECKS
     ]
-    with tempfile.TemporaryDirectory() as folder, Pool(Path(folder), jobs, plugins, plan.memory_limit) as pool:
+    with scratch_pool(plugins, jobs=jobs) as pool:
         outcomes = {outcome.task.arguments[:2]: outcome for outcome in pool.run(tasks)}
     return [
         Found(variant, check, [outcome.reason] if outcome.failure else _texts(outcome.value))

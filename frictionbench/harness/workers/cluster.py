@@ -66,10 +66,8 @@ class Cluster:
         with suppress(Exception):  # a scheduler that does not answer cannot be told
             self._client.close(timeout=1.0)
 
-    def run(
-        self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None, _: object = None
-    ) -> Iterator[Outcome]:
-        """The outcomes of the tasks as they arrive. started is called when a task is submitted; compilation is not reported.
+    def run(self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None) -> Iterator[Outcome]:
+        """The outcomes of the tasks as they arrive. started is called when a task is submitted.
 
         Errors: ResultsError where the scheduler ends or does not answer, or a dask worker runs other code.
         """

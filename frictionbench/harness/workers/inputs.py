@@ -6,14 +6,12 @@ The main process imports no plug-in, and a scene of a million blocks takes a min
 import json
 import os
 import sys
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
-from frictionbench.harness.cells import worker
-from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plugin
-from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.harness.cells.worker import IMPORT_SECONDS, describe_plugin, run_scene
+from frictionbench.harness.plans.plan import Plugin
+from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import split
 from frictionbench.results.conventions import scene_title
@@ -49,15 +47,12 @@ def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[
 
 
 def _load(sources: list[str], named: list[str]) -> list[Plugin]:
-    limit = worker.IMPORT_SECONDS
-    tasks = [Task(source, worker.describe_plugin, (source, named, limit), limit, owner=source) for source in sources]
-    found = {}
-    with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY_LIMIT) as pool:
-        for outcome in pool.run(tasks):
-            if outcome.failure:
-                raise outcome.input_error(f"solver: {outcome.task.name} cannot be imported ({outcome.reason})")
-            found[outcome.task.name] = _described(outcome.task.name, outcome.value)
-    return [found[source] for source in sources]
+    tasks = [Task(source, describe_plugin, (source, named), IMPORT_SECONDS, owner=source) for source in sources]
+    with scratch_pool() as pool:
+        values = {
+            outcome.task.name: outcome.result(f"solver: {outcome.task.name} cannot be imported") for outcome in pool.run(tasks)
+        }
+    return [_described(source, values[source]) for source in sources]
 
 
 def _described(source: str, value: Any) -> Plugin:
@@ -80,13 +75,7 @@ def require_buildable(chosen: Sequence[tuple[str, dict[str, Any]]]) -> None:
 
     Errors: InputError naming the parameter, or the scene where it takes too much memory or time.
     """
-    tasks = [Task(name, worker.run_scene, (name, parameters, BUILD_SECONDS), BUILD_SECONDS) for name, parameters in chosen]
-    if not tasks:
-        return
-    with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY_LIMIT) as pool:
+    tasks = [Task(scene_title(name, json.dumps(given)), run_scene, (name, given), BUILD_SECONDS) for name, given in chosen]
+    with scratch_pool() as pool:
         for outcome in pool.run(tasks):
-            name, parameters, _ = outcome.task.arguments
-            if outcome.failure:
-                raise InputError(f"scene: {scene_title(name, json.dumps(parameters))} cannot be made ({outcome.reason})")
-            if reason := outcome.value.get("refused"):
-                raise InputError(reason)
+            outcome.result(f"scene: {outcome.task.name} cannot be made")

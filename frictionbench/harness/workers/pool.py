@@ -11,16 +11,16 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from tempfile import TemporaryFile
+from tempfile import TemporaryDirectory, TemporaryFile
 from typing import Any
 
 from frictionbench.harness import machine, process
 from frictionbench.harness.dependencies import Loaded
-from frictionbench.harness.plans.plan import Plugin
+from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plugin
 from frictionbench.problems import InputError, compiled
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import Verdict
@@ -34,7 +34,8 @@ LONGEST_REPLY = 256 * 2**20
 class Task:
     """A call of function(*arguments) in a worker, whose value is sent back as JSON.
 
-    name: shown in the progress bar. limit: seconds. owner: the solver from outside this repository that it runs, or empty.
+    name: shown in the progress bar. limit: seconds; whole: whether they are of the whole call, or of a part of it, such as the
+    solver's, which the function itself limits. owner: the solver from outside this repository that it runs, or empty.
     """
 
     name: str
@@ -42,24 +43,29 @@ class Task:
     arguments: tuple[Any, ...]
     limit: float
     owner: str = ""
+    whole: bool = True
 
 
 @dataclass(frozen=True)
 class Outcome:
     """What a task returned; or, where it returned nothing, the verdict (TIMEOUT or CRASHED) and the reason.
 
-    loaded: what the worker of a plug-in has loaded so far, see harness.dependencies.
+    refused: whether it raised InputError, of which the reason is the message. loaded: what the worker of a plug-in has loaded
+    so far, see harness.dependencies.
     """
 
     task: Task
     value: Any = None
     failure: Verdict | None = None
     reason: str = ""
+    refused: bool = False
     loaded: Loaded = field(default_factory=dict)
 
-    def input_error(self, otherwise: str) -> InputError:
-        """The failure as an error: its reason where that begins with the name of a field, else the message `otherwise`."""
-        return InputError(self.reason if self.reason.startswith(("solver: ", "scheme: ")) else otherwise)
+    def result(self, otherwise: str) -> Any:
+        """What the task returned. Errors: InputError as the task raised it, or, where it failed, `otherwise` and the reason."""
+        if self.failure:
+            raise InputError(self.reason if self.refused else f"{otherwise} ({self.reason})")
+        return self.value
 
 
 TRIES = 3  # one kill may be an accident, such as a machine short of memory for a moment; three in a row are not
@@ -156,8 +162,8 @@ class _Slot:
         except OSError:
             self._restart()
 
-    def receive(self, compiling: Callable[[Task, bool], None]) -> Outcome | None:
-        """The outcome of the task; None where it was restarted, or where the message was that it compiles or has compiled."""
+    def receive(self) -> Outcome | None:
+        """The outcome of the task; None where it was restarted."""
         assert self.task is not None
         try:
             message: dict[str, Any] = json.loads(self.connection.recv_bytes())
@@ -169,14 +175,12 @@ class _Slot:
             message = {"failure": Verdict.CRASHED.name, "reason": f"its processes were killed {TRIES} times"}
         if "unusable" in message:
             raise InputError(message["unusable"])
-        if "compiling" in message:
-            compiling(self.task, bool(message["compiling"]))
-            return None
         if message.get("retry") and self._tries < TRIES:
             self.send(self.task)
             return None
         failure = Verdict[message["failure"]] if "failure" in message else None
-        outcome = Outcome(self.task, message.get("value"), failure, message.get("reason", ""), message.get("loaded", {}))
+        told = {name: message[name] for name in ("value", "reason", "refused", "loaded") if name in message}
+        outcome = Outcome(self.task, failure=failure, **told)
         self.task, self._tries = None, 0
         return outcome
 
@@ -198,14 +202,15 @@ class _Slot:
 class Pool:
     """Workers for one run; use as a context manager.
 
-    sandbox: what keeps plug-ins from the files and processes of the run, see harness.workers.sandbox.
+    folder: that of the run. sandbox: what keeps plug-ins from the files and processes of the run, see harness.workers.sandbox.
     Errors: InputError on a platform that cannot isolate them and, from `run`, where a worker cannot start; ResultsError where
     they run other code than this process.
     """
 
     def __init__(self, folder: Path, jobs: int, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
         process.require_linux()
-        self._slots = [_Slot((folder.absolute(), plugins, memory_limit)) for _ in range(jobs)]
+        self.folder = folder.absolute()
+        self._slots = [_Slot((self.folder, plugins, memory_limit)) for _ in range(jobs)]
         assert _server is not None
         self.sandbox = _server.sandbox
 
@@ -216,14 +221,8 @@ class Pool:
         for slot in self._slots:
             slot.close()
 
-    def run(
-        self,
-        tasks: Iterable[Task],
-        started: Callable[[Task], None] = lambda task: None,
-        compiling: Callable[[Task, bool], None] = lambda task, now: None,
-    ) -> Iterator[Outcome]:
-        """The outcomes of the tasks as they arrive. started is called when a task is sent to a worker, compiling when that
-        worker begins to compile and when it has finished compiling."""
+    def run(self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None) -> Iterator[Outcome]:
+        """The outcomes of the tasks as they arrive. started is called when a task is sent to a worker."""
         queue = iter(tasks)
         while True:
             for slot in self._slots:
@@ -234,5 +233,17 @@ class Pool:
             if not busy:
                 return
             for connection in wait(list(busy)):
-                if (outcome := busy[connection].receive(compiling)) is not None:  # type: ignore[index]
+                if (outcome := busy[connection].receive()) is not None:  # type: ignore[index]
                     yield outcome
+
+
+@contextmanager
+def scratch_pool(
+    plugins: tuple[Plugin, ...] = (), memory_limit: int = MEMORY_LIMIT, jobs: int = 1, folder: Path | None = None
+) -> Iterator[Pool]:
+    """Workers whose folder is removed at the end. folder: of a run whose problems they read."""
+    with TemporaryDirectory() as name:
+        if folder is not None:
+            (Path(name) / "problems").symlink_to((folder / "problems").resolve())
+        with Pool(Path(name), jobs, plugins, memory_limit) as pool:
+            yield pool

@@ -18,7 +18,7 @@ import signal
 import socket
 import sys
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -187,7 +187,7 @@ class _Worker:
         last.allow(3 * task.limit + (FOREIGN_SECONDS if task.owner else 3 * COMPILE_SECONDS + HARNESS_SECONDS))
         with suppress(OSError):
             self._tasks.send(task)
-        reply, poll, compiling = bytearray(), POLL, False
+        reply, poll = bytearray(), POLL
         open_ends: list[Any] = [self._replies, channel]
         while len(reply) < LONGEST_REPLY:
             left = min(self.deadline.left, last.left)
@@ -205,9 +205,6 @@ class _Worker:
                     open_ends, poll = [channel], POLL_CLOSED
             if (ended := self._ended()) is not None:
                 return _exit_failure(ended), False
-            if not ready and self.deadline.compiling != compiling:  # a whole poll long: not just reading its cache
-                compiling = not compiling
-                channel.send_bytes(_reply(compiling=compiling))
         return _failure(Verdict.CRASHED, f"the worker's reply was longer than {LONGEST_REPLY} bytes"), False
 
     def _ended(self) -> int | None:
@@ -257,11 +254,13 @@ def work(
             return
         deadline.allow(HARNESS_SECONDS)
         try:
-            value = task.function(*task.arguments)
-            reply = _reply(value=value, helpers=living(), loaded=dependencies.loaded())
+            with deadline.within(task.limit) if task.whole else nullcontext():
+                found = {"value": task.function(*task.arguments)}
         except Exception as error:
-            reason = str(error) if isinstance(error, InputError) else plugins.describe_error(error)
-            reply = _failure(Verdict.CRASHED, reason, helpers=living(), loaded=dependencies.loaded())
+            refused = isinstance(error, InputError)
+            reason = str(error) if refused else plugins.describe_error(error)
+            found = {"failure": Verdict.CRASHED.name, "reason": reason, "refused": refused}
+        reply = _reply(**found, helpers=living(), loaded=dependencies.loaded())
         if os.getpid() != pid:  # a child that a solver forked, and that returned from the call as well
             os._exit(0)
         os.chdir(home)
@@ -276,7 +275,7 @@ def _checked(line: bytes) -> tuple[bytes, bool]:
         reply = json.loads(line) if line.count(b"\n") == 1 else None
         if (
             isinstance(reply, dict)
-            and reply.keys() <= {"value", "failure", "reason", "helpers", "loaded"}
+            and reply.keys() <= {"value", "failure", "reason", "refused", "helpers", "loaded"}
             and reply.get("failure") in (None, Verdict.CRASHED.name)
             and isinstance(reply.setdefault("loaded", {}), dict)
             and all(isinstance(place, str) for place in reply["loaded"].values())
