@@ -21,6 +21,8 @@ Each name is imported when it is first used, so that `import frictionbench` alon
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from frictionbench.lazy import importer
+
 if TYPE_CHECKING:
     from frictionbench import capture, mujoco, plot
     from frictionbench.files import load, load_step, save
@@ -72,36 +74,11 @@ __all__ = [
     "verify",
 ]
 
-# Where each name is defined; the type checker reads the imports above, and a test compares the two.
-_DEFINED_IN = {
-    "frictionbench.problems": ("LCP", "Answer", "FrictionProblem", "InputError", "Status", "Verdict"),
-    "frictionbench.problems.catalogue": ("problem",),
-    "frictionbench.problems.scenes": ("scene", "scenes"),
-    "frictionbench.problems.analysis.contradiction": ("contradiction",),
-    "frictionbench.problems.batch": ("Batch",),
-    "frictionbench.problems.instances": ("instance", "instances"),
-    "frictionbench.problems.residual": ("residual", "residual_floor"),
-    "frictionbench.solvers": ("Answers", "available", "solve", "solve_many", "solver"),
-    "frictionbench.problems.recorded.own": ("EngineStep",),
-    "frictionbench.files": ("load", "load_step", "save"),
-    "frictionbench.tables": ("read_results",),
-    "frictionbench.verification": ("verify",),
-}
-_OTHER_NAME = {"instance": "make_instance", "problem": "problem_of"}  # where the defining module calls it differently
+_imported = importer(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        value: Any = import_module("importlib.metadata").version("frictionbench")
-    elif name in ("capture", "mujoco", "plot"):
-        value = import_module(f"frictionbench.{name}")
-    else:
-        module = next((module for module, names in _DEFINED_IN.items() if name in names), None)
-        if module is None:
-            raise AttributeError(f"module 'frictionbench' has no attribute {name!r}")
-        value = getattr(import_module(module), _OTHER_NAME.get(name, name))
-    globals()[name] = value
-    return value
+    return import_module("importlib.metadata").version("frictionbench") if name == "__version__" else _imported(name)
 
 
 def __dir__() -> list[str]:

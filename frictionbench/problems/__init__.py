@@ -3,104 +3,50 @@
 Each name is imported when it is first used, so that the verdicts alone (problems.verdicts) load no kernels.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from frictionbench.lazy import importer
 
 if TYPE_CHECKING:
-    from frictionbench.problems.analysis.census import Census, census
-    from frictionbench.problems.analysis.frictionless import frictionless_answer, idle
-    from frictionbench.problems.analysis.outcomes import refined, velocity_distance
-    from frictionbench.problems.analysis.polyhedra import Shape
-    from frictionbench.problems.analysis.thresholds import is_p0, is_pointed
-    from frictionbench.problems.answer import Answer, Status
-    from frictionbench.problems.check import InputError
-    from frictionbench.problems.compliant import comply
-    from frictionbench.problems.forms.lcp import LCP
-    from frictionbench.problems.friction import FrictionProblem
-    from frictionbench.problems.generalised import ReducedScene
-    from frictionbench.problems.instances.recorded_step import recorded_steps
-    from frictionbench.problems.residual import relaxation_residual
-    from frictionbench.problems.scene import GRAVITY, Scene
-    from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
-    from frictionbench.problems.schemes.event_driven import Impact, follow, newton
-    from frictionbench.problems.schemes.impact import impact
-    from frictionbench.problems.schemes.stepping import Scheme, Solve, Solved
-    from frictionbench.problems.simulate import first_problem
+    from frictionbench.problems.analysis.census import Census as Census
+    from frictionbench.problems.analysis.census import census as census
+    from frictionbench.problems.analysis.frictionless import frictionless_answer as frictionless_answer
+    from frictionbench.problems.analysis.frictionless import idle as idle
+    from frictionbench.problems.analysis.outcomes import refined as refined
+    from frictionbench.problems.analysis.outcomes import velocity_distance as velocity_distance
+    from frictionbench.problems.analysis.polyhedra import Shape as Shape
+    from frictionbench.problems.analysis.thresholds import is_p0 as is_p0
+    from frictionbench.problems.analysis.thresholds import is_pointed as is_pointed
+    from frictionbench.problems.answer import Answer as Answer
+    from frictionbench.problems.answer import Status as Status
+    from frictionbench.problems.check import InputError as InputError
+    from frictionbench.problems.compliant import comply as comply
+    from frictionbench.problems.forms.lcp import LCP as LCP
+    from frictionbench.problems.friction import FrictionProblem as FrictionProblem
+    from frictionbench.problems.generalised import ReducedScene as ReducedScene
+    from frictionbench.problems.instances.recorded_step import recorded_steps as recorded_steps
+    from frictionbench.problems.residual import relaxation_residual as relaxation_residual
+    from frictionbench.problems.scene import GRAVITY as GRAVITY
+    from frictionbench.problems.scene import Scene as Scene
+    from frictionbench.problems.schemes import SCHEMES as SCHEMES
+    from frictionbench.problems.schemes import NoSolution as NoSolution
+    from frictionbench.problems.schemes import Step as Step
+    from frictionbench.problems.schemes import start as start
+    from frictionbench.problems.schemes.event_driven import Impact as Impact
+    from frictionbench.problems.schemes.event_driven import follow as follow
+    from frictionbench.problems.schemes.event_driven import newton as newton
+    from frictionbench.problems.schemes.impact import impact as impact
+    from frictionbench.problems.schemes.stepping import Scheme as Scheme
+    from frictionbench.problems.schemes.stepping import Solve as Solve
+    from frictionbench.problems.schemes.stepping import Solved as Solved
+    from frictionbench.problems.simulate import first_problem as first_problem
     from frictionbench.problems.simulate import simulate as simulation
-    from frictionbench.problems.spatial.bodies import HalfSpace, solid_box, solid_sphere
-    from frictionbench.problems.verdicts import ACCEPTED, Verdict, measured
+    from frictionbench.problems.spatial.bodies import HalfSpace as HalfSpace
+    from frictionbench.problems.spatial.bodies import solid_box as solid_box
+    from frictionbench.problems.spatial.bodies import solid_sphere as solid_sphere
+    from frictionbench.problems.verdicts import ACCEPTED as ACCEPTED
+    from frictionbench.problems.verdicts import Verdict as Verdict
+    from frictionbench.problems.verdicts import measured as measured
 
-__all__ = [
-    "ACCEPTED",
-    "GRAVITY",
-    "LCP",
-    "SCHEMES",
-    "Answer",
-    "Census",
-    "FrictionProblem",
-    "HalfSpace",
-    "Impact",
-    "InputError",
-    "NoSolution",
-    "ReducedScene",
-    "Scene",
-    "Scheme",
-    "Shape",
-    "Solve",
-    "Solved",
-    "Status",
-    "Step",
-    "Verdict",
-    "census",
-    "comply",
-    "first_problem",
-    "follow",
-    "frictionless_answer",
-    "idle",
-    "impact",
-    "is_p0",
-    "is_pointed",
-    "measured",
-    "newton",
-    "recorded_steps",
-    "refined",
-    "relaxation_residual",
-    "simulation",
-    "solid_box",
-    "solid_sphere",
-    "start",
-    "velocity_distance",
-]
-
-_DEFINED_IN = {  # by module
-    "analysis.census": ("Census", "census"),
-    "analysis.frictionless": ("frictionless_answer", "idle"),
-    "analysis.outcomes": ("refined", "velocity_distance"),
-    "analysis.polyhedra": ("Shape",),
-    "analysis.thresholds": ("is_p0", "is_pointed"),
-    "answer": ("Answer", "Status"),
-    "check": ("InputError",),
-    "compliant": ("comply",),
-    "forms.lcp": ("LCP",),
-    "friction": ("FrictionProblem",),
-    "generalised": ("ReducedScene",),
-    "instances.recorded_step": ("recorded_steps",),
-    "residual": ("relaxation_residual",),
-    "scene": ("GRAVITY", "Scene"),
-    "schemes": ("SCHEMES", "NoSolution", "Step", "start"),
-    "schemes.event_driven": ("Impact", "follow", "newton"),
-    "schemes.impact": ("impact",),
-    "schemes.stepping": ("Scheme", "Solve", "Solved"),
-    "simulate": ("first_problem", "simulation"),
-    "spatial.bodies": ("HalfSpace", "solid_box", "solid_sphere"),
-    "verdicts": ("ACCEPTED", "Verdict", "measured"),
-}
-
-
-def __getattr__(name: str) -> Any:
-    module = next((module for module, names in _DEFINED_IN.items() if name in names), None)
-    if module is None:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    own = {"simulation": "simulate"}.get(name, name)
-    globals()[name] = value = getattr(import_module(f"{__name__}.{module}"), own)
-    return value
+__all__ = ["simulation"]  # the name that is another there
+__getattr__ = importer(__name__, __file__)

@@ -4,8 +4,9 @@ The names below are what programs outside the package use; each is imported when
 second.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from frictionbench.lazy import importer
 
 if TYPE_CHECKING:
     from frictionbench.reports.accuracy import OVERALL as OVERALL
@@ -40,25 +41,4 @@ if TYPE_CHECKING:
     from frictionbench.reports.templates import environment as environment
     from frictionbench.reports.templates import script as script
 
-_FILES = {
-    "accuracy": ("OVERALL",),
-    "batches": ("HEADER", "METHOD", "RateTable", "rate_tables"),
-    "choice": ("Kind", "choices", "headline"),
-    "drawing.figures": ("Panel",),
-    "drawing.files": ("save_sheet",),
-    "drawing.style": ("ALARM", "GRID", "INK", "Look", "looks"),
-    "drawing.text": ("escaped", "percent", "plain", "count", "power", "seconds"),
-    "page": ("write_report",),
-    "robustness": ("MapCells", "map_cells"),
-    "run": ("Run", "read_run"),
-    "settings": ("workers_on_all_cores",),
-    "tables": ("disturbed", "reliabilities"),
-    "templates": ("environment", "script"),
-}
-
-
-def __getattr__(name: str) -> Any:
-    for file, names in _FILES.items():
-        if name in names:
-            return getattr(import_module(f"{__name__}.{file}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = importer(__name__, __file__)

@@ -4,8 +4,9 @@ The names below are what programs outside the package use; each is imported when
 take half a second.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from frictionbench.lazy import importer
 
 if TYPE_CHECKING:
     from frictionbench.problems.verdicts import measured as measured
@@ -23,17 +24,4 @@ if TYPE_CHECKING:
     from frictionbench.results.store import read_table as read_table
     from frictionbench.results.store import rows as rows
 
-_FILES = {
-    "problems.verdicts": ("measured",),
-    "results.conventions": ("COLD", "SHUFFLED", "WARM", "RankBy", "scene_title"),
-    "results.files": ("ResultsError", "read_json", "subfolder", "write_text"),
-    "results.schema": ("SCHEMA_VERSION", "TABLES"),
-    "results.store": ("read_table", "rows"),
-}
-
-
-def __getattr__(name: str) -> Any:
-    for file, names in _FILES.items():
-        if name in names:
-            return getattr(import_module(f"frictionbench.{file}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = importer(__name__, __file__)
