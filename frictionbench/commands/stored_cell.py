@@ -2,19 +2,19 @@
 our own or that of plug-ins that the user names in this command. The file named in the manifest is shown and never run.
 """
 
-import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from frictionbench.harness.cells.collect import is_object
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scenes
 from frictionbench.problems.check import require
 from frictionbench.problems.instances import instances
-from frictionbench.problems.schemes import require_scheme
+from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.spec import split
 from frictionbench.results import store
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, WARM, WAYS
@@ -43,43 +43,28 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
     row = dict.fromkeys(column.name for column in TABLES[table]) | row  # shards leave out nulls
     memory = settings.get("memory_limit")
     require(type(memory) is int and LEAST_MEMORY <= memory < 2**60, "settings.memory_limit", f"cannot be {memory!r:.100}")
-    for name in ("variant", "scene", "verdict", "parameters", *(["scheme"] if table == "simulations" else ["start"])):
-        require(isinstance(row[name], str), name, "is missing from the row")
-    _positive(row, "tol", 0.0, 1e300)
-    _positive(row, "time_limit", LEAST_SECONDS, MOST_SECONDS)
-    try:
-        parameters = json.loads(row["parameters"])
-    except (ValueError, RecursionError):
-        parameters = None
-    require(isinstance(parameters, dict), "parameters", "not a JSON object")
+    texts = ("variant", "scene", "verdict", "parameters", *(["scheme"] if table == "simulations" else ["start"]))
+    usable = {name: isinstance(row[name], str) for name in texts}
+    usable["parameters"] = usable["parameters"] and is_object(row["parameters"])
+    usable |= {"tol": _between(row["tol"], 0.0, 1e300), "time_limit": _between(row["time_limit"], LEAST_SECONDS, MOST_SECONDS)}
     if table == "simulations":
-        require_scheme(row["scheme"])
-        require(
-            row["after_failure"] in (KEEP_ANSWER, KEEP_VELOCITY, RELAX),
-            "after_failure",
-            f"unknown: {row['after_failure']!r:.100}",
-        )
-        steps = row["steps"]
-        require(steps is None or 0 < steps <= MOST_STEPS, "steps", f"cannot be {steps}")
-        require(row["scene"] in scenes(), "scene", f"unknown scene {row['scene']!r:.100}")
+        usable["after_failure"] = row["after_failure"] in (KEEP_ANSWER, KEEP_VELOCITY, RELAX)
+        usable["scheme"] = row["scheme"] in SCHEMES
+        usable["steps"] = row["steps"] is None or 0 < row["steps"] <= MOST_STEPS
+        usable["scene"] = row["scene"] in scenes()
     elif table == "batches":
-        require(
-            row["way"] in WAYS and row["start"] in (COLD, WARM),
-            "way",
-            f"unknown: {row['way']!r:.100} from {row['start']!r:.100}",
-        )
-        require(
-            type(row["problems"]) is int and 0 < row["problems"] <= MOST_PROBLEMS, "problems", f"cannot be {row['problems']}"
-        )
-        require(row["scene"] in scenes() or row["scene"] in instances(), "scene", f"unknown scene {row['scene']!r:.100}")
+        usable |= {"way": row["way"] in WAYS, "start": row["start"] in (COLD, WARM)}
+        usable["problems"] = type(row["problems"]) is int and 0 < row["problems"] <= MOST_PROBLEMS
+        usable["scene"] = row["scene"] in scenes() or row["scene"] in instances()
     elif row["problem"]:
-        require(re.fullmatch("[0-9a-f]+", row["problem"]) is not None, "problem", f"not a hash: {row['problem']!r:.100}")
+        usable["problem"] = re.fullmatch("[0-9a-f]+", row["problem"]) is not None
+    for name, can in usable.items():
+        require(can, name, f"cannot be {row[name]!r:.100}")
     return StoredCell(table, row, settings, memory)
 
 
-def _positive(row: Row, name: str, least: float, most: float) -> None:
-    value = row[name]
-    require(value is not None and value > 0 and least <= value <= most, name, f"cannot be {value}")
+def _between(value: float | None, least: float, most: float) -> bool:
+    return value is not None and value > 0 and least <= value <= most
 
 
 def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugin, ...]:

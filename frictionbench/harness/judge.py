@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import null_space
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.reference import NoReference, Reference
+from frictionbench.harness.cells.reference import reference_answer
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import natural
 from frictionbench.harness.progress import Progress
@@ -54,7 +54,7 @@ def judge_file(folder: Path, path: Path) -> Judgement:
     largest = dict(zip(LAWS, (float(one.max(initial=0.0)) for one in laws), strict=True))
     law = LAWS[int(np.argmax([one[by_contact.argmax()] for one in laws]))] if problem.contacts else ""
     limit = problem.friction * impulse[:, 0] + problem.friction_bias
-    exact = _exact(problem)
+    exact = reference_answer(problem)
     bodies = {} if exact is None or problem.contacts > MOST_FORCES else _net_impulses(problem, impulse, exact)
     forces = np.column_stack([impulse[:, 0], np.linalg.norm(impulse[:, 1:], axis=1), limit])
     return Judgement(
@@ -74,14 +74,6 @@ def judge_file(folder: Path, path: Path) -> Judgement:
         forces=forces[:MOST_FORCES].tolist(),
         contradiction="" if exact is not None else str(contradiction(problem) or ""),
     )
-
-
-def _exact(problem: FrictionProblem) -> Array | None:
-    """The exact answer, if one is found."""
-    try:
-        return Reference()(problem)
-    except NoReference:
-        return None
 
 
 def _creep(problem: FrictionProblem, impulse: Array, exact: Array) -> float | None:

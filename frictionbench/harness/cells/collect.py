@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference
-from frictionbench.harness.cells.rows import PROBLEM_FACTS
+from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference, reference_answer
+from frictionbench.harness.cells.rows import PROBLEM_FACTS, blank_facts
 from frictionbench.harness.plans import robots
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import LCP, FrictionProblem, InputError
@@ -64,7 +64,7 @@ def _is_record(given: Any) -> bool:
     return (
         texts
         and re.fullmatch("[0-9a-f]{8,64}", given["problem"]) is not None
-        and _is_object(given["parameters"])
+        and is_object(given["parameters"])
         and type(given["step"]) is int
         and 0 <= given["step"] < 10**9
         and (given["contacts"] is None or type(given["contacts"]) is int)
@@ -75,7 +75,8 @@ def _is_record(given: Any) -> bool:
     )
 
 
-def _is_object(text: str) -> bool:
+def is_object(text: str) -> bool:
+    """Whether a text is a JSON object."""
     try:
         return isinstance(json.loads(text), dict)
     except (ValueError, RecursionError):
@@ -130,7 +131,7 @@ def collect(folder: Path, source: Source) -> list[Record]:
 
 def _answered_facts(folder: Path, source: Source, found: Collected) -> Record:
     """The facts of a problem, whose refined reference answer is stored."""
-    answer = _answer(found.problem) if found.impulse is None else found.impulse
+    answer = reference_answer(found.problem) if found.impulse is None else found.impulse
     finest = None if answer is None else refined(found.problem, answer)
     if finest is not None:
         with replaced(_answer_file(folder, found.problem.hash)) as file:
@@ -300,29 +301,12 @@ def facts(source: Source, collected: Collected) -> Record:
     answer = collected.impulse
     infeasible = answer is None and _contradicts_itself(problem)
     return {
-        "problem": problem.hash,
-        "scene": source.scene,
-        "parameters": json.dumps(source.parameters, sort_keys=True),
-        "step": collected.step,
-        "phase": collected.phase,
-        "reference": collected.reference,
+        **blank_facts(source, problem.hash, collected.step, collected.phase, collected.reference),
+        **vars(found),
         "contacts": problem.contacts,
         "dimension": problem.dimension,
         "velocities": len(problem.free_velocity),
-        "size": found.size,
-        "rank": found.rank,
-        "condition": found.condition,
         "redundancy": None if found.rank is None else problem.contacts * problem.dimension - found.rank,
-        "pointedness": found.pointedness,
-        "p0_margin": found.p0_margin,
-        "mass_ratio": found.mass_ratio,
-        "largest_friction": found.largest_friction,
-        "asymmetry": found.asymmetry,
-        "indefiniteness": found.indefiniteness,
-        "islands": found.islands,
-        "island_ratio": found.island_ratio,
-        "limits": found.limits,
-        "dry_friction": found.dry_friction,
         "trivial": bool(found.trivial),
         "idle": not found.trivial and (_idle(problem) if collected.idle is None else collected.idle),
         **_modes(problem, answer),
@@ -336,9 +320,7 @@ def facts(source: Source, collected: Collected) -> Record:
 
 def lcp_facts(source: Source, lcp: LCP) -> Record:
     """The columns of a row that describe a bare LCP, which has no contacts."""
-    known: Record = {"problem": lcp.hash, "scene": source.scene, "parameters": json.dumps(source.parameters, sort_keys=True)}
-    known |= {"step": 0, "phase": "lcp", "reference": "", "size": lcp.size, "trivial": bool((lcp.q >= 0).all()), "idle": False}
-    return dict.fromkeys(PROBLEM_FACTS) | known
+    return blank_facts(source, lcp.hash, 0, "lcp") | {"size": lcp.size, "trivial": bool((lcp.q >= 0).all()), "idle": False}
 
 
 def _existence(problem: FrictionProblem, pointedness: float, solutions: str | None) -> str:
@@ -351,14 +333,6 @@ def _contradicts_itself(problem: FrictionProblem) -> bool:
     """Whether contacts or joints are proved to contradict each other so much that no answer would be accepted."""
     proof = contradiction(problem)
     return proof is not None and bool(proof.least_residual > ACCEPTED)
-
-
-def _answer(problem: FrictionProblem) -> Array | None:
-    """A reference answer, if there is one."""
-    try:
-        return Reference()(problem)
-    except NoReference:
-        return None
 
 
 def _idle(problem: FrictionProblem) -> bool:

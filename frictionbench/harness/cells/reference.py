@@ -53,6 +53,14 @@ class Reference:
         return counts[0][0] if len(counts) == 1 else ", ".join(f"{name} {count}" for name, count in counts)
 
 
+def reference_answer(problem: FrictionProblem) -> Array | None:
+    """The impulses (nc, d), if there is a reference answer."""
+    try:
+        return Reference()(problem)
+    except NoReference:
+        return None
+
+
 def _names(problem: FrictionProblem) -> tuple[str, ...]:
     """The solvers to try in turn."""
     if problem.dimension == 3 or DENSE < problem.contacts <= DENSEST:

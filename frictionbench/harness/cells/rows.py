@@ -44,9 +44,14 @@ def solve_row(cell: SolveCell, record: Row, limit: float, plugins: tuple[Plugin,
 
 def no_problem(source: Source, reason: str) -> Row:
     """The record of a source that yields no problem, with the reason, for the rows of its planned cells."""
+    return blank_facts(source) | {"starts": {COLD: ""}, "reason": reason}
+
+
+def blank_facts(source: Source, problem: str = "", step: int | None = None, phase: str = "", reference: str = "") -> Row:
+    """PROBLEM_FACTS of which only those are known that say where a problem comes from."""
     parameters = json.dumps(source.parameters, sort_keys=True)
-    known = {"problem": "", "scene": source.scene, "parameters": parameters, "step": None, "phase": "", "reference": ""}
-    return dict.fromkeys(PROBLEM_FACTS) | known | {"starts": {COLD: ""}, "reason": reason}
+    known = {"problem": problem, "scene": source.scene, "parameters": parameters, "step": step, "phase": phase}
+    return dict.fromkeys(PROBLEM_FACTS) | known | {"reference": reference}
 
 
 def simulation_row(cell: SimulationCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
