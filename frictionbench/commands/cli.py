@@ -35,15 +35,7 @@ app = typer.Typer(
 
 
 class _Command(TyperCommand):
-    """A command whose help shows an argument's name and not its type in Python, such as list[Path], and whose errors are not
-    worded by the library that reads values for typer."""
-
-    def make_context(self, *given: Any, **named: Any) -> Any:
-        try:
-            return super().make_context(*given, **named)
-        except typer.BadParameter as error:
-            error.message = _reworded(error)
-            raise
+    """A command whose help shows an argument's name and not its type in Python, such as list[Path]."""
 
     def get_params(self, ctx: Any) -> Any:
         params = super().get_params(ctx)
@@ -458,10 +450,9 @@ def rerun(
         return
     from frictionbench.commands.single import shrink as shrink_row
 
-    small = shrink_row(folder, row, solver or [])
-    size = f"{small.problem.contacts} contacts and {len(small.problem.free_velocity)} velocities"
-    typer.echo(f"reduced to {size} in {small.trials} trials: {small.path}")
-    typer.echo(f"solve it: {small.command}")
+    path, problem, trials, command = shrink_row(folder, row, solver or [])
+    size = f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities"
+    typer.echo(f"reduced to {size} in {trials} trials: {path}\nsolve it: {command}")
 
 
 def _accept(folder: Path, baseline: Path) -> None:
@@ -578,20 +569,6 @@ def _run() -> None:
         with suppress(Unwritable):  # the terminal may be closed
             typer.echo(f"\nfrictionbench: {'; '.join(notes)}", err=True)
         sys.exit(128 + number)
-
-
-def _reworded(error: typer.BadParameter) -> str:
-    """The message of an argument that cannot be used: the value, and what is wrong with it."""
-    found: dict[str, Any] = next(iter(getattr(error.__cause__, "errors", list)()), {"type": "", "input": ""})
-    bounds = found.get("ctx", {})
-    words = {
-        "float_parsing": "is not a number",
-        "int_parsing": "is not a whole number",
-        "greater_than_equal": f"is below {bounds.get('ge')}",
-    }
-    if found["type"] not in words:
-        return error.message.removeprefix("Value error, ")
-    return f"{found['input']!r} {words[found['type']]}"
 
 
 def _message(error: Exception) -> str:

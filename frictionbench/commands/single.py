@@ -5,7 +5,6 @@ All run in isolated workers and are verified like any run.
 
 import json
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -203,17 +202,9 @@ def _time(value: float | None) -> str:
     return f"{value / scale:.3g} {unit}"
 
 
-class Reduced(NamedTuple):
-    """The file of the reduced problem, the problem, the number of trials, and the command that shows the failure."""
-
-    path: Path
-    problem: FrictionProblem
-    trials: int
-    command: str
-
-
-def shrink(folder: Path, key: str, named: list[str]) -> Reduced:
-    """Shrink the problem of a failing solve row into folder/shrunk.
+def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int, str]:
+    """Shrink the problem of a failing solve row into folder/shrunk: the file, the problem in it, the number of trials, and the
+    command that shows the failure.
 
     named: outside solvers that the user trusts. Errors: as of store.find_row, and InputError where the row did not fail, or its
     solver is neither ours nor among the named.
@@ -229,4 +220,4 @@ def shrink(folder: Path, key: str, named: list[str]) -> Reduced:
     small = load(path)
     assert isinstance(small, FrictionProblem)
     command = commands.solve(path, row["variant"], row["tol"], commands.sources(settings))
-    return Reduced(path, small, found.trials, command)
+    return path, small, found.trials, command

@@ -14,7 +14,7 @@ solver the smallest failing problem is reduced further.
 """
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -37,7 +37,7 @@ from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.simulate import first_problem_of
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
-from frictionbench.results.conventions import DEFAULT_SCHEME, first_phase
+from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.extras import read_shrunk, write_shrunk
 from frictionbench.results.files import subfolder, write_text
 from frictionbench.results.maps import (
@@ -59,7 +59,7 @@ REPEATS = 2  # timed solves: a map shows times by colour, to a factor
 LINES = 11  # along each axis at least, so that a curve drawn through the points looks smooth
 HALVINGS = 7  # of half a grid line: to 1/256 of it, finer than a printed map shows
 MOST_SHRUNK = 100  # failures: with shrink.ENOUGH seconds each, a quarter of an hour at most
-Verdicts = dict[str, dict[str, str]]  # by `location`, then by variant
+Verdicts = dict[GridPoint, dict[str, str]]  # then by variant
 
 
 def axis(field: str, text: str, name: str) -> Axis:
@@ -151,24 +151,14 @@ def simulation_cells(spec: Map, points: Iterable[GridPoint], plan: Plan) -> list
     return cells
 
 
-def verdicts(rows: Iterable[Row]) -> Verdicts:
-    """The verdicts in rows of either table."""
-    found: Verdicts = {}
-    for row in rows:
-        kind = row["scheme"] if "scheme" in row else row.get("phase")
-        found.setdefault(location(row["scene"], row["parameters"], str(kind)), {})[row["variant"]] = row["verdict"]
-    return found
-
-
 def finer(spec: Map, known: set[GridPoint], level: int, found: Verdicts) -> list[GridPoint]:
     """At most spec.most new grid points between neighbours whose verdicts differ, those with the most differences first."""
     step = 0.5**level
-    verdicts_at = {point: _verdicts_at(spec, point, found) for point in known}
     gain: dict[GridPoint, int] = {}
-    for (i, j), own in verdicts_at.items():
+    for (i, j), own in found.items():
         for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
             neighbour = (i + 2 * di * step, j + 2 * dj * step)
-            other = verdicts_at.get(neighbour, own)
+            other = found.get(neighbour, own)
             changes = sum(other.get(variant) != verdict for variant, verdict in own.items())
             between = (i + di * step, j + dj * step)
             if changes and between not in known:
@@ -181,16 +171,6 @@ def finer(spec: Map, known: set[GridPoint], level: int, found: Verdicts) -> list
             seen.add(parameters)
             new.append(point)
     return new
-
-
-def _verdicts_at(spec: Map, point: GridPoint, found: Verdicts) -> Mapping[str, str]:
-    kind = spec.scheme if spec.steps else first_phase(spec.scheme)
-    return found.get(location(spec.scene, json.dumps(spec.at(point), sort_keys=True), kind), {})
-
-
-def location(scene_name: str, parameters: str, kind: str) -> str:
-    """The scene and parameters of a row, with the problem's phase or the simulation's scheme."""
-    return f"{scene_name} {parameters} {kind}"
 
 
 def trace(spec: Map, folder: Path) -> None:
@@ -264,10 +244,12 @@ def _shrink_failures(plan: Plan, folder: Path, jobs: int, progress: Progress) ->
 
 
 def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: int, folder: Path) -> None:
-    rows = [row for table in ("solves", "simulations") for row in store.rows(folder, table)]
-    found = verdicts(rows)
+    solves, simulations = (store.read_table(folder, table) for table in ("solves", "simulations"))
     for spec, known in zip(specs, points, strict=True):
         if level <= spec.levels:
+            found: Verdicts = {}
+            for row in at_grid_points(simulations if spec.steps else solves, spec).itertuples():
+                found.setdefault((row.i, row.j), {})[row.variant] = row.verdict
             known.update(dict.fromkeys(finer(spec, set(known), level, found)))
 
 

@@ -104,9 +104,7 @@ def bound_memory(limit: int) -> int:
     """
     import resource
 
-    mapped = psutil.Process().memory_info().vms
-    inherited = [bound for bound in resource.getrlimit(resource.RLIMIT_AS) if bound != resource.RLIM_INFINITY]
-    bound = min(mapped + limit, *inherited) if inherited else mapped + limit
+    mapped, bound = _memory_bound(limit)
     if bound - mapped < min(limit, LEAST_MEMORY):
         raise InputError(
             f"memory: this program was started with a limit on address space (ulimit -v) of {bound / 2**20:.0f} MiB, which "
@@ -127,15 +125,23 @@ def memory_within(limit: int) -> Iterator[None]:
         return
     import resource
 
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    given = [bound for bound in (soft, hard) if bound != resource.RLIM_INFINITY]
-    resource.setrlimit(resource.RLIMIT_AS, (min([psutil.Process().memory_info().vms + limit, *given]), hard))
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (_memory_bound(limit)[1], before[1]))
     try:
         yield
     except MemoryError:
         raise InputError(f"memory: more than {limit / 2**30:g} GiB would be needed") from None
     finally:
-        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def _memory_bound(limit: int) -> tuple[int, int]:
+    """The bytes that this process has mapped, and those that it may map: `limit` more, or what it was given if that is less."""
+    import resource
+
+    mapped = psutil.Process().memory_info().vms
+    given = [bound for bound in resource.getrlimit(resource.RLIMIT_AS) if bound != resource.RLIM_INFINITY]
+    return mapped, min([mapped + limit, *given])
 
 
 def reset_peak_memory() -> None:
@@ -184,13 +190,8 @@ def waited() -> float:
 
 def _clock() -> tuple[float, ...]:
     """The clock frequency of this thread's core, Hz; empty where the machine does not report it."""
-    core = min(os.sched_getaffinity(0))
-    try:
-        return (int(Path(f"/sys/devices/system/cpu/cpu{core}/cpufreq/scaling_cur_freq").read_text(encoding="ascii")) * 1e3,)
-    except (OSError, ValueError):
-        pass
-    with suppress(OSError, ValueError, IndexError), open("/proc/cpuinfo", encoding="utf-8") as lines:
-        return (float([line for line in lines if line.startswith("cpu MHz")][core].partition(":")[2]) * 1e6,)
+    with suppress(AttributeError, OSError, IndexError, NotImplementedError):
+        return (psutil.cpu_freq(percpu=True)[min(os.sched_getaffinity(0))].current * 1e6,)
     return ()
 
 

@@ -73,18 +73,12 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         )
 
 
-SMALL_CELL = 0.04  # seconds of a worker for a cell of a few contacts, which is timed several times
-
-
 def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str:
-    """How many cells a plan without a known duration has, with which solvers, and how long small ones take."""
+    """How many cells a plan without a known duration has, with which solvers, and when one ends."""
     solvers = dict.fromkeys(cell.variant for cell in cells)
     named = ", ".join(solvers) if len(solvers) <= 12 else f"{len(solvers)} solvers"
-    minutes, seconds = divmod(round(SMALL_CELL * len(cells)), 60)
-    takes = f"{minutes} min" if minutes else f"{max(seconds, 1)} s"
-    cells_of = f"{len(cells)} cell{'s' * (len(cells) != 1)} of {len(records)} problem{'s' * (len(records) != 1)}"
-    told = f"{cells_of} with {named}: about {takes} on one core where problems are small"
-    return f"{told}; a cell ends at {plan.time_limit:g} s"
+    told = f"{len(cells)} cell{'s' * (len(cells) != 1)} of {len(records)} problem{'s' * (len(records) != 1)}"
+    return f"{told} with {named}; a cell ends at {plan.time_limit:g} s"
 
 
 def _run(

@@ -11,7 +11,7 @@ import pytest
 from markupsafe import escape
 
 from frictionbench.harness.cells.simulation import run_closed_loop
-from frictionbench.harness.maps import axis, crossings, finer, location, run_maps
+from frictionbench.harness.maps import axis, crossings, finer, run_maps
 from frictionbench.harness.plans.atlas import ATLAS
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
@@ -29,7 +29,6 @@ from frictionbench.reports.paper import write_paper
 from frictionbench.reports.robustness import costs, failures, map_cells, robustness, smallest
 from frictionbench.reports.run import read_run
 from frictionbench.results import store
-from frictionbench.results.conventions import first_phase
 from frictionbench.results.extras import read_shrunk
 from frictionbench.results.files import ResultsError
 from frictionbench.results.maps import Axis, Map
@@ -95,13 +94,7 @@ def test_axis_values() -> None:
 def test_refinement() -> None:
     spec = Map("m", "stack", Axis("friction", 0.0, 0.3, 4), Axis("push", 0.0, 0.2, 3), most=3)
     verdict = {place: "solved" if place[0] < 2 else "unsolved" for place in spec.grid}
-    found = {
-        location("stack", json.dumps(spec.at(place), sort_keys=True), first_phase(spec.scheme)): {
-            "lemke": verdict[place],
-            "nsgs": "solved",
-        }
-        for place in spec.grid
-    }
+    found = {place: {"lemke": verdict[place], "nsgs": "solved"} for place in spec.grid}
     new = finer(spec, set(spec.grid), 1, found)
     assert len(new) == 3
     assert {i for i, _ in new} == {1.5}

@@ -124,10 +124,10 @@ def islands(subject: Subject) -> Violations:
         yield from _claimed(subject, opened, f"of which half are open by {FAST:g} times the largest velocity")
 
 
-def _claimed(subject: Subject, problem: FrictionProblem, name: str) -> Iterator[str]:
+def _claimed(subject: Subject, problem: FrictionProblem, name: str, tol: float = TOL) -> Iterator[str]:
     """A violation where the solver claims an answer that is far from one."""
     for given in subject.takes(problem):
-        _, finding = subject.solve(given, TOL)
+        _, finding = subject.solve(given, tol)
         if is_false_claim(finding):
             yield f"{given.contacts} contacts of dimension {given.dimension} {name}: {finding.reason}"
 
@@ -144,19 +144,14 @@ def redundant_contacts(subject: Subject) -> Violations:
         scene("stack", blocks=5).problem(),
         make_instance("cubes", boxes=3, push=0.5),
     )
-    for problem in subject.takes(*problems):
-        _, finding = subject.solve(problem)
-        if is_false_claim(finding):
-            yield f"{problem.contacts} contacts: {finding.reason}"
+    for problem in problems:
+        yield from _claimed(subject, problem, "of which some are redundant")
 
 
 @check("Two copies of a contact may share its impulse in any way; its velocity stays the same.")
 def duplicated_contacts(subject: Subject) -> Violations:
-    for problem in subject.takes(*ordinary()):
-        twice = duplicated(problem)
-        _, finding = subject.solve(twice)
-        if is_false_claim(finding):
-            yield f"{twice.contacts} contacts: {finding.reason}"
+    for problem in ordinary():
+        yield from _claimed(subject, duplicated(problem), "of which each is there twice")
 
 
 @check("Without friction tangential impulses vanish and the problem is a convex QP: do not divide by mu.")
@@ -176,11 +171,9 @@ def correct_status(subject: Subject) -> Violations:
     planar = (make_instance("random", seed=seed, contacts=8) for seed in range(6))
     spatial = (make_instance("random_bodies", seed=seed, contacts=8) for seed in range(6))
     rough = (scene("stack", blocks=4, push=1.0, mass_ratio=1e4).problem(), scene("painleve_rod").problem())
-    for problem in subject.takes(*planar, *spatial, *rough):
+    for problem in (*planar, *spatial, *rough):
         for tol in (1e-4, 1e-8):
-            _, finding = subject.solve(problem, tol)
-            if is_false_claim(finding):
-                yield f"{problem.contacts} contacts of dimension {problem.dimension}: {finding.reason}"
+            yield from _claimed(subject, problem, f"to {tol:g}", tol)
 
 
 @check("Seed random numbers, and keep no state between solves: a benchmark solves the same problem many times.")
