@@ -1,6 +1,7 @@
 """The maps of the suite `maps`: how existence, solutions and verdicts depend on the physical parameters of scenes."""
 
 import math
+from dataclasses import replace
 
 from frictionbench.results.maps import Axis, Map
 
@@ -16,58 +17,50 @@ def _size(parameter: str, high: int, count: int = 7, low: int = 1) -> Axis:
     return Axis(parameter, low, high, count, "log", whole=True)
 
 
-ROD = (
-    Map(
-        name="painleve_rod",
-        scene="painleve_rod",
-        x=Axis("angle", 0.3, 1.5, 10),
-        y=_friction(0.4, 3.1, 10),
-        parameters={"step": 1e-4},
-        thresholds=("p",),
-        title="Painlevé's rod, impulses",
-        note="Where p < 0 sliding is not a solution: the tip sticks by an impulse. The solution is unique everywhere.",
-    ),
-    Map(
+ROD = Map(
+    name="painleve_rod",
+    scene="painleve_rod",
+    x=Axis("angle", 0.3, 1.5, 10),
+    y=_friction(0.4, 3.1, 10),
+    parameters={"step": 1e-4},
+    thresholds=("p",),
+    title="Painlevé's rod, impulses",
+    note="Where p < 0 sliding is not a solution: the tip sticks by an impulse. The solution is unique everywhere.",
+)
+RODS = (
+    ROD,
+    replace(
+        ROD,
         name="painleve_rod_lifting",
-        scene="painleve_rod",
-        x=Axis("angle", 0.3, 1.5, 10),
-        y=_friction(0.4, 3.1, 10),
         parameters={"lift": 0.002, "step": 1e-4},
-        thresholds=("p",),
         title="Painlevé's rod whose tip lifts",
         note="Where p < 0 there are three solutions: open, stick and slide. A method may find any of them.",
     ),
-    Map(
+    replace(
+        ROD,
         name="painleve_rod_forces",
-        scene="painleve_rod",
-        x=Axis("angle", 0.3, 1.5, 10),
-        y=_friction(0.4, 3.1, 10),
-        parameters={"step": 1e-4},
         scheme=FORCES,
-        thresholds=("p",),
         title="Painlevé's rod, forces",
         note="The rod slides on a fast belt, so that a bounded force means sliding. Where p < 0 no bounded force is a "
         "solution, and the answer, sticking to the belt, is an unbounded force.",
     ),
 )
+BLOCK = Map(
+    name="sliding_block",
+    scene="two_corner_block",
+    x=Axis("aspect", 0.3, 3.0, 10),
+    y=_friction(0.3, 3.9, 10),
+    thresholds=("P0", "p"),
+    title="Sliding block on two corners",
+    note="The LCP's matrix is P0 up to friction times height over width = 1, where the sliding block tips over: beyond, "
+    "its rear corner opens.",
+)
 CORNERS = (
-    Map(
-        name="sliding_block",
-        scene="two_corner_block",
-        x=Axis("aspect", 0.3, 3.0, 10),
-        y=_friction(0.3, 3.9, 10),
-        thresholds=("P0", "p"),
-        title="Sliding block on two corners",
-        note="The LCP's matrix is P0 up to friction times height over width = 1, where the sliding block tips over: beyond, "
-        "its rear corner opens.",
-    ),
-    Map(
+    BLOCK,
+    replace(
+        BLOCK,
         name="two_corner_block",
-        scene="two_corner_block",
-        x=Axis("aspect", 0.3, 3.0, 10),
-        y=_friction(0.3, 3.9, 10),
         parameters={"velocity": 0.97, "fall": -0.18, "spin": -0.16},
-        thresholds=("P0", "p"),
         title="Block thrown onto two corners",
         note="Where the matrix is P0 the solution is unique. Beyond, there are three for some velocities, of which this is "
         "one.",
@@ -237,4 +230,4 @@ LOOPS = tuple(
         ("painleve_rod", "rod", 0.4, 2.5, {}),
     )
 )
-ATLAS = (*ROD, *CORNERS, *PILES, *UNITS, *LOOPS)
+ATLAS = (*RODS, *CORNERS, *PILES, *UNITS, *LOOPS)

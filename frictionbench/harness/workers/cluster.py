@@ -7,8 +7,8 @@ A dask worker must run the same code of this project as the main process:
     frictionbench run standard --cluster tcp://127.0.0.1:8786
 
 A dask worker that joins later is checked as well, with every outcome. dask itself runs a task whose worker ends on other
-workers, as often as its scheduler's setting distributed.scheduler.allowed-failures says, by default three times; a task that
-fails after that is submitted once more. Rows hold the name of the host that timed them.
+workers, as often as its scheduler's setting distributed.scheduler.allowed-failures says, by default three times. Rows hold the
+name of the host that timed them.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -31,7 +31,6 @@ from frictionbench.solvers.plugins import is_file
 
 AHEAD = 4  # tasks submitted per worker: enough that none waits for the network, few enough to be balanced at the end
 ANSWER_SECONDS = 10.0  # seconds for a scheduler to answer: one that is reachable needs far less
-TRIES = 2  # submissions of a task that fails on the cluster: it may have been an accident, or the task's doing
 LOST = "cluster: lost the connection to its scheduler; run the same command again to resume"
 Files = dict[str, bytes]
 Settings = tuple[tuple[tuple[Plugin, Files], ...], int]
@@ -73,33 +72,27 @@ class Cluster:
         """
         queue = iter(tasks)
         done: SimpleQueue[Any] = SimpleQueue()
-        waiting: dict[Any, tuple[Any, Task, int]] = {}  # a future is forgotten by the scheduler unless it is kept
+        waiting: dict[Any, tuple[Any, Task]] = {}  # a future is forgotten by the scheduler unless it is kept
 
-        def submit(task: Task, tries: int = 1) -> None:
-            future = self._client.submit(_isolated, task, self._files(task), self._settings, pure=False)
-            waiting[future.key] = future, task, tries
-            future.add_done_callback(done.put)
+        def submit(most: int) -> None:
+            for task in islice(queue, most):
+                started(task)
+                future = self._client.submit(_isolated, task, self._files(task), self._settings, pure=False)
+                waiting[future.key] = future, task
+                future.add_done_callback(done.put)
 
-        ahead = AHEAD * len(self._identity()["workers"])
-        for task in islice(queue, ahead):
-            started(task)
-            submit(task)
+        submit(AHEAD * len(self._identity()["workers"]))
         while waiting:
             try:
                 future = done.get(timeout=ANSWER_SECONDS)
             except Empty:
                 self._identity()
                 continue
-            _, task, tries = waiting.pop(future.key)
+            _, task = waiting.pop(future.key)
             if future.status in ("cancelled", "lost"):
                 raise ResultsError(LOST)
-            if future.status == "error" and tries < TRIES:
-                submit(task, tries + 1)
-                continue
             yield self._outcome(task, future)
-            if (following := next(queue, None)) is not None:
-                started(following)
-                submit(following)
+            submit(1)
 
     def _outcome(self, task: Task, future: Any) -> Outcome:
         """The outcome of a finished task. Errors: ResultsError as of run."""
