@@ -17,7 +17,7 @@ from pathlib import Path
 from frictionbench.harness import dependencies, machine
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import Record
-from frictionbench.harness.cells.rows import batch_row, no_problem, simulation_row, solve_row
+from frictionbench.harness.cells.rows import known_row, no_problem
 from frictionbench.harness.convergence import record_histories
 from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SolveCell, origin, owner
 from frictionbench.harness.progress import Progress
@@ -31,7 +31,6 @@ from frictionbench.results.store import Extent, Row, ShardWriter
 from frictionbench.solvers import find
 
 Counted = dict[str, dict[Path, Extent]]  # of each table, what counts of its shards
-ROWS: dict[str, Callable[..., Row]] = {"solves": solve_row, "simulations": simulation_row, "batches": batch_row}
 RUNS: dict[str, Callable[..., Row]] = {
     "solves": worker.run_solve,
     "simulations": worker.run_simulation,
@@ -227,12 +226,11 @@ def _no_problem(task: Task) -> str:
 
 def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
     """The row of a cell: what its worker returned, or how it failed, with the facts known beforehand, which take precedence."""
-    cell, *facts = outcome.task.arguments
-    make: Callable[..., Row] = ROWS[cell.table]
+    cell, *record, limit = outcome.task.arguments
     found = {"verdict": outcome.failure, "reason": outcome.reason} if outcome.failure else outcome.value
     if not isinstance(found, dict) or found.get("verdict") not in list(Verdict):
         found = {"verdict": Verdict.CRASHED, "reason": "the worker returned a malformed row"}
-    return found | make(cell, *facts, plugins=plugins) | {"host": found.get("host", machine.host())}
+    return found | known_row(cell, limit, plugins, *record) | {"host": found.get("host", machine.host())}
 
 
 def _now() -> str:

@@ -227,7 +227,7 @@ def test_custom_map(tmp_path) -> None:
 
 def test_first_steps_are_not_divergence() -> None:
     cell = SimulationCell("bowl", {"step": 1e-4}, "lemke", 1e-8, "stewart_trinkle", steps=3)
-    row = run_closed_loop(cell, *find("lemke"))
+    row = run_closed_loop(cell, scene("bowl", step=1e-4), *find("lemke"))
     assert (row["verdict"], row["reason"], row["steps_done"]) == ("solved", "", 3)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from frictionbench.harness import machine
 from frictionbench.harness.cells.timing import SLOW_FIRST, Timing
-from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
+from frictionbench.harness.plans.plan import Cell, Plugin, Source
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.analysis.mode import mode
 from frictionbench.problems.analysis.outcomes import refined, velocity_distance
@@ -30,16 +30,17 @@ PROBLEM_FACTS = (
     *("trivial", "idle", "sticking", "sliding", "open"),
     *("solutions", "outcomes", "existence", "proved_infeasible", "sensitivity", "mode_distance"),
 )
+COLUMNS = {"after": "after_failure", "count": "problems"}  # whose names are others in a cell
 
 
-def solve_row(cell: SolveCell, record: Row, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
-    """The columns of the solve cell, of its problem and of its solver."""
-    known = {name: record[name] for name in PROBLEM_FACTS}
-    return (
-        known
-        | _solver_row(cell.variant, plugins)
-        | {"key": cell.key, "tol": cell.tol, "time_limit": limit, "start": cell.start}
-    )
+def known_row(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Row | None = None) -> Row:
+    """The columns of a cell and of its solver. record: of the problem of a solve cell, whose facts are columns as well."""
+    own = {COLUMNS.get(name, name): value for name, value in vars(cell).items() if name != "origin"}
+    if record is None:
+        own["parameters"] = json.dumps(own["parameters"], sort_keys=True)
+    facts = {} if record is None else {name: record[name] for name in PROBLEM_FACTS}
+    described = next((plugin.solvers[cell.variant] for plugin in plugins if cell.variant in plugin.solvers), None)
+    return own | facts | {"key": cell.key, "time_limit": limit} | (described or solver_facts(cell.variant))
 
 
 def no_problem(source: Source, reason: str) -> Row:
@@ -52,33 +53,6 @@ def blank_facts(source: Source, problem: str = "", step: int | None = None, phas
     parameters = json.dumps(source.parameters, sort_keys=True)
     known = {"problem": problem, "scene": source.scene, "parameters": parameters, "step": step, "phase": phase}
     return dict.fromkeys(PROBLEM_FACTS) | known | {"reference": reference}
-
-
-def simulation_row(cell: SimulationCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
-    """The columns of the simulation cell and of its solver."""
-    return _cell_row(cell, limit, plugins) | {"scheme": cell.scheme, "after_failure": cell.after, "steps": cell.steps}
-
-
-def batch_row(cell: BatchCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
-    """The columns of the batch cell and of its solver."""
-    return _cell_row(cell, limit, plugins) | {"problems": cell.count, "way": cell.way, "start": cell.start}
-
-
-def _cell_row(cell: SimulationCell | BatchCell, limit: float, plugins: tuple[Plugin, ...]) -> Row:
-    """The columns of a cell that is not of one stored problem, and of its solver."""
-    facts = {
-        "key": cell.key,
-        "scene": cell.scene,
-        "parameters": json.dumps(cell.parameters, sort_keys=True),
-        "tol": cell.tol,
-        "time_limit": limit,
-    }
-    return facts | _solver_row(cell.variant, plugins)
-
-
-def _solver_row(variant: str, plugins: tuple[Plugin, ...]) -> Row:
-    described = next((plugin.solvers[variant] for plugin in plugins if variant in plugin.solvers), None)
-    return {"variant": variant, **(described or solver_facts(variant))}
 
 
 def solver_facts(variant: str) -> Row:

@@ -23,7 +23,6 @@ from frictionbench.problems.answer import AnswerError
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.verdicts import RANK, Verdict
@@ -102,9 +101,8 @@ def _usable(problem: FrictionProblem, impulse: Array) -> Array:
     return np.asarray(impulse, dtype=float) if usable else zero
 
 
-def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
-    """The columns of a simulation's row (results.schema) that the simulation gives."""
-    stage = scene(cell.scene, **cell.parameters)
+def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver: Solver) -> dict[str, Any]:
+    """The columns of a simulation's row (results.schema) that the simulation of the cell's scene gives."""
     planned = stage.steps if cell.steps is None else cell.steps
     loop = _ClosedLoop(info, solver, cell)
     times, energies, kinetic, penetrations, errors, contact_free = [], [], [], [], [], 0
@@ -159,9 +157,8 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
     }
 
 
-def refusal(cell: SimulationCell, info: SolverInfo) -> str | None:
+def refusal(cell: SimulationCell, stage: Scene, info: SolverInfo) -> str | None:
     """Why the solver or the scheme cannot run this simulation, or None."""
-    stage = scene(cell.scene, **cell.parameters)
     other = None if stage.dimension in info.dimension else f"{info.name} does not take contacts of dimension {stage.dimension}"
     return info.missing or other or SCHEMES[cell.scheme].refuses(stage)
 

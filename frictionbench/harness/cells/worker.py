@@ -152,11 +152,11 @@ def run_simulation(cell: SimulationCell, limit: float) -> Row:
     """Simulate a scene with a solver; the row of the simulation cell."""
     start_time = perf_counter()
     info, solver = _solver(cell.variant)
-    if reason := refusal(cell, info):
-        return _done(start_time, {"verdict": Verdict.SKIPPED, "reason": reason})
     stage = scene(cell.scene, **cell.parameters)
+    if reason := refusal(cell, stage, info):
+        return _done(start_time, {"verdict": Verdict.SKIPPED, "reason": reason})
     start_time += _warm_up(cell.variant, stage.dimension, bool(stage.hinges), limit)
-    return _done(start_time, _measured(cell.variant, limit, lambda: run_closed_loop(cell, info, solver)))
+    return _done(start_time, _measured(cell.variant, limit, lambda: run_closed_loop(cell, stage, info, solver)))
 
 
 def run_batch(cell: BatchCell, limit: float) -> Row:

@@ -31,7 +31,7 @@ from frictionbench.harness import dependencies, machine, process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.workers import sandbox
-from frictionbench.harness.workers.pool import LONGEST_REPLY, Task
+from frictionbench.harness.workers.pool import LONGEST_REPLY, Settings, Task
 from frictionbench.problems import InputError
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.solvers import plugins
@@ -137,13 +137,7 @@ class _Worker:
     """A worker process, as seen by its supervisor."""
 
     def __init__(
-        self,
-        channel: Connection,
-        core: int | None,
-        settings: tuple[Any, ...],
-        scratch: Path,
-        owner: str = "",
-        confined: str = sandbox.GROUPS,
+        self, channel: Connection, core: int | None, settings: Settings, scratch: Path, owner: str, confined: str
     ) -> None:
         """Start a worker, in the sandbox where it runs a plug-in, and wait until it is ready.
 
@@ -160,7 +154,7 @@ class _Worker:
             self._tasks.close()
             os.close(self._replies)
             process.die_with_parent(supervisor)
-            _run_and_exit(work, tasks, replies, self.deadline, core, settings, scratch, owner, confined)
+            _run_and_exit(work, self, tasks, replies, core, settings, confined)
         tasks.close()
         os.close(replies)
         ready = bytearray()
@@ -216,16 +210,7 @@ class _Worker:
         return os.waitstatus_to_exitcode(status) if pid else None
 
 
-def work(
-    tasks: Connection,
-    replies: int,
-    deadline: Deadline,
-    core: int | None,
-    settings: tuple[Any, ...],
-    scratch: Path,
-    owner: str,
-    confined: str,
-) -> None:
+def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, settings: Settings, confined: str) -> None:
     """Run a worker: receive tasks from one pipe, and write what they return to another, each as a line of JSON.
 
     The first line says that it is ready, or why it cannot be.
@@ -236,12 +221,12 @@ def work(
         os.setsid()
         process.close_all_but(tasks.fileno(), replies)
         folder, plugin_files, _ = settings
-        if owner:
-            sandbox.confine(confined, folder, plugin_files, owner)
-            sandbox.use_scratch(scratch)
+        if child.owner:
+            sandbox.confine(confined, folder, plugin_files, child.owner)
+            sandbox.use_scratch(child.scratch)
             dependencies.watch(folder)
-        process.use_temporary(scratch)
-        worker.start(deadline, core, *settings)
+        process.use_temporary(child.scratch)
+        worker.start(child.deadline, core, *settings)
     except (OSError, ValueError) as error:
         os.write(replies, _reply(reason=str(error) if isinstance(error, InputError) else f"workers: {error}"))
         return
@@ -252,9 +237,9 @@ def work(
             task: Task = tasks.recv()
         except EOFError:
             return
-        deadline.allow(HARNESS_SECONDS)
+        child.deadline.allow(HARNESS_SECONDS)
         try:
-            with deadline.within(task.limit) if task.whole else nullcontext():
+            with child.deadline.within(task.limit) if task.whole else nullcontext():
                 found = {"value": task.function(*task.arguments)}
         except Exception as error:
             refused = isinstance(error, InputError)

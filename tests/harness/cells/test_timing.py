@@ -9,6 +9,7 @@ from numba import njit
 
 from frictionbench.harness.cells import simulation, timing
 from frictionbench.harness.plans.plan import SimulationCell
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Answer, SolverInfo, Status, find, solve
 from frictionbench.solvers.interface import with_all_steps
 from tests.helpers.friction_problems import block
@@ -140,9 +141,10 @@ def test_a_wait_for_a_core_is_no_reuse(clock, monkeypatch):
 def test_simulation_discards_loading_calls(clock):
     info = SolverInfo("late", "test", "coulomb", (2,), False, False, (), (), False, (), (), Late)
     cell = SimulationCell("stopping_block", {}, "late", 1e-8, steps=3)
-    found = simulation.run_closed_loop(cell, info, Late(clock, loads=2))
+    stage = scene("stopping_block")
+    found = simulation.run_closed_loop(cell, stage, info, Late(clock, loads=2))
     assert found["solver_time"] == 7.0 * found["problems"]
-    assert simulation.run_closed_loop(cell, info, Late(clock, loads=10**6))["solver_time"] is None
+    assert simulation.run_closed_loop(cell, stage, info, Late(clock, loads=10**6))["solver_time"] is None
 
 
 @pytest.mark.parametrize("name", ["lemke", "path_search", "interior_point", "nsgs", "admm", "hybrid"])
