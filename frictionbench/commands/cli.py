@@ -289,10 +289,7 @@ def judge(
     tol: options.Tolerance = 1e-8,
     time_limit: options.Limit = 10.0,
     jobs: options.Jobs = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these steps."),
-    ] = None,
+    out: options.Out = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Judge how exact an engine's own steps are.

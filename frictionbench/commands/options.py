@@ -11,11 +11,24 @@ from frictionbench.results.conventions import RankBy
 
 def parse_length(text: str) -> float:
     """A length with a unit (inches without one), in inches. Errors: BadParameter where it is unreadable or out of range."""
-    match = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(in|cm|mm|pt)?\s*", str(text))  # a default comes as the number that it is
-    value = float(match[1]) / UNITS_PER_INCH[match[2] or "in"] if match else 0.0
+    value = _quantity(str(text), UNITS_PER_INCH)  # a default comes as the number that it is
     if not 1 <= value <= 20:
         raise typer.BadParameter(f"{str(text)!r} is not a length from 1 to 20 inches; write it like 85mm, 3.35in or 241pt")
     return value
+
+
+def parse_duration(text: str) -> float:
+    """A time with a unit, in seconds. Errors: BadParameter where it is unreadable or not positive."""
+    value = _quantity(text, UNITS_PER_SECOND)
+    if not value > 0:
+        raise typer.BadParameter(f"{text!r} is not a time with a unit; write it like 1ms, 250us or 0.5s")
+    return value
+
+
+def _quantity(text: str, units: dict[str, float]) -> float:
+    """A number with one of these units, in that of which they say how many it has; 0 where it is none."""
+    match = re.fullmatch(rf"\s*(\d+\.?\d*|\.\d+)\s*({'|'.join(units)})\s*", text)
+    return float(match[1]) / units[match[2]] if match else 0.0
 
 
 def split_names(text: str) -> list[str]:
@@ -23,17 +36,8 @@ def split_names(text: str) -> list[str]:
     return [name.strip() for name in re.split(r",(?![^\[]*\])", text) if name.strip()]
 
 
-def parse_duration(text: str) -> float:
-    """A time with a unit, in seconds. Errors: BadParameter where it is unreadable or not positive."""
-    match = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(us|µs|μs|ms|s)\s*", text)
-    value = float(match[1]) * SECONDS[match[2]] if match else 0.0
-    if not value > 0:
-        raise typer.BadParameter(f"{text!r} is not a time with a unit; write it like 1ms, 250us or 0.5s")
-    return value
-
-
-SECONDS = {"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ms": 1e-3, "s": 1.0}
-UNITS_PER_INCH = {"in": 1.0, "cm": 2.54, "mm": 25.4, "pt": 72.27}
+UNITS_PER_SECOND = {"us": 1e6, "µs": 1e6, "μs": 1e6, "ms": 1e3, "s": 1.0}
+UNITS_PER_INCH = {"in": 1.0, "": 1.0, "cm": 2.54, "mm": 25.4, "pt": 72.27}
 Listing = Annotated[
     Literal["scenes", "solvers", "suites"],
     typer.Argument(metavar="scenes|solvers|suites", help="What to list."),

@@ -135,8 +135,8 @@ def judge(
     tol: float,
     time_limit: float,
     jobs: int,
-    out: Path | None = None,
-    progress: Progress | None = None,
+    out: Path | None,
+    progress: Progress,
 ) -> Path:
     """Judge the steps in folder/*.npz and run EXACT and the solvers `against` on them; the results folder.
 
@@ -145,7 +145,6 @@ def judge(
     """
     paths = sorted(folder.glob("*.npz"), key=natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
-    progress = progress or Progress()
     with tempfile.TemporaryDirectory() as name:
         found = _judgements(paths, Path(name), jobs, progress)
         require(bool(touching(found)), "folder", f"no step in {folder} has a contact")

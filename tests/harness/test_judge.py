@@ -15,6 +15,7 @@ from frictionbench.results.files import ResultsError
 from frictionbench.results.judgement import NAME, forces_right, impossible, percentiles, read_judgements
 from frictionbench.results.store import read_table
 from tests.helpers.command_line import frictionbench
+from tests.helpers.runs import quiet
 
 NAMES = ["exact.npz", "creeping.npz", "deep.npz", "apart.npz"]
 STEP = 0.01
@@ -43,7 +44,7 @@ def write_steps(folder: Path) -> None:
 def folder(tmp_path_factory) -> Path:
     home = tmp_path_factory.mktemp("judged")
     write_steps(home / "steps")
-    return judge(home / "steps", ("nsgs",), (), 1e-8, 10.0, 1, home / "out")
+    return judge(home / "steps", ("nsgs",), (), 1e-8, 10.0, 1, home / "out", quiet())
 
 
 def test_judgements(folder) -> None:

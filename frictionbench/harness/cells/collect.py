@@ -249,15 +249,11 @@ def _motion(stage: Scene, steps: int | None) -> tuple[list[Collected], str]:
             found += [
                 Collected(index, solved.phase, solved.problem, step.contacts, solved.impulse, str(reference))
                 for solved in step.solved
-                if _needs_impulses(solved.problem)
+                if residual(solved.problem, 0 * solved.impulse) > 0  # zero does not solve it
             ]
     except NoReference as finding:
         return found, str(finding)
     return found, ""
-
-
-def _needs_impulses(problem: FrictionProblem) -> bool:
-    return residual(problem, np.zeros((problem.contacts, problem.dimension))) > 0
 
 
 def _starts(found: list[Collected], i: int) -> dict[str, Array]:

@@ -46,9 +46,8 @@ class Subject(NamedTuple):
 
 
 class Check(NamedTuple):
-    """A check: its name, the advice shown with violations, and the function that yields them."""
+    """The advice shown with violations, and the function that yields them."""
 
-    name: str
     advice: str
     violations: Callable[[Subject], Violations]
 
@@ -60,7 +59,7 @@ def check(advice: str) -> Callable[[Callable[[Subject], Violations]], Callable[[
     """Register a check under its function's name."""
 
     def register(violations: Callable[[Subject], Violations]) -> Callable[[Subject], Violations]:
-        CHECKS[violations.__name__] = Check(violations.__name__, advice, violations)
+        CHECKS[violations.__name__] = Check(advice, violations)
         return violations
 
     return register

@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
 from typing import Any
 
-from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import instances, is_spatial
+from frictionbench.problems.check import require
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER, WARM
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
@@ -179,10 +179,10 @@ class Plan:
     map_simulations: tuple[SimulationCell, ...] = ()
 
     def __post_init__(self) -> None:
-        _check(bool(self.solvers), "solver", "none is given")
-        _check(bool(self.tolerances), "tol", "none is given")
-        _check(all(0 < tol < 1 for tol in self.tolerances), "tol", "must lie between 0 and 1")
-        _check(0 < self.time_limit < float("inf"), "time-limit", "must be positive")
+        require(bool(self.solvers), "solver", "none is given")
+        require(bool(self.tolerances), "tol", "none is given")
+        require(all(0 < tol < 1 for tol in self.tolerances), "tol", "must lie between 0 and 1")
+        require(0 < self.time_limit < float("inf"), "time-limit", "must be positive")
 
     def settings(self) -> dict[str, Any]:
         """The plan as plain values, for the manifest: two runs with the same settings have the same cells."""
@@ -266,11 +266,6 @@ def owner(variant: str, plugins: tuple[Plugin, ...]) -> str:
 def origin(record: dict[str, Any]) -> str:
     """The origin of a problem: scene, parameters, step and phase."""
     return f"{record['scene']} {record['parameters']} {record['step']} {record['phase']}"
-
-
-def _check(condition: bool, field: str, reason: str) -> None:
-    if not condition:
-        raise InputError(f"{field}: {reason}")
 
 
 def _key(kind: str, value: Source | Cell) -> str:
