@@ -6,12 +6,10 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TransferSpeedColumn
-
 from frictionbench.harness import process
 from frictionbench.harness.cells.collect import Record, collect, read_records, stored, stored_friction
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Source
+from frictionbench.harness.progress import Progress
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import collection, fclib, own
 from frictionbench.problems.spec import parse
@@ -65,10 +63,7 @@ def fetch(name: str) -> None:
     """Fetch a family with a progress bar. Errors: InputError naming the family or the file."""
     family = collection.family(name)
     files = collection.registry()[family]
-    columns = TextColumn("{task.description}"), BarColumn(), DownloadColumn(), TransferSpeedColumn()
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        bar = progress.add_task(f"fclib/{family}", total=sum(file.size for file in files))
-        for file in collection.fetch(family):
-            progress.advance(bar, file.size)
-    Console().print(f"{len(files)} files in {collection.cache_folder() / family}", soft_wrap=True, markup=False)
-    Console().print(f"run them: frictionbench run recorded --data fclib/{family}", soft_wrap=True, markup=False)
+    with Progress().stage(f"fclib/{family}", len(files), 0) as stage:
+        for _ in collection.fetch(family):
+            stage.advance()
+    print(f"{len(files)} files in {collection.cache_folder() / family}\nrun them: frictionbench run recorded --data fclib/{family}")

@@ -149,7 +149,8 @@ def judge(
         found = _judgements(paths, Path(name), jobs, progress)
         require(bool(touching(found)), "folder", f"no step in {folder} has a contact")
         solvers = tuple(dict.fromkeys((EXACT, *against)))
-        out = out or Path("runs") / f"judge-{_digest([one.problem for one in found], solvers, tol, time_limit)}"
+        settings = json.dumps([[one.problem for one in found], solvers, tol, time_limit])
+        out = out or Path("runs") / f"judge-{sha256(settings.encode()).hexdigest()[:8]}"
         plan = Plan("judge", _sources(folder, found, out), solvers, (tol,), time_limit=time_limit, plugins=plugins)
         open_folder(plan, out)
         for path in (Path(name) / FOLDER).iterdir():
@@ -176,7 +177,3 @@ def _sources(folder: Path, found: list[Judgement], out: Path) -> tuple[Source, .
     stored = out.absolute() / FOLDER
     name = folder.resolve().name
     return tuple(Source(name, {"file": file}, file=str(stored / f"{problem}.npz")) for problem, file in reversed(steps.items()))
-
-
-def _digest(*settings: object) -> str:
-    return sha256(json.dumps(settings).encode()).hexdigest()[:8]

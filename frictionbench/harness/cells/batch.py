@@ -16,11 +16,11 @@ import json
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from time import perf_counter, process_time
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -46,13 +46,6 @@ SHORT, LONG = 0.01, 0.3  # s: in shorter runs a call's own time counts, and that
 WAITS = 1.2  # between them lies what a virtual machine's host takes
 REUSED = 4.0  # times as long: fewer is the difference between few problems together and many
 FOREIGN = 0.02  # of the cores' time, that of other processes
-
-
-class Way(NamedTuple):
-    """run solves all problems of a batch, and is what is timed; answers makes an answer to each of what it returned."""
-
-    run: Callable[[], Any]
-    answers: Callable[[Any], Iterable[Answer]] = iter
 
 
 @dataclass(frozen=True)
@@ -92,17 +85,16 @@ def batch_of(name: str, parameters: str, count: int) -> Problems:
 
 def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
     """The columns that are measured."""
-    run, answers_of = _way(cell, batch.problems, batch.before)
-    row = _verified(cell, batch.problems, list(answers_of(run())), info)  # also compiles and loads
+    run = _way(cell, batch.problems, batch.before)
+    row = _verified(cell, batch.problems, _one_by_one(run()), info)  # also compiles and loads
     _calls(batch.problems, batch.facts["base"], cell.tol)
     times, singles = [], []
     for _ in range(ROUNDS):
         problems = tuple(nudged(problem, drawn_ulps()) for problem in batch.problems)
-        run, answers_of = _way(cell, problems, batch.before)
-        seconds, last = _worked(run)
+        seconds, last = _worked(_way(cell, problems, batch.before))
         times.append(seconds / cell.count)
         singles.append(_worked(partial(_calls, problems, batch.facts["base"], cell.tol))[0] / cell.count)
-    again = _verified(cell, problems, list(answers_of(last)), info)
+    again = _verified(cell, problems, _one_by_one(last), info)
     if again["verified"] < row["verified"]:
         row |= again | {"work": row["work"]}
     row |= {"times": times, "base_times": singles}
@@ -118,22 +110,25 @@ def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
     return row
 
 
-def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array, workers: int = 1) -> Way:
-    """How to solve these problems; what is done once, such as packing, is done here."""
+def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array, workers: int = 1) -> Callable[[], Any]:
+    """What solves these problems, to be timed; what is done once, such as packing, is done here."""
     start = before if cell.start == WARM else None
     many = partial(solve_many, spec=cell.variant, tol=cell.tol, start=start, workers=workers)
     if cell.way == "packed":
-        return Way(partial(many, Batch(problems)), _one_by_one)
+        return partial(many, Batch(problems))
     if cell.way == "list":
-        return Way(lambda: many([problem.fresh() for problem in problems]), _one_by_one)
-    return Way(partial(_calls, problems, cell.variant, cell.tol))
+        return lambda: many([problem.fresh() for problem in problems])
+    return partial(_calls, problems, cell.variant, cell.tol)
 
 
 def _calls(problems: tuple[FrictionProblem, ...], spec: str, tol: float) -> list[Answer]:
     return [solve(problem.fresh(), spec, tol=tol) for problem in problems]
 
 
-def _one_by_one(found: Answers) -> list[Answer]:
+def _one_by_one(found: Answers | list[Answer]) -> list[Answer]:
+    """An answer to each problem."""
+    if isinstance(found, list):
+        return found
     counts = [(name, count.tolist()) for name, count in found.work.items()]
     return [Answer(found[k], found.status[k], {name: count[k] for name, count in counts}) for k in range(len(found))]
 
@@ -144,7 +139,7 @@ def _each(cell: BatchCell, batch: Problems, repeats: int) -> list[float]:
     for k, problem in enumerate(batch.problems[:SAMPLE]):
         before = np.tile(batch.before[k * nc * d : (k + 1) * nc * d], repeats)
         way = _way(cell, (problem,) * repeats, before)
-        times.append(min(_worked(way.run)[0] for _ in range(2)) / repeats)
+        times.append(min(_worked(way)[0] for _ in range(2)) / repeats)
     return times
 
 
@@ -154,7 +149,7 @@ def _threads(cell: BatchCell, batch: Problems, seconds: float) -> Row:
         if workers == 1:
             return {}
         many = batch.problems * math.ceil(LONG / (seconds * cell.count))
-        runs = {number: _way(cell, many, batch.before, number).run for number in (1, workers)}
+        runs = {number: _way(cell, many, batch.before, number) for number in (1, workers)}
         begun, busy, own = perf_counter(), process.busy_seconds(), process_time()
         walls = [{number: _wall(run) for number, run in runs.items()} for _ in range(ROUNDS)]
         foreign = (process.busy_seconds() - busy) - (process_time() - own)
