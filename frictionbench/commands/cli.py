@@ -4,6 +4,7 @@
 Large imports are inside the commands that need them, so that --help is fast.
 """
 
+import json
 import signal
 import sys
 import traceback
@@ -63,16 +64,16 @@ def about(
 
 
 @_command("list")
-def list_(what: options.Listing) -> None:
+def list_(what: options.Listing, as_json: options.AsJson = False) -> None:
     """List the scenes, the solvers or the suites."""
     from frictionbench.commands import listing
 
-    listing.show(what)
+    (listing.show_json if as_json else listing.show)(what)
 
 
 @_command()
 def run(
-    suite: options.Suite = "standard",
+    suite: options.Suite = None,
     scene: options.Scenes = None,
     solver: options.Solvers = None,
     tol: options.Tolerances = None,
@@ -81,6 +82,7 @@ def run(
     data: options.Data = None,
     cluster: options.Cluster = None,
     out: options.Out = None,
+    config: options.Config = None,
     all_solvers: Annotated[
         bool, typer.Option("--all-solvers", help="Every installed solver in place of the suite's; this may take long.")
     ] = False,
@@ -94,19 +96,23 @@ def run(
     The same command resumes an interrupted run.
     """
     from frictionbench.commands.summary import folder_for, summary
-    from frictionbench.harness.plans.choose import choose
+    from frictionbench.harness.plans.choose import chosen
+    from frictionbench.harness.plans.config import RunOptions, read_options
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.run import drop_disturbed
     from frictionbench.harness.run import run as run_plan
     from frictionbench.harness.workers.inputs import load_plugins, require_buildable
 
     progress = Progress(quiet=quiet)
-    variants, plugins = load_plugins(solver or [])
-    plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()), all_solvers)
-    if scene:
+    wanted = RunOptions(suite, scene, solver, tol, time_limit, data, all_solvers or None, str(out) if out else None)
+    if config:
+        wanted = wanted.before(read_options(config))
+    variants, plugins = load_plugins(wanted.solver or [])
+    plan = chosen(wanted, variants, plugins)
+    if wanted.scene:
         named = [(source.scene, source.parameters) for source in plan.sources]
         require_buildable([*named, *((batch.scene, batch.parameters) for batch in plan.batches)])
-    folder = out or folder_for(plan)
+    folder = Path(wanted.out) if wanted.out else folder_for(plan)
     if plan.expects:
         progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores")
     with _resumable(folder, progress):
@@ -265,6 +271,7 @@ def solve(
     jobs: options.Jobs = None,
     rank_by: options.ByOfProblem = None,
     budget: options.Budget = None,
+    as_json: options.AsJson = False,
     quiet: options.Quiet = False,
 ) -> None:
     """Solve one problem with every solver and show a table."""
@@ -272,8 +279,8 @@ def solve(
     from frictionbench.harness.progress import Progress
 
     progress = Progress(quiet=quiet)
-    given = problem, solver or [], tol, time_limit, _jobs(jobs, progress)
-    solve_one(*given, rank_by=rank_by, budget=budget, progress=progress)
+    chosen: dict[str, Any] = {"rank_by": rank_by, "budget": budget, "progress": progress, "as_json": as_json}
+    solve_one(problem, solver or [], tol, time_limit, _jobs(jobs, progress), **chosen)
 
 
 @_command()
@@ -290,13 +297,14 @@ def judge(
     time_limit: options.Limit = 10.0,
     jobs: options.Jobs = None,
     out: options.Out = None,
+    as_json: options.AsJson = False,
     quiet: options.Quiet = False,
 ) -> None:
     """Judge how exact an engine's own steps are.
 
     Its impulses are measured by Coulomb's law, and exact solvers answer the same steps.
     """
-    from frictionbench.commands.judge import told
+    from frictionbench.commands.judge import as_data, told
     from frictionbench.harness.judge import judge as judge_folder
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.workers.inputs import load_plugins
@@ -306,7 +314,7 @@ def judge(
     progress = Progress(quiet=quiet)
     written = judge_folder(folder, variants, plugins, tol, time_limit, _jobs(jobs, progress), out, progress)
     report_of_it = write_judgement(written)
-    typer.echo(f"{told(written)}\nreport: {report_of_it}")
+    typer.echo(json.dumps(as_data(written), indent=1) if as_json else f"{told(written)}\nreport: {report_of_it}")
 
 
 @_command()

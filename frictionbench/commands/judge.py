@@ -2,10 +2,18 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.results.files import printable
 from frictionbench.results.judgement import read_judged, steps, worst
+
+
+def as_data(folder: Path) -> dict[str, Any]:
+    """The judgement as plain values, for JSON: the page's sentences and tables, and every step."""
+    found = read_judged(folder)
+    told = {name: getattr(found, name) for name in ("creep", "forces", "laws", "notes", "percentiles", "beside")}
+    return {"folder": str(folder), **told, "steps": [one._asdict() for one in found.steps]}
 
 
 def told(folder: Path) -> str:

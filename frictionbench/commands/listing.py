@@ -1,5 +1,6 @@
 """The lists of `frictionbench list`: a paragraph for each scene, solver or suite, wrapped to the terminal."""
 
+import json
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields
 from typing import Any
@@ -27,6 +28,26 @@ def show(what: str) -> None:
         print(heading)
         for text in filter(None, texts):
             print("\n".join(paragraph(text, width)))
+
+
+def show_json(what: str) -> None:
+    """Print the scenes, solvers or suites as a JSON object by name."""
+    listed: dict[str, dict[str, Any]] = {}
+    if what == "scenes":
+        made: Any
+        for name, made in {**scenes(), **instances()}.items():
+            facts = {"summary": made.summary, "dimension": made.dimension, "one_step": name in instances()}
+            listed[name] = facts | {"parameters": made.parameters}
+    elif what == "solvers":
+        for name, info in sorted(available().items()):
+            facts = {"summary": info.summary, "family": info.family, "model": info.model, "dimension": info.dimension}
+            listed[name] = facts | {"variants": info.specs, "missing": info.missing}
+    else:
+        for name, make in SUITES.items():
+            plan = make()
+            facts = {"summary": (make.__doc__ or "").strip(), "solvers": plan.variants, "tolerances": plan.tolerances}
+            listed[name] = facts | {"takes": plan.expects}
+    print(json.dumps(listed, indent=1))
 
 
 def _scenes() -> Iterator[Item]:

@@ -43,8 +43,8 @@ Listing = Annotated[
     typer.Argument(metavar="scenes|solvers|suites", help="What to list."),
 ]
 Suite = Annotated[
-    str,
-    typer.Argument(metavar="SUITE", help="smoke, standard, ...: see `frictionbench list suites`."),
+    str | None,
+    typer.Argument(metavar="SUITE", help="smoke, standard, ...: see `frictionbench list suites`; by default standard."),
 ]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]
 Row = Annotated[str, typer.Argument(metavar="ROW", help="The row's key, as in tables and reports, or its beginning.")]
@@ -109,5 +109,14 @@ Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings."),
 ]
+Config = Annotated[
+    Path | None,
+    typer.Option(
+        "--config",
+        metavar="FILE|DIR",
+        help="Options of this command from a TOML file, or of the run in a folder; what is given here comes first.",
+    ),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of text.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress; results and errors alone.")]
 Scheme = Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Time-stepping scheme.")]

@@ -45,6 +45,7 @@ def solve_one(
     rank_by: RankBy | None = None,
     budget: float | None = None,
     progress: Progress | None = None,
+    as_json: bool = False,
 ) -> None:
     """Solve one problem with solvers (all if none are named), and print a table with the best first and a recommendation.
 
@@ -61,13 +62,19 @@ def solve_one(
         facts = outcome.result(f"problem: {problem} cannot be made")
         record = facts["record"]
         rank_by = rank_by or (RankBy.BODIES if facts["mechanical"] else RankBy.FORM)
-        print(f"{problem}: {facts['summary']}", flush=True)
-        if facts["contradiction"]:
+        if not as_json:
+            print(f"{problem}: {facts['summary']}", flush=True)
+        if facts["contradiction"] and not as_json:
             print("\n".join(paragraph(facts["contradiction"], screen(), "")), flush=True)
         tasks = [cell_task(cell, time_limit, plugins, record) for cell in plan.solve_cells([record])]
         rows = [row_of(outcome, plugins) for outcome in (progress or Progress()).follow("solvers", pool, tasks)]
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
+    if as_json:
+        told = {"problem": problem, **{name: facts[name] for name in ("summary", "contradiction")}, "tol": tol}
+        told |= {"rank_by": rank_by, "solvers": [_data(row) for row in applicable], "advice": advice(rows, rank_by, budget)}
+        print(json.dumps(told, indent=1))
+        return
     title = f"tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
     if record["dimension"] != SPATIAL:  # in space the exact problem is no LCP
         title = f"LCP of {record['size']} unknowns, {title}"
@@ -77,6 +84,12 @@ def solve_one(
     for reason in unusable:
         print("\n".join(paragraph(reason, screen(), "")))
     print("\n".join(paragraph(advice(rows, rank_by, budget), screen(), "")))
+
+
+def _data(row: Row) -> Row:
+    """What `solve --json` says of a solver: the columns of a run's table, docs/columns.md."""
+    names = ("variant", "verdict", "status", "residual", "model_residual", "form_time", "setup_time", "solve_time", "reason")
+    return {name: row.get(name) for name in names} | {"work": counts(row.get("work"))}
 
 
 def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES, budget: float | None = None) -> str:

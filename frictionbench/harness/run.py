@@ -143,7 +143,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
         return
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written. Choose another --out")
-    begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": _now()}
+    begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": _now(), "options": plan.options}
     store.write_manifest(folder, manifest | begun | dependencies.begun(plan))
 
 

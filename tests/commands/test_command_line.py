@@ -1,5 +1,6 @@
 """Output of the command line on terminals and pipes: help, lists, tables, summaries, errors and interruptions."""
 
+import json
 import signal
 import subprocess
 import sys
@@ -46,6 +47,13 @@ def test_invalid_option_values_are_named(arguments, option) -> None:
     done = CliRunner().invoke(app, arguments)
     assert done.exit_code == 2
     assert f"Invalid value for '{option}': " in done.output.splitlines()[-1]
+
+
+@pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
+def test_lists_are_json_too(what) -> None:
+    listed = json.loads(output_of("list", what, "--json"))
+    assert {"scenes": "cubes", "solvers": "lemke", "suites": "smoke"}[what] in listed
+    assert all(facts["summary"].endswith((".", ")")) for facts in listed.values())
 
 
 def test_default_folder_depends_on_settings() -> None:

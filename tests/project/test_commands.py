@@ -64,6 +64,7 @@ ON_LESS = {
         "--tol 1e-6",
         "--out runs/standard",
     ),
+    "run --config": ("--scene 'stack[blocks=2]'",),
     "run smoke": ("--scene 'random_bodies[contacts=8,friction=100]'", "--tol 1e-6"),
     "run spatial": ("--scene 'sphere_pyramid[levels=1]'", "--solver nsgs", "--tol 1e-4"),
     "run robots": ("--scene 'robot_step[case=humanoid-settle-269]'", "--solver nsgs"),
@@ -115,6 +116,8 @@ def newcomer(tmp_path_factory) -> Path:
     (home / "solvers").mkdir()
     for path in (home / "mine.py", home / "solvers" / "mine.py"):
         path.write_text(plugin, encoding="utf-8")
+    (config,) = re.findall(r"```toml\n(.*?)```", (DOCS / "commands.md").read_text(encoding="utf-8"), flags=re.DOTALL)
+    (home / "run.toml").write_text(config, encoding="utf-8")
     problem = random_problem(1, contacts=2)
     for name in ("problem.npz", "FOLDER/step_0001.npz", "FOLDER/step_0002.npz"):
         (home / name).parent.mkdir(exist_ok=True)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+from frictionbench.harness.plans.config import RunOptions
 from frictionbench.harness.plans.plan import BatchSource, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import every, with_data
 from frictionbench.harness.plans.suites import SUITES
@@ -15,6 +16,14 @@ from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
 COUNT = 100  # problems of a batch that is named on the command line
+
+
+def chosen(wanted: RunOptions, variants: tuple[str, ...], plugins: tuple[Plugin, ...]) -> Plan:
+    """The plan of these options of `run`, with the variants and plug-ins that `solver` names. Errors: as of choose."""
+    scenes, data = wanted.scene or [], tuple(wanted.data or ())
+    suite, every_one = wanted.suite or "standard", bool(wanted.all_solvers)
+    plan = choose(suite, scenes, variants, wanted.tol, wanted.time_limit, plugins, data, every_one)
+    return replace(plan, options=wanted._replace(out=None).given())
 
 
 def choose(

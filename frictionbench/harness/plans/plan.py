@@ -16,7 +16,7 @@ from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER,
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
-NO_SETTINGS = ("expects", "map_sources", "map_simulations")
+NO_SETTINGS = ("expects", "options", "map_sources", "map_simulations")
 MOST_SHOWN = 100  # steps of a motion that is recorded only for the report's animation
 MEMORY_LIMIT = (
     4 * 2**30
@@ -151,7 +151,8 @@ class Plan:
     """What a run does; times in seconds, memory in bytes. Simulations have one tolerance, simulation_tol.
 
     spatial_solvers: for problems and simulations in space, in place of the others; `solvers` if empty. expects: how long the
-    run takes on two cores with one worker, for people; it is not a setting.
+    run takes on two cores with one worker, for people; options: those of the command line that chose the plan
+    (harness.plans.config). Neither is a setting.
 
     map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.maps). They are not
     settings, because they follow from the maps and from the rows found.
@@ -175,6 +176,7 @@ class Plan:
     memory_limit: int = MEMORY_LIMIT
     plugins: tuple[Plugin, ...] = ()
     expects: str = ""
+    options: dict[str, Any] = field(default_factory=dict)
     map_sources: tuple[Source, ...] = ()
     map_simulations: tuple[SimulationCell, ...] = ()
 

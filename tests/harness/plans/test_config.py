@@ -1,0 +1,41 @@
+"""Options of a run in a file: the command line comes first, and a run is made like another from its manifest."""
+
+import pytest
+
+from frictionbench.harness.plans.choose import chosen
+from frictionbench.harness.plans.config import RunOptions, read_options
+from frictionbench.harness.run import open_folder
+from frictionbench.problems import InputError
+
+TEXT = 'suite = "smoke"\nsolver = ["lemke", "nsgs[relaxation=1.3]"]\ntol = "1e-4"\ntime_limit = 2\nscene = ["stack"]\n'
+
+
+def plan_of(wanted):
+    return chosen(wanted, tuple(wanted.solver or ()), ())
+
+
+def test_a_run_is_made_like_another(tmp_path) -> None:
+    (tmp_path / "run.toml").write_text(TEXT)
+    wanted = RunOptions(tol="1e-6").before(read_options(tmp_path / "run.toml"))
+    plan = plan_of(wanted)
+    assert (plan.suite, plan.solvers, plan.tolerances, plan.time_limit) == ("smoke", tuple(wanted.solver), (1e-6,), 2)
+    assert "options" not in plan.settings()
+    open_folder(plan, tmp_path / "out")
+    assert plan_of(read_options(tmp_path / "out")) == plan
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('suit = "smoke"', r"unknown option 'suit' \(did you mean suite\?\); known are suite, "),
+        ("solver = [1]", r"solver: cannot be \[1\]"),
+        ("time_limit = true", "time_limit: cannot be True"),
+        ('solver = ["exec:./program {problem} {answer}"]', "is code; name it with --solver"),
+        ('solver = ["mine.py"]', "is code; name it with --solver"),
+        ("suite = ", "Invalid value"),
+    ],
+)
+def test_unusable_files_are_named(tmp_path, text, told) -> None:
+    (tmp_path / "run.toml").write_text(text)
+    with pytest.raises(InputError, match=f"^config: .*run.toml: {told}" if "code" not in told else f"^config: .*{told}$"):
+        read_options(tmp_path / "run.toml")
