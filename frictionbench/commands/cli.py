@@ -36,7 +36,15 @@ app = typer.Typer(
 
 
 class _Command(TyperCommand):
-    """A command whose help shows an argument's name and not its type in Python, such as list[Path]."""
+    """A command whose help shows an argument's name and not its type in Python, such as list[Path], and whose errors are not
+    worded by the library that reads values for typer."""
+
+    def make_context(self, *given: Any, **named: Any) -> Any:
+        try:
+            return super().make_context(*given, **named)
+        except typer.BadParameter as error:
+            error.message = _reworded(error)
+            raise
 
     def get_params(self, ctx: Any) -> Any:
         params = super().get_params(ctx)
@@ -525,6 +533,20 @@ def _stop(number: int, _: Any) -> None:
     for same in _SIGNALS:
         signal.signal(same, signal.SIG_IGN)  # further signals do not interrupt the clean-up
     raise _Stopped(number)
+
+
+def _reworded(error: typer.BadParameter) -> str:
+    """The message of an argument that cannot be used: the value, and what is wrong with it."""
+    found: dict[str, Any] = next(iter(getattr(error.__cause__, "errors", list)()), {"type": "", "input": ""})
+    bounds = found.get("ctx", {})
+    words = {
+        "float_parsing": "is not a number",
+        "int_parsing": "is not a whole number",
+        "greater_than_equal": f"is below {bounds.get('ge')}",
+    }
+    if found["type"] not in words:
+        return error.message.removeprefix("Value error, ")
+    return f"{found['input']!r} {words[found['type']]}"
 
 
 @contextmanager

@@ -66,6 +66,5 @@ def fetch(name: str) -> None:
     with Progress().stage(f"fclib/{family}", len(files), 0) as stage:
         for _ in collection.fetch(family):
             stage.advance()
-    print(
-        f"{len(files)} files in {collection.cache_folder() / family}\nrun them: frictionbench run recorded --data fclib/{family}"
-    )
+    print(f"{len(files)} files in {collection.cache_folder() / family}")
+    print(f"run them: frictionbench run recorded --data fclib/{family}")

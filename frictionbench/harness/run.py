@@ -36,6 +36,7 @@ RUNS: dict[str, Callable[..., Row]] = {
     "simulations": worker.run_simulation,
     "batches": worker.run_batch,
 }
+SMALL_CELL = 0.04  # seconds of a worker for a cell of a few contacts, which is timed several times
 COLLECT_SECONDS = 600.0  # seconds for one source's problems: a bound for scenes whose reference answers take too long
 
 
@@ -73,11 +74,14 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
 
 
 def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str:
-    """How many cells a plan without a known duration has, with which solvers, and when one ends."""
+    """How many cells a plan without a known duration has, with which solvers, and how long small ones take."""
     solvers = dict.fromkeys(cell.variant for cell in cells)
     named = ", ".join(solvers) if len(solvers) <= 12 else f"{len(solvers)} solvers"
-    told = f"{len(cells)} cell{'s' * (len(cells) != 1)} of {len(records)} problem{'s' * (len(records) != 1)}"
-    return f"{told} with {named}; a cell ends at {plan.time_limit:g} s"
+    minutes, seconds = divmod(round(SMALL_CELL * len(cells)), 60)
+    takes = f"{minutes} min" if minutes else f"{max(seconds, 1)} s"
+    cells_of = f"{len(cells)} cell{'s' * (len(cells) != 1)} of {len(records)} problem{'s' * (len(records) != 1)}"
+    told = f"{cells_of} with {named}: about {takes} on one core where problems are small"
+    return f"{told}; a cell ends at {plan.time_limit:g} s"
 
 
 def _run(
