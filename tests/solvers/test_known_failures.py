@@ -109,7 +109,11 @@ FAILED = [
 ]
 
 
-@pytest.mark.parametrize(("spec", "made", "most"), FAILED, ids=str)
+def _id(value: object) -> str:
+    return f"{value.func.__name__} {value.args} {value.keywords}" if isinstance(value, partial) else str(value)
+
+
+@pytest.mark.parametrize(("spec", "made", "most"), FAILED, ids=_id)
 def test_an_instance_is_solved(spec: str, made: str | Callable[[], FrictionProblem], most: int) -> None:
     name, settings = parse("scene", made) if isinstance(made, str) else ("", {})
     problem = fb.problem(name, **settings) if isinstance(made, str) else made()
