@@ -110,7 +110,9 @@ FAILED = [
 
 
 def _id(value: object) -> str:
-    return f"{value.func.__name__} {value.args} {value.keywords}" if isinstance(value, partial) else str(value)
+    if isinstance(value, partial):
+        return f"{value.func.__name__} {value.args} {value.keywords}"
+    return getattr(value, "__name__", str(value))
 
 
 @pytest.mark.parametrize(("spec", "made", "most"), FAILED, ids=_id)
