@@ -253,8 +253,9 @@ def fclib_error(problem: FrictionProblem, impulse: Array) -> float:
     if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
         return np.inf
     g = problem.contact_velocity(impulse)
-    g[:, 0] += problem.friction * np.linalg.norm(g[:, 1:], axis=1)
-    error = float(np.linalg.norm(impulse - project_cone(impulse - g, problem.friction, problem.friction_bias)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        g[:, 0] += problem.friction * np.linalg.norm(g[:, 1:], axis=1)
+        error = float(np.linalg.norm(impulse - project_cone(impulse - g, problem.friction, problem.friction_bias)))
     size = float(np.linalg.norm(problem.q))
     if not np.isfinite(error):
         return np.inf
