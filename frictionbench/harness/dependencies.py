@@ -23,7 +23,7 @@ from frictionbench.solvers import executable, plugins
 SYSTEM = tuple(Path(place) for place in ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/etc", "/proc", "/sys", "/dev"))
 MOST = 1000  # files read: a plug-in that reads more is not followed further
 MOST_FILES, LARGEST = 50_000, 16 * 2**30  # files and bytes of a package: more than any has, and hashed in a minute
-COMPILED = (".py", ".pyc", ".nbi", ".nbc")  # suffixes of modules, and of what is made from them
+COMPILED = (".pyc", ".nbi", ".nbc")  # suffixes of what is made from modules
 VERSION = "version "  # before the version of a library, which stands in place of a path
 Loaded = dict[str, str]  # by name a path, or VERSION and a version
 
@@ -40,10 +40,11 @@ class _Watch:
         sys.addaudithook(self._heard)
 
     def _heard(self, event: str, arguments: tuple[Any, ...]) -> None:
-        if event == "open" and isinstance(arguments[0], str) and len(self.read) < MOST:
+        if event == "open" and isinstance(arguments[0], str | bytes) and len(self.read) < MOST:
             flags = arguments[2] if isinstance(arguments[2], int) else 0
-            path = os.path.abspath(arguments[0])
-            (self.written if flags & (os.O_WRONLY | os.O_RDWR) else self.read).add(path)
+            path = os.path.abspath(os.fsdecode(arguments[0]))
+            fresh = flags & os.O_RDWR and flags & (os.O_CREAT | os.O_TRUNC)  # one opened to be changed has been read as well
+            (self.written if flags & os.O_WRONLY or fresh else self.read).add(path)
 
 
 _watch: _Watch | None = None
@@ -71,12 +72,19 @@ def loaded() -> Loaded:
             found[Path(place).name if name.startswith(plugins.MODULE) else top] = str(Path(place).resolve())
     places = [Path(place) for place in found.values()]
     places += [_watch.folder, *_left_out()]
-    others = {Path(path).resolve() for path in {*_mapped(), *_watch.read} - _watch.libraries - _watch.written}
+    others = {_source(Path(path)).resolve() for path in {*_mapped(), *_watch.read} - _watch.libraries - _watch.written}
+    others -= {Path(file).resolve() for module in list(sys.modules.values()) if (file := getattr(module, "__file__", None))}
     for path in sorted(others):
         metadata = path.parent.suffix in (".dist-info", ".egg-info")
         if path.is_file() and path.suffix not in COMPILED and not metadata and not any(map(path.is_relative_to, places)):
             found[_named(path)] = str(path)
     return found
+
+
+def _source(path: Path) -> Path:
+    """The module that a compiled file was made from: it may have been run, or imported and forgotten."""
+    source = path.parent.parent / f"{path.name.partition('.')[0]}.py"
+    return source if path.suffix == ".pyc" and path.parent.name == "__pycache__" else path
 
 
 def _mapped() -> list[str]:
@@ -88,8 +96,9 @@ def _mapped() -> list[str]:
 
 def _left_out() -> list[Path]:
     library = Path(os.__file__).parent
+    standard = [place for place in library.iterdir() if place.name not in ("site-packages", "dist-packages")]
     suite = [Path(place) for top in ("numpy", "scipy", "numba", "llvmlite") for place in sys.modules[top].__path__]
-    places = [PACKAGE, Path(tempfile.gettempdir()), *SYSTEM, *suite, *(library / name for name in ("encodings", "lib-dynload"))]
+    places = [PACKAGE, Path(tempfile.gettempdir()), *SYSTEM, *suite, *standard]
     return [place.resolve() for place in places]
 
 

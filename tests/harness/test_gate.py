@@ -131,16 +131,22 @@ import sys
 sys.path.insert(0, {home!r})
 import wrapped
 """
-READS = "import numpy; numpy.load({home!r} + '/gains.npy')"
+READS = (
+    "import numpy, runpy; numpy.load({home!r} + '/gains.npy'); runpy.run_path({home!r} + '/run.py'); "
+    "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close()"
+)
+READ = ("gains.npy", "run.py", "named.txt", "both.txt")
 
 
-@pytest.mark.parametrize("changed", ["wrapped/core.py", "gains.npy", "problem.npz"])
+@pytest.mark.parametrize("changed", ["wrapped/core.py", *READ, "problem.npz"])
 def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: Path) -> None:
-    """A module of the wrapped package, a file that the solver reads while it solves, the file of a problem."""
+    """A module of the wrapped package, files that the solver reads while it solves, in several ways, the file of a problem."""
     (tmp_path / "wrapped").mkdir()
     (tmp_path / "wrapped" / "__init__.py").write_text("from wrapped import core", encoding="utf-8")
     (tmp_path / "wrapped" / "core.py").write_text("GAIN = 1.0", encoding="utf-8")
     np.save(tmp_path / "gains.npy", np.ones(3))
+    for name in READ[1:]:
+        (tmp_path / name).write_text("1", encoding="utf-8")
     save(block(), tmp_path / "problem.npz")
     home = str(tmp_path)
     plugin = write(tmp_path / "guest.py", first=WRAPPER.format(home=home), body=READS.format(home=home))
@@ -154,7 +160,9 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     again()
     loaded = store.read_manifest(tmp_path / "run")["loaded"][str(plugin)]
     found = {name: place for name, place in loaded.items() if not place.startswith(dependencies.VERSION)}
-    assert found == {"guest.py": str(plugin), "wrapped": str(tmp_path / "wrapped"), "gains.npy": str(tmp_path / "gains.npy")}
+    assert found == {"guest.py": str(plugin), "wrapped": str(tmp_path / "wrapped")} | {
+        name: str(tmp_path / name) for name in READ
+    }
     again()
     (tmp_path / changed).write_bytes((tmp_path / changed).read_bytes() + b" ")
     with pytest.raises(ResultsError, match=f"{tmp_path / changed.partition('/')[0]}: has another content"):
