@@ -75,6 +75,8 @@ def _entry(path: Path, number: int, entry: Any) -> Known:
             raise ResultsError(f"{where}: {name} is missing")
     if entry["change"] not in OF_CELLS and not entry.get("ratio"):
         raise ResultsError(f"{where}: ratio is missing; give the largest acknowledged ratio of {entry['change']!r}")
+    if "ratio" in entry and not entry["ratio"] >= 1:
+        raise ResultsError(f"{where}: ratio cannot be {entry['ratio']!r}; it is the largest acknowledged one, at least 1")
     return Known(**entry)
 
 

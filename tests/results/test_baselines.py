@@ -163,6 +163,8 @@ def test_acknowledged_losses_pass(tmp_path, change):
         ("known = 3", "must contain only"),
         ("[[known]]\nsolver = 3", "known 1: solver cannot be 3"),
         ("[[known]]\nsolver = 'a'\nchange = 'time'\nreason = 'x'", "known 1: ratio is missing"),
+        ("[[known]]\nsolver = 'a'\nchange = 'time'\nreason = 'x'\nratio = nan", "known 1: ratio cannot be nan"),
+        ("[[known]]\nsolver = 'a'\nchange = 'verdict'\nreason = 'x'\nratio = -1", "known 1: ratio cannot be -1"),
         ("[[known]]\nsolver = 'a'\nchange = 'gone'", "known 1: reason is missing"),
         ("[[known]]\ncolour = 'a'", "known 1: unknown field 'colour'"),
         ("[[", "cannot be read"),
