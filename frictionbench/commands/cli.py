@@ -250,6 +250,8 @@ def compare(
     if len(runs) != 2:
         raise InputError("DIR: give a baseline and one results folder, or --history for a table of many")
     baseline, folder = runs
+    if folder.is_file():
+        raise InputError(f"DIR: {folder} is a file; the second is the folder of a run, which a baseline's file cannot replace")
     if accept:
         _accept(folder, baseline)
         return

@@ -5,6 +5,10 @@ A pair gives one number per solver, the mean over its cells of log(after / befor
 Hodges-Lehmann estimate (1963) of the centre, its exact confidence interval by Wilcoxon's signed ranks (1945), and p, the
 two-sided test of no change. No model of the noise is needed, and outliers among the pairs have little influence. One pair gives
 no information on the variation: the interval is (0, inf).
+
+A disturbed cell (results.cells) is left out of its pair, because its time says more of the machine than of the code. One that
+is disturbed in every process of the later code and in few of the earlier is slow by that code's own doing, such as a child
+that competes for its core, and counts.
 """
 
 from collections.abc import Sequence
@@ -16,13 +20,14 @@ import pandas as pd
 from frictionbench.results.changes import Time, equally_solved
 
 Pair = tuple[pd.DataFrame, pd.DataFrame]  # the cells of two processes
+FEW = 0.25  # largest share of the earlier code's processes that are disturbed: in eight of eight by chance, at most 1 in 1000
 
 
 def times(pairs: Sequence[Pair], limit: float, alpha: float) -> list[Time]:
-    """The times of each solver over the cells that both processes of a pair solved with the same verdict. Disturbed cells are
-    used only for solvers that have no others."""
+    """The times of each solver over the cells that both processes of a pair solved with the same verdict. Cells that the
+    machine disturbed are used only for solvers that have no others."""
     found = []
-    logs = [_logs(*pair) for pair in pairs]
+    logs = _logs(pairs)
     for variant in sorted({name for log in logs for name in log["variant"]}):
         own = [log[log["variant"] == variant] for log in logs]
         own = [log for log in own if len(log)]
@@ -34,7 +39,7 @@ def times(pairs: Sequence[Pair], limit: float, alpha: float) -> list[Time]:
 
 def may_be_slower(pairs: Sequence[Pair], most: int, limit: float, alpha: float) -> bool:
     """Whether some solver's interval over `most` pairs can still end above the limit, if those to come are ever so slow."""
-    logs = pd.concat([_logs(*pair).assign(pair=k) for k, pair in enumerate(pairs)])
+    logs = pd.concat([log.assign(pair=k) for k, log in enumerate(_logs(pairs))])
     shifts = (logs["after"] - logs["before"]).groupby([logs["variant"], logs["pair"]]).mean()
     for _, own in shifts.groupby("variant"):
         to_come = np.full(most - len(own), np.inf)
@@ -43,16 +48,25 @@ def may_be_slower(pairs: Sequence[Pair], most: int, limit: float, alpha: float) 
     return False
 
 
-def _logs(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
-    common = before.index.intersection(after.index)
-    before, after = before.loc[common], after.loc[common]
-    same = equally_solved(before, after)
-    table = pd.DataFrame({"variant": same["variant"]})
-    for side, cells in (("before", before), ("after", after)):
-        table[side] = np.log(cells["seconds"].loc[same.index])
-    table["undisturbed"] = ~(before["disturbed"] | after["disturbed"]).loc[same.index]
-    table = table.dropna()
-    return table[table["undisturbed"] | ~table.groupby("variant")["undisturbed"].transform("any")]
+def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
+    """Of each pair the variant and the logarithms of both times of the cells that count."""
+    earlier, later = (
+        pd.concat([pair[side]["disturbed"].astype(float) for pair in pairs], axis=1).mean(axis=1) for side in (0, 1)
+    )
+    own_doing = later.index[(later == 1) & (earlier.reindex(later.index) <= FEW)]
+    found = []
+    for pair in pairs:
+        common = pair[0].index.intersection(pair[1].index)
+        before, after = (cells.loc[common] for cells in pair)
+        same = equally_solved(before, after)
+        table = pd.DataFrame({"variant": same["variant"]})
+        for side, cells in (("before", before), ("after", after)):
+            table[side] = np.log(cells["seconds"].loc[same.index])
+        disturbed = (before["disturbed"] | after["disturbed"]).loc[same.index]
+        table["undisturbed"] = ~disturbed | same.index.isin(own_doing)
+        table = table.dropna()
+        found.append(table[table["undisturbed"] | ~table.groupby("variant")["undisturbed"].transform("any")])
+    return found
 
 
 def estimate(shifts: np.ndarray, alpha: float) -> tuple[float, float, float, float]:

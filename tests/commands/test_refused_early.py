@@ -58,6 +58,7 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
     [
         (("compare", "a"), "DIR"),
         (("compare", "a", "b", "c"), "DIR"),
+        (("compare", "a", __file__), "DIR"),
         (("export", "stack"), "out"),
         (("export", "fclib/Chain", "--out", "x"), "out"),
     ],

@@ -244,14 +244,39 @@ def test_disturbed_times(runs):
         times = {"form_times": [5e-4] * (slow + fast), "setup_times": [5e-4] * (slow + fast)}
         return times | {"solve_times": [9e-3] * slow + [2e-3] * fast, "disturbed": True}
 
-    before = [solve_row("a", f"p{i}") for i in range(2)]
-    for after, cells_and_ratio in (
-        ([solve_row("a", "p0"), solve_row("a", "p1", **waited(2, 0))], (1, 1.0)),
-        ([solve_row("a", "p0"), solve_row("a", "p1", **waited(4, 1))], (2, 1.0)),
-        ([solve_row("a", f"p{i}", **waited(2, 0)) for i in range(2)], (2, 10 / 3)),
+    quiet = [solve_row("a", f"p{i}") for i in range(2)]
+    second = [solve_row("a", "p0"), solve_row("a", "p1", **waited(2, 0))]
+    brief = [solve_row("a", "p0"), solve_row("a", "p1", **waited(4, 1))]
+    both = [solve_row("a", f"p{i}", **waited(2, 0)) for i in range(2)]
+    for before, after, cells_and_ratio in (
+        (second, quiet, (1, 1.0)),  # the machine's doing
+        (quiet, brief, (2, 1.0)),
+        (both, both, (2, 1.0)),  # a solver that has no others
+        (quiet, second, (2, (10 / 3) ** 0.5)),  # the later code's own doing, as far as one pair shows
     ):
         (time,) = runs(before, after).times
         assert (time.cells, time.ratio) == (cells_and_ratio[0], pytest.approx(cells_and_ratio[1]))
+
+
+def test_slowness_by_own_processes_is_detected(runs, tmp_path):
+    """A cell that waits for its core in each process of the later code and in few of the earlier counts."""
+    slow = {"form_times": [0.0], "setup_times": [0.0], "disturbed": True}
+    noise = np.random.default_rng(0)
+
+    def process(name, seconds, **given):
+        quick = [solve_row("a", f"p{i}") for i in range(3)]
+        own = solve_row("a", "p3", **(slow | given), solve_times=[seconds * noise.uniform(1, 1.1)])
+        return write_folder(tmp_path / name, [*quick, own])
+
+    seen = compare(process("before", 0.1, disturbed=False), process("after", 1.0))
+    pairs = [
+        tuple(cells.read(folder).table for folder in (process(f"b{i}", 0.1, disturbed=i == 4), process(f"n{i}", 1.0)))
+        for i in range(8)
+    ]
+    assert suspects(seen, Limits())
+    assert confirm(seen, pairs, both=True, limits=Limits()).exit_code == 1
+    busy = [(before.assign(disturbed=after["disturbed"]), after) for before, after in pairs]
+    assert confirm(seen, busy, both=True, limits=Limits()).exit_code == 0
 
 
 def test_unconfirmed_alert_is_dropped(runs):
