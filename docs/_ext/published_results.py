@@ -1,7 +1,8 @@
 """What published runs say.
 
 `published-results` is a table of them all, `published-answer SUITE` the fastest solver for each kind of problem in the newest
-of a suite, `published-headlines` the sentences of the newest of each suite.
+of a suite, `published-headlines` the sentences of the newest of each suite, `published-ranks KIND` the places of the solvers of
+`standard` in the newest of each suite.
 """
 
 from collections.abc import Iterable, Sequence
@@ -96,16 +97,44 @@ def first(found: Summary | None) -> str:
 
 class PublishedHeadlines(OfSummaries):
     def made(self, found: list[Entry]) -> list[nodes.Node]:
-        newest: dict[str, Entry] = {}
-        for entry in found:
-            newest.setdefault(entry.summary["suite"], entry)
         told: list[nodes.Node] = []
-        for suite, entry in newest.items():
+        for suite, entry in newest(found).items():
             if entry.summary["headline"]:
                 told.append(link(entry, suite))
                 items = [nodes.list_item("", nodes.paragraph(text=line)) for line in entry.summary["headline"]]
                 told.append(nodes.bullet_list("", *items))
         return told
+
+
+def newest(found: list[Entry]) -> dict[str, Entry]:
+    """By suite its newest run."""
+    return {entry.summary["suite"]: entry for entry in reversed(found)}
+
+
+class PublishedRanks(OfSummaries):
+    """By solver its place and the problems that it solved, from bodies and to the finest tolerance, in a column a suite."""
+
+    required_arguments = 1
+    final_argument_whitespace = True
+
+    def made(self, found: list[Entry]) -> list[nodes.Node]:
+        places: dict[str, dict[str, str]] = {}
+        for suite, entry in newest(found).items():
+            rows = [
+                one for one in entry.summary["rankings"] if (one["kind"], one["by"]) == (self.arguments[0], RankBy.BODIES.value)
+            ]
+            finest = min((one["target"] for one in rows), default=None)
+            ranked = [one for one in rows if one["target"] == finest and not one["law"]]
+            places[suite] = {
+                one["solver"]: f"{place} ({one['reached']}/{one['problems']})" for place, one in enumerate(ranked, start=1)
+            }
+        first = places.pop("standard", {})
+        others = {suite: own for suite, own in sorted(places.items()) if first.keys() & own.keys()}
+        lines = [
+            row([nodes.paragraph(text=text) for text in (solver, place, *(own.get(solver, "–") for own in others.values()))])
+            for solver, place in first.items()
+        ]
+        return [table(("solver", "standard", *others), lines)] if lines else []
 
 
 def write_pages(app: Any) -> None:
@@ -117,5 +146,6 @@ def setup(app: Any) -> dict[str, bool]:
     app.add_directive("published-results", PublishedResults)
     app.add_directive("published-answer", PublishedAnswer)
     app.add_directive("published-headlines", PublishedHeadlines)
+    app.add_directive("published-ranks", PublishedRanks)
     app.connect("builder-inited", write_pages)
     return {"parallel_read_safe": True}

@@ -8,6 +8,7 @@ from frictionbench.harness.plans.atlas import ATLAS
 from frictionbench.harness.plans.hard import hard
 from frictionbench.harness.plans.plan import BatchSource, Plan, Source
 from frictionbench.harness.plans.recorded import LADDER, recorded, spatial, theirs
+from frictionbench.harness.plans.sealed import sealed as drawn
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM
 
@@ -93,6 +94,12 @@ def standard() -> Plan:
         simulation_limit=60.0,
         expects="four minutes",
     )
+
+
+def sealed() -> Plan:
+    """The families of `standard` with settings drawn from a hash of this version's source, on which nobody can have tuned."""
+    problems = drawn((*STEPS, *families.sources(*families.PLANE, *families.SPACE)))
+    return replace(standard(), suite="sealed", sources=problems, simulations=())
 
 
 def seeds() -> Plan:
@@ -226,6 +233,7 @@ def peers() -> Plan:
 SUITES = {
     "smoke": smoke,
     "standard": standard,
+    "sealed": sealed,
     "seeds": seeds,
     "replay": replay,
     "robots": robots,
