@@ -37,7 +37,7 @@ def admit(folder: Path) -> None:
         place = folder / f"dimension_{dimension}"
         run_plan(hard.candidates(dimension), place, 1, Progress())
         by_problem: dict[tuple[str, str], list[Record]] = defaultdict(list)
-        for row in rows(place, "solves"):
+        for row in rows(place, "solves").values():
             by_problem[row["scene"], row["parameters"]].append(row)
         for family, sources in hard.families(dimension).items():
             own = [by_problem[source.scene, json.dumps(source.parameters, sort_keys=True)] for source in sources]

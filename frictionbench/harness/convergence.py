@@ -28,8 +28,8 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.residual import residual
 from frictionbench.problems.verdicts import ACCEPTED
-from frictionbench.results import store
 from frictionbench.results.extras import CONVERGENCE, ConvergenceHistory, convergence_history, write_histories
+from frictionbench.results.store import Row
 from frictionbench.solvers import Solver, Status
 
 BUDGET = 2.0  # seconds, after which no larger limit is tried: a history shows what is reached soon
@@ -74,14 +74,16 @@ def run_history(name: str, variant: str, tol: float) -> dict[str, Any]:
     return curve | {"impulse": impulse.tolist()}
 
 
-def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: Pool, progress: Progress) -> None:
+def record_histories(
+    plan: Plan, folder: Path, records: Iterable[Record], solves: Iterable[Row], pool: Pool, progress: Progress
+) -> None:
     """Write the histories, unless they have been written; those that fail are left out. Runs of maps have none."""
     if plan.maps or (folder / CONVERGENCE).exists():
         return
     tol, problems = min(plan.tolerances), {record["problem"]: record for record in chosen(records)}
     solved = {
         (row.get("problem"), row.get("variant"))
-        for row in store.rows(folder, "solves")
+        for row in solves
         if row.get("tol") == tol and row.get("verdict") in ACCEPTED and not row.get("members")
     }
     tasks = [

@@ -27,10 +27,10 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import TABLES
-from frictionbench.results.store import Extent, Row, ShardWriter
+from frictionbench.results.store import Row, ShardWriter
 from frictionbench.solvers import find
 
-Counted = dict[str, dict[Path, Extent]]  # of each table, what counts of its shards
+Rows = dict[str, dict[str, Row]]  # of each table, by their keys
 RUNS: dict[str, Callable[..., Row]] = {
     "solves": worker.run_solve,
     "simulations": worker.run_simulation,
@@ -43,13 +43,12 @@ COLLECT_SECONDS = 600.0  # seconds for one source's problems: a bound for scenes
 def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
     """Run the cells of the plan that have no row in folder, here or on the dask cluster at an address.
 
-    Errors: ResultsError where folder holds a different run or rows are missing at the end, InputError where the cluster
-    cannot be used.
+    Errors: ResultsError where folder holds a different run, InputError where the cluster cannot be used.
     """
     folder = folder.absolute()
     with Cluster(cluster, folder, plan.plugins, plan.memory_limit) if cluster else nullcontext() as distant:
         open_folder(plan, folder)
-        counted = {table: store.extents(folder, table) for table in TABLES}
+        rows = {table: store.rows(folder, table) for table in TABLES}
         with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
             store.write_manifest(
                 folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.sandbox}
@@ -60,17 +59,14 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
             if not plan.expects:
                 progress.tell(_announced(plan, cells, records))
             if not distant:
-                _run(cells, records, plan, folder, pool, progress, counted)
-                record_histories(plan, folder, records.values(), pool, progress)
+                _run(cells, records, plan, folder, pool, progress, rows)
+                record_histories(plan, folder, records.values(), rows["solves"].values(), pool, progress)
         if distant:  # after the pool has released its cores, which workers on this machine need
-            _run(cells, records, plan, folder, distant, progress, counted)
-    missing = _merge(plan, folder, cells, records, counted)
+            _run(cells, records, plan, folder, distant, progress, rows)
+    for table, found in rows.items():
+        store.write_table(folder, table, [found[cell.key] for cell in cells if cell.table == table])
     names = sorted({record["problem"] for record in records.values()} - {""})
     store.write_manifest(folder, store.read_manifest(folder) | {"problems": names, "finished": _now()})
-    if missing:
-        raise ResultsError(
-            f"{folder}: {missing} rows are missing and marked in the tables; run the same command again to run their cells"
-        )
 
 
 def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str:
@@ -91,47 +87,33 @@ def _run(
     folder: Path,
     engine: Pool | Cluster,
     progress: Progress,
-    counted: Counted,
+    rows: Rows,
 ) -> None:
-    """Run the cells that have no row yet, and add what was written to the shards to what counts of them.
+    """Run the cells that have no row yet, and add their rows.
 
     Cells of plug-ins come last, because a worker that has run one is used for nothing else; cells of the same library come
     together, so that each worker loads it once.
     """
-    done = set().union(*(store.stored_keys(folder, table, counted[table]) for table in TABLES))
-    left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: _loaded_by(plan, cell))
-    writer = f"{os.getpid()}-{secrets.token_hex(4)}"
+    left = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
+    writer, tasks = f"{os.getpid()}-{secrets.token_hex(4)}", []
     with ExitStack() as opened:
         shards = {table: opened.enter_context(ShardWriter(folder, table, writer)) for table in TABLES}
-        tasks = []
+
+        def keep(outcome: Outcome) -> None:
+            cell, row = outcome.task.arguments[0], row_of(outcome, plan.plugins)
+            shards[cell.table].write(row)
+            rows[cell.table][cell.key] = row
+
         for task in (_task(cell, records, plan) for cell in left):
             if reason := _no_problem(task):
-                shards["solves"].write(row_of(Outcome(task, failure=Verdict.SKIPPED, reason=reason), plan.plugins))
+                keep(Outcome(task, failure=Verdict.SKIPPED, reason=reason))
             else:
                 tasks.append(task)
         record = dependencies.Record(folder)
         for outcome in progress.follow("cells", engine, tasks, len(cells) - len(tasks)):
-            cell = outcome.task.arguments[0]
-            if source := plan.source(cell.variant):
+            if source := plan.source(outcome.task.arguments[0].variant):
                 record.add(source, outcome.loaded)
-            shards[cell.table].write(row_of(outcome, plan.plugins))
-    for table, shard in shards.items():
-        if shard.path.exists():
-            counted[table][shard.path] = shard.extent
-
-
-def _merge(plan: Plan, folder: Path, cells: list[Cell], records: dict[str, Record], counted: Counted) -> int:
-    """Merge the tables, with rows in the plan's order; the number of planned cells whose row is missing."""
-
-    def missing_row(key: str) -> Row:
-        reason = "its row is missing: the shard was removed or damaged"
-        return row_of(Outcome(_task(planned[key], records, plan), failure=Verdict.CRASHED, reason=reason), plan.plugins)
-
-    missing = 0
-    for table in TABLES:
-        planned = {cell.key: cell for cell in cells if cell.table == table}
-        missing += store.merge(folder, table, list(planned), missing_row, counted[table])
-    return missing
+            keep(outcome)
 
 
 def open_folder(plan: Plan, folder: Path) -> None:

@@ -11,18 +11,17 @@
     DIR/report.html, failures.txt, report.md, paper/    made from the files above, see reports
 
 A shard may end in an incomplete line, if its writer was killed. Such a line, and any other that is not a row, is ignored, and
-its cell runs again. Of several rows with the same key the first counts. The tables are merged from what the shards held when
-the run began and from what its main process wrote since: shards and lines that another process adds meanwhile do not count,
-and a shard that was changed is refused. All input is checked against results.schema; nothing is unpickled, and files that
-declare more than the limits below are refused before they are read.
+its cell runs again. Of several rows with the same key the first counts. The tables are written from the rows that the shards
+held when the run began and from those that its main process wrote since, which it keeps in memory: what another process does to
+shards meanwhile does not count. All input is checked against results.schema; nothing is unpickled, and files that declare more
+than the limits below are refused before they are read.
 """
 
-import hashlib
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple, Self
+from typing import Any, BinaryIO, Self
 
 import pandas as pd
 import pyarrow as pa
@@ -35,19 +34,11 @@ from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
 Row = dict[str, Any]
 # Limits on input: far above what the largest suite writes, and small enough for a machine with 4 GiB of memory.
 LARGEST_LINE = 64 * 2**20  # bytes; a longer line is not a row of a run
-LARGEST_SHARD = 2**31  # bytes
+LARGEST_SHARD = 2**28  # bytes
 LARGEST_TABLE = 2**30  # bytes after decompression
 MOST_VALUES = 2 * 10**7  # values in all columns of a table together
 LARGEST_MANIFEST = 8 * 2**20  # bytes
 LONGEST_TEXT = 20_000  # characters of a text value; a longer text, such as an exception that prints an array, is cut
-BATCH = 500  # rows in memory at a time while shards are merged
-
-
-class Extent(NamedTuple):
-    """The beginning of a shard that counts: its size in bytes and its SHA-256."""
-
-    size: int
-    digest: str
 
 
 class ShardWriter:
@@ -57,12 +48,6 @@ class ShardWriter:
         self._schema = arrow_schema(table)
         self.path = subfolder(folder, "shards") / f"{table}-{writer}.jsonl"
         self._file: BinaryIO = open(self.path, "ab", buffering=0, opener=_new)  # noqa: SIM115
-        self._size, self._digest = 0, hashlib.sha256()
-
-    @property
-    def extent(self) -> Extent:
-        """What it has written."""
-        return Extent(self._size, self._digest.hexdigest())
 
     def write(self, row: Row) -> None:
         """Write the part of a row that the table can hold, see `fitted`. Errors: OSError naming the shard."""
@@ -72,35 +57,19 @@ class ShardWriter:
                 raise OSError(28, "No space left on device")
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(self.path)) from None
-        self._size += len(line)
-        self._digest.update(line)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
+        empty = not self._file.tell()
         self._file.close()
-        if not self._size:
+        if empty:
             self.path.unlink(missing_ok=True)
 
 
 def _new(path: str, flags: int) -> int:
     return os.open(path, flags | os.O_EXCL | os.O_NOFOLLOW, 0o666)
-
-
-def extents(folder: Path, table: str) -> dict[Path, Extent]:
-    """The table's shards as they are now. Errors: OSError naming the shard."""
-    return {path: _extent(path, path.stat().st_size) for path in (folder / "shards").glob(f"{table}-*.jsonl")}
-
-
-def _extent(path: Path, size: int) -> Extent:
-    """The beginning of a shard, of so many bytes or as many as it has."""
-    digest, left = hashlib.sha256(), size
-    with open(path, "rb") as shard:
-        while left and (part := shard.read(min(left, 2**20))):
-            digest.update(part)
-            left -= len(part)
-    return Extent(size - left, digest.hexdigest())
 
 
 def fitted(row: Row, schema: pa.Schema) -> Row:
@@ -126,65 +95,32 @@ def _fitted(value: Any, kind: pa.DataType) -> Any:
         return None
 
 
-class _Position(NamedTuple):
-    """The position of a row: its shard, and the offset of its line in bytes."""
-
-    shard: Path
-    offset: int
+def _shards(folder: Path, table: str) -> list[Path]:
+    return sorted((folder / "shards").glob(f"{table}-*.jsonl"))
 
 
-def _positions(folder: Path, table: str, counted: Mapping[Path, Extent] | None = None) -> dict[str, _Position]:
-    """The position of the first row with each key, in a reproducible order; of what is counted alone, if it is given.
-
-    Errors: ResultsError naming a shard whose counted beginning was changed.
-    """
-    positions: dict[str, _Position] = {}
-    for shard in sorted((folder / "shards").glob(f"{table}-*.jsonl") if counted is None else counted):
-        if counted is not None and (not shard.exists() or _extent(shard, counted[shard].size) != counted[shard]):
-            raise ResultsError(
-                f"{shard}: was changed during the run by another process; delete it, and run the same command again"
-            )
-        for offset, row in _parse(shard):
-            if counted is None or offset < counted[shard].size:
-                positions.setdefault(row["key"], _Position(shard, offset))
-    return positions
-
-
-def _parse(shard: Path) -> Iterator[tuple[int, Row]]:
+def _parse(shard: Path) -> Iterator[Row]:
     with opened(shard, LARGEST_SHARD) as lines:
-        offset = 0
         while line := lines.readline(LARGEST_LINE):
-            if (row := _row(line)) is not None:
-                yield offset, row
-            offset += len(line)
+            try:
+                row = json.loads(line)
+            except (ValueError, RecursionError):
+                continue  # incomplete
+            if isinstance(row, dict) and isinstance(row.get("key"), str):
+                yield row
 
 
-def _row(line: bytes) -> Row | None:
-    try:
-        row = json.loads(line)
-    except (ValueError, RecursionError):
-        return None  # incomplete
-    return row if isinstance(row, dict) and isinstance(row.get("key"), str) else None
+def rows(folder: Path, table: str) -> dict[str, Row]:
+    """The rows in the table's shards by their keys, each value in its column's type.
 
-
-def _rows(positions: Sequence[_Position]) -> Iterator[Row]:
-    for position in positions:
-        with opened(position.shard, LARGEST_SHARD) as lines:
-            lines.seek(position.offset)
-            row = _row(lines.readline(LARGEST_LINE))
-        if row is not None:
-            yield row
-
-
-def rows(folder: Path, table: str) -> Iterator[Row]:
-    """All rows of the table's shards, each value in its column's type."""
-    schema = arrow_schema(table)
-    return (fitted(row, schema) for row in _rows(list(_positions(folder, table).values())))
-
-
-def stored_keys(folder: Path, table: str, counted: Mapping[Path, Extent] | None = None) -> set[str]:
-    """The keys of all rows in the table's shards, or in what is counted of them. Errors: ResultsError as of merge."""
-    return set(_positions(folder, table, counted))
+    Errors: ResultsError naming a shard that cannot be read.
+    """
+    schema, found = arrow_schema(table), {}
+    for shard in _shards(folder, table):
+        for row in _parse(shard):
+            if row["key"] not in found:
+                found[row["key"]] = fitted(row, schema)
+    return found
 
 
 def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simulations")) -> tuple[str, Row]:
@@ -192,56 +128,30 @@ def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simul
 
     The table's name may be left out: `3f9c` finds `solve-3f9c...`. Errors: ResultsError if no row or several rows match.
     """
-    positions = {(table, key): position for table in tables for key, position in _positions(folder, table).items()}
-    exact = [(table, key) for table, key in positions if key == given]
-    found = exact or [one for one in positions if one[1].startswith(given) or one[1].partition("-")[2].startswith(given)]
+    known = {key: (table, row) for table in tables for key, row in rows(folder, table).items()}
+    if given in known:
+        return known[given]
+    found = [key for key in known if key.startswith(given) or key.partition("-")[2].startswith(given)]
     if not found or not given:
         raise ResultsError(f"{folder}: no row has the key {given!r}; the report lists the keys, and so does the column `key`")
     if len(found) > 1:
-        listed = ", ".join(key for _, key in found[:3])
+        listed = ", ".join(found[:3])
         raise ResultsError(f"{folder}: {len(found)} rows have a key that begins with {given!r}: {listed}, ...")
-    table, key = found[0]
-    (row,) = _rows([positions[table, key]])
-    return table, fitted(row, arrow_schema(table))
+    return known[found[0]]
 
 
-def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> int:
-    """Delete rows from the table's shards; return their number. Errors: OSError naming the shard."""
-    dropped = 0
-    for shard in (folder / "shards").glob(f"{table}-*.jsonl"):
-        found = [row for _, row in _parse(shard)]
-        remaining = [row for row in found if not unwanted(row)]
-        if len(remaining) < len(found):
-            write_text(shard, "".join(json.dumps(row) + "\n" for row in remaining))
-        dropped += len(found) - len(remaining)
-    return dropped
+def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> None:
+    """Delete rows from the table's shards. Errors: OSError naming the shard."""
+    for shard in _shards(folder, table):
+        kept = [row for row in _parse(shard) if not unwanted(row)]
+        write_text(shard, "".join(json.dumps(row) + "\n" for row in kept))
 
 
-def merge(
-    folder: Path,
-    table: str,
-    order: Sequence[str],
-    placeholder: Callable[[str], Row],
-    counted: Mapping[Path, Extent] | None = None,
-) -> int:
-    """Write DIR/TABLE.parquet with the rows of all keys in `order`; return how many keys have no row in the shards.
-
-    placeholder: makes the row of a key that has none. Rows with other keys are left out, such as the row that reports a failed
-    source once a later attempt succeeded. No file is written where `order` is empty. counted: what counts of the shards, by
-    default all that they hold. Errors: ResultsError naming a shard whose counted beginning was changed.
-    """
-    schema, positions = arrow_schema(table), _positions(folder, table, counted)
-    missing = 0
-    if order:
-        with replaced(folder / f"{table}.parquet") as partial, pq.ParquetWriter(partial, schema) as writer:
-            for start in range(0, len(order), BATCH):
-                batch = []
-                for key in order[start : start + BATCH]:
-                    found = next(_rows([positions[key]]), None) if key in positions else None
-                    missing += found is None
-                    batch.append(placeholder(key) if found is None else found)
-                writer.write_table(_table(batch, schema))
-    return missing
+def write_table(folder: Path, table: str, found: Sequence[Row]) -> None:
+    """Write the rows as DIR/TABLE.parquet; no file where there are none."""
+    if found:
+        with replaced(folder / f"{table}.parquet") as partial:
+            pq.write_table(_table(found, arrow_schema(table)), partial)
 
 
 def _table(found: Sequence[Row], schema: pa.Schema) -> pa.Table:
@@ -257,8 +167,7 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
     path = folder / f"{table}.parquet"
     schema = arrow_schema(table)
     if not path.exists():
-        positions = _positions(folder, table)
-        return _table(list(_rows([positions[key] for key in sorted(positions)])), schema).to_pandas()
+        return _table([row for _, row in sorted(rows(folder, table).items())], schema).to_pandas()
     try:
         with opened(path, LARGEST_TABLE) as file:
             found = set(pq.read_schema(file).names)

@@ -39,7 +39,7 @@ def edited(finished, tmp_path, table, settings, **columns):
     for name in [name for name, value in settings.items() if value is KEEP]:
         del manifest["settings"][name]
     store.write_manifest(folder, manifest)
-    row = next(iter(store.rows(folder, table))) | columns
+    row = next(iter(store.rows(folder, table).values())) | columns
     for shard in (folder / "shards").glob(f"{table}-*"):
         shard.unlink()
     (folder / "shards" / f"{table}-0.jsonl").write_text(json.dumps(row) + "\n", encoding="utf-8")

@@ -164,7 +164,7 @@ def test_map_markup_is_compact_and_escaped() -> None:
 
 
 def test_map_resumes(atlas) -> None:
-    before = store.stored_keys(atlas, "solves")
+    before = store.rows(atlas, "solves").keys()
     rows = map_cells(read_run(atlas))[1].rows
     assert {0.5, 1.0} == set(rows["tile"])
     shard = next(iter((atlas / "shards").glob("solves-*.jsonl")))
@@ -172,7 +172,7 @@ def test_map_resumes(atlas) -> None:
     shard.write_text("".join(lines[:-5]), encoding="utf-8")
     maps = tuple(part.spec for part in map_cells(read_run(atlas)))
     run_maps(plan(*maps, solvers=("hybrid", "lemke", "relaxation_ip")), atlas, 1, quiet())
-    assert store.stored_keys(atlas, "solves") == before
+    assert store.rows(atlas, "solves").keys() == before
 
 
 def test_smallest_failures_are_shrunk(tmp_path) -> None:

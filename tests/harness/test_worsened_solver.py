@@ -49,7 +49,7 @@ def rows(tmp_path_factory) -> dict[str, list[store.Row]]:
     done = frictionbench("run", "smoke", *given, "--out", str(home / "run"))
     assert done.returncode == 0, done.stderr
     found: dict[str, list[store.Row]] = {fault: [] for fault in FAULTS}
-    for row in store.rows(home / "run", "solves"):
+    for row in store.rows(home / "run", "solves").values():
         fault = row["variant"].removeprefix("jacobi[fault=").removesuffix("]")
         if fault in found:
             place = f"{row['parameters']} {row['step']} {row['tol']:g}"

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.results.schema import SOLVES, TABLES
-from frictionbench.results.store import ShardWriter, merge, write_manifest
+from frictionbench.results.store import ShardWriter, write_manifest, write_table
 
 SETTINGS = {"suite": "made", "tolerances": [1e-4, 1e-8], "time_limit": 10.0}
 MACHINE = {"host": "here", "processor": "some"}
@@ -69,7 +69,7 @@ def write_folder(
         with ShardWriter(folder, table, "test") as writer:
             for row in rows:
                 writer.write(row)
-        assert merge(folder, table, [row["key"] for row in rows], lambda key: {"key": key}) == 0
+        write_table(folder, table, rows)
     write_manifest(folder, {"settings": SETTINGS, "machine": MACHINE, "finished": "now"} | manifest)
     return folder
 

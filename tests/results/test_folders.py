@@ -10,8 +10,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.harness.run import run
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import own
 from frictionbench.problems.scenes import scene
@@ -25,7 +23,6 @@ from frictionbench.results.store import ShardWriter
 from tests.helpers.command_line import frictionbench
 from tests.helpers.edits import CASES, mutated
 from tests.helpers.made_results import solve_row, write_folder
-from tests.helpers.runs import quiet
 
 SCHEMA = arrow_schema("solves")
 
@@ -62,30 +59,14 @@ def test_unrepresentable_values_are_dropped(tmp_path) -> None:
     with ShardWriter(tmp_path, "solves", "1") as writer:
         writer.write(strange | {"no such column": 1})
         writer.write(solve_row("b", "p"))
-        writer.write(solve_row("c", "not planned"))
     with open(tmp_path / "shards" / "solves-1.jsonl", "ab") as shard:
         shard.write(b"[" * 10**5 + b"\n\xff\xfe\n{}\n")
-    assert store.merge(tmp_path, "solves", ["a-p-1e-08", "lost", "b-p-1e-08"], lambda key: {"key": key, "reason": "lost"}) == 1
+    store.write_table(tmp_path, "solves", list(store.rows(tmp_path, "solves").values()))
     rows = store.read_table(tmp_path, "solves").set_index("key")
-    assert list(rows.index) == ["a-p-1e-08", "lost", "b-p-1e-08"]
-    assert rows.loc["lost", "reason"] == "lost"
+    assert list(rows.index) == ["a-p-1e-08", "b-p-1e-08"]
     assert len(rows.loc["a-p-1e-08", "reason"]) == store.LONGEST_TEXT
     assert rows.loc["a-p-1e-08", ["residual", "contacts"]].isna().all()
     assert rows.loc["b-p-1e-08", "verdict"] == "solved"
-
-
-def test_missing_row_is_marked(tmp_path, monkeypatch) -> None:
-    plan = Plan("test", (Source("stack", {"blocks": 1}),), ("lemke", "nsgs"), (1e-6,))
-    write = ShardWriter.write
-    monkeypatch.setattr(ShardWriter, "write", lambda self, row: None if row["solver"] == "nsgs" else write(self, row))
-    with pytest.raises(ResultsError, match="1 rows are missing and marked in the tables"):
-        run(plan, tmp_path / "run", 1, quiet())
-    rows = store.read_table(tmp_path / "run", "solves").set_index("solver")
-    assert rows["verdict"].to_dict() == {"lemke": "solved", "nsgs": "crashed"}
-    assert "its row is missing" in rows.loc["nsgs", "reason"]
-    monkeypatch.undo()
-    run(plan, tmp_path / "run", 1, quiet())
-    assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
 
 
 @pytest.mark.parametrize(
