@@ -15,18 +15,16 @@ from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SimulationCell, SolveCell, Source, origin
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, cell_task, row_of
-from frictionbench.harness.shrink import shrink_rows
+from frictionbench.harness.shrink import shrink_row
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.catalogue import require_known
-from frictionbench.problems.recorded.own import load
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.results import commands
 from frictionbench.results.cells import counts
 from frictionbench.results.conventions import RankBy, ending
-from frictionbench.results.extras import SHRUNK
 from frictionbench.results.files import printable
 from frictionbench.results.store import Row
 from frictionbench.solvers import available, find
@@ -226,11 +224,6 @@ def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProb
     key = row["key"]
     if row["verdict"] in (Verdict.SOLVED, Verdict.SKIPPED):
         raise InputError(f"row: {key} is {row['verdict']}; only failing rows can be shrunk")
-    ((_, found),) = shrink_rows(folder, [row], trusted(row, settings, named), memory_limit, 1, np.inf)
-    if not found.file:
-        raise InputError(f"row: {key} does not fail again from a cold start; it was not shrunk")
-    path = folder / SHRUNK / found.file
-    small = load(path)
-    assert isinstance(small, FrictionProblem)
+    path, small, trials = shrink_row(folder, row, trusted(row, settings, named), memory_limit)
     command = commands.solve(path, row["variant"], row["tol"], commands.sources(settings))
-    return path, small, found.trials, command
+    return path, small, trials, command

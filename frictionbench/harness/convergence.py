@@ -1,4 +1,4 @@
-"""The convergence histories of a run (results.extras): residual against work on a few problems, after all cells are done.
+"""The convergence histories of a run (results.histories): residual against work on a few problems, after all cells are done.
 
 The problems are the largest of up to MOST contacts of different scenes, and the small ones with the most redundant contacts,
 none of them trivial or idle. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
@@ -28,7 +28,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.residual import residual
 from frictionbench.problems.verdicts import ACCEPTED
-from frictionbench.results.extras import CONVERGENCE, ConvergenceHistory, convergence_history, write_histories
+from frictionbench.results.histories import CONVERGENCE, ConvergenceHistory, convergence_history, write_histories
 from frictionbench.results.store import Row
 from frictionbench.solvers import Solver, Status
 
@@ -124,7 +124,7 @@ def _one_a_scene(records: list[Record]) -> list[Record]:
 
 
 def _history(record: Record, variant: str, found: Any) -> ConvergenceHistory:
-    """Errors: as of results.extras.convergence_history; a plug-in's worker may reply with anything."""
+    """Errors: as of results.histories.convergence_history; a plug-in's worker may reply with anything."""
     redundant = bool(record["redundancy"])
     facts = {name: record[name] for name in ("scene", "parameters", "step", "contacts")}
     curve = {name: found[name] for name in ("units", "residuals")}

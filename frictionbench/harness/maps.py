@@ -9,8 +9,7 @@ An axis is written on the command line as
 
 First the grid points are run, then the points of finer grids where verdicts differ. Each round is the run of a plan with more
 grid points, in the same folder, so that an interrupted run resumes: which points to add follows from the rows found. At the end
-the thresholds of theory are traced over each map (along lines, by bisection, without a solver), and for each map and exact
-solver the smallest failing problem is reduced further.
+the thresholds of theory are traced over each map, along lines, by bisection, without a solver.
 """
 
 import json
@@ -28,7 +27,6 @@ from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, Sourc
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
-from frictionbench.harness.shrink import ENOUGH, shrink_rows
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.catalogue import find_scene
@@ -38,19 +36,8 @@ from frictionbench.problems.simulate import first_problem_of
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
 from frictionbench.results.conventions import DEFAULT_SCHEME
-from frictionbench.results.extras import read_shrunk, write_shrunk
 from frictionbench.results.files import subfolder, write_text
-from frictionbench.results.maps import (
-    THEORY,
-    Axis,
-    GridPoint,
-    Map,
-    Scale,
-    at_grid_points,
-    failed_rows,
-    thresholds_file,
-)
-from frictionbench.results.store import Row
+from frictionbench.results.maps import Axis, GridPoint, Map, Scale, at_grid_points, thresholds_file
 
 SCALES = get_args(Scale)
 SOLVERS = (*MAPPED, "relaxation_ip")  # of a map whose command names none
@@ -58,7 +45,6 @@ MOST_LINES = 200  # along an axis: finer than a map can show
 REPEATS = 2  # timed solves: a map shows times by colour, to a factor
 LINES = 11  # along each axis at least, so that a curve drawn through the points looks smooth
 HALVINGS = 7  # of half a grid line: to 1/256 of it, finer than a printed map shows
-MOST_SHRUNK = 100  # failures: with shrink.ENOUGH seconds each, a quarter of an hour at most
 Verdicts = dict[GridPoint, dict[str, str]]  # then by variant
 
 
@@ -224,23 +210,6 @@ def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: s
         run(_with_points(plan, points), folder, jobs, progress, cluster)
     for spec in plan.maps:
         trace(spec, folder)
-    _shrink_failures(plan, folder, jobs, progress)
-
-
-def _shrink_failures(plan: Plan, folder: Path, jobs: int, progress: Progress) -> None:
-    """Shrink the smallest failure of each exact solver on each map, where theory guarantees a solution also of the problem with
-    fewer contacts."""
-    solves, shrunk = store.read_table(folder, "solves"), read_shrunk(folder)
-    failed: list[Row] = []
-    for rows in (failed_rows(at_grid_points(solves, spec)) for spec in plan.maps if not spec.steps):
-        failed += rows[rows["existence"].isin(THEORY)].drop_duplicates("variant").to_dict("records")
-    failed = failed[:MOST_SHRUNK]
-    left = [row for row in failed if row["key"] not in shrunk]
-    with progress.stage("failures shrunk", len(failed), len(failed) - len(left)) as stage:
-        for row, small in shrink_rows(folder, left, plan.plugins, plan.memory_limit, jobs, ENOUGH):
-            shrunk[row["key"]] = small
-            write_shrunk(folder, shrunk)
-            stage.advance()
 
 
 def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: int, folder: Path) -> None:

@@ -27,9 +27,8 @@ from frictionbench.reports.run import EXCLUSIONS, Run, read_run
 from frictionbench.reports.settings import settings, workers_on_all_cores
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.templates import environment, script
-from frictionbench.results.commands import Sources, rerun, solve
+from frictionbench.results.commands import Sources, rerun
 from frictionbench.results.conventions import RankBy, scene_title
-from frictionbench.results.extras import SHRUNK
 from frictionbench.results.files import write_text
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
@@ -222,10 +221,7 @@ def _maps(run: Run) -> Values:
     """Failure maps as tables. failed: all cells that failed where a solution is known; smallest: one per map and solver."""
     cells = robustness.map_cells(run)
     failed = robustness.failures(cells)
-    smallest = robustness.smallest(failed, run.shrunk).to_dict("records")
-    for row in smallest:
-        file = str(run.folder / SHRUNK / row["file"])
-        row["solve"] = solve(file, row["variant"], row["tol"], run.plugins) if row["file"] else ""
+    smallest = robustness.smallest(failed).to_dict("records")
     changes = {one.spec.name: robustness.changes(one) for one in cells if one.spec.constant}
     tables = {"robustness": robustness.robustness(cells), "costs": robustness.costs(run)}
     return tables | {"changes": changes, "failed": failed, "smallest": smallest}

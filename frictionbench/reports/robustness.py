@@ -3,7 +3,6 @@
 results.maps defines where a solution is known to exist.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +10,7 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.run import Run
-from frictionbench.results.extras import Shrunk
 from frictionbench.results.maps import Map, at_grid_points, failed_rows, maps_of
-
-NOT_REDUCED = Shrunk("", 0, 0, whole=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,15 +63,10 @@ def failures(maps: list[MapCells]) -> pd.DataFrame:
     return pd.concat(parts) if parts else pd.DataFrame(columns=["map", "label", "key"])
 
 
-def smallest(failed: pd.DataFrame, shrunk: Mapping[str, Shrunk]) -> pd.DataFrame:
-    """For each map and label the failed cell of the smallest problem; count: how many failed cells there are.
-
-    file, left: the file of its problem reduced in size, empty if there is none, and the number of contacts left in it.
-    """
+def smallest(failed: pd.DataFrame) -> pd.DataFrame:
+    """For each map and label the failed cell of the smallest problem; count: how many failed cells there are."""
     counts = failed.groupby(["map", "label"]).size().rename("count")
-    first = failed.drop_duplicates(["map", "label"]).join(counts, on=["map", "label"])
-    reduced = [shrunk.get(key, NOT_REDUCED) for key in first["key"]]
-    return first.assign(file=[one.file for one in reduced], left=[one.contacts for one in reduced])
+    return failed.drop_duplicates(["map", "label"]).join(counts, on=["map", "label"])
 
 
 def costs(run: Run) -> pd.DataFrame:

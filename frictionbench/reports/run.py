@@ -32,7 +32,7 @@ from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, ti
 from frictionbench.reports.drawing.style import Look, apart, looks
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy, json_object
-from frictionbench.results.extras import ConvergenceHistory, Shrunk, read_histories, read_shrunk
+from frictionbench.results.histories import ConvergenceHistory, read_histories
 from frictionbench.results.maps import GridPoint, maps_of, read_thresholds
 from frictionbench.results.outcomes import with_outcomes
 from frictionbench.results.store import read_manifest, read_table
@@ -64,7 +64,6 @@ class Run:
     map_simulations: pd.DataFrame = field(default_factory=pd.DataFrame)
     histories: list[ConvergenceHistory] = field(default_factory=list)
     thresholds: dict[str, dict[str, list[GridPoint]]] = field(default_factory=dict)
-    shrunk: dict[str, Shrunk] = field(default_factory=dict)
     folder: Path = Path()
     rank_by: RankBy = RankBy.BODIES
     budget: float | None = None
@@ -149,8 +148,7 @@ def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None
     thresholds = {spec.name: read_thresholds(folder, spec) for spec in specs}
     solves = annotate(read_table(folder, "solves"))
     both = simulations[~mapped], simulations[mapped]
-    reduced = read_shrunk(folder)
-    run = Run(manifest, solves, *both, read_histories(folder), thresholds, reduced, folder, budget=budget)
+    run = Run(manifest, solves, *both, read_histories(folder), thresholds, folder, budget=budget)
     return run.ranked_by(rank_by)
 
 

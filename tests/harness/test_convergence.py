@@ -11,8 +11,8 @@ from frictionbench.problems.scenes import scene
 from frictionbench.reports.charts import convergence as chart
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
-from frictionbench.results.extras import CONVERGENCE, read_histories
 from frictionbench.results.files import ResultsError
+from frictionbench.results.histories import CONVERGENCE, read_histories
 from frictionbench.solvers import Answer, Status, find
 from tests.helpers.runs import quiet, small_plan
 

@@ -2,7 +2,6 @@
 
 import os
 import shlex
-from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ import pytest
 from frictionbench.commands.single import shrink
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
-from frictionbench.harness.shrink import Search, reduction
+from frictionbench.harness.shrink import fails_as, reduced
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.random_problem import random_problem
@@ -24,22 +23,22 @@ from tests.helpers.runs import quiet
 
 
 def test_reduction_finds_minimum() -> None:
-    search, kept, asked, fails = reduction(list(range(40))), list(range(40)), 0, None
-    with suppress(StopIteration):
-        while True:
-            parts = search.send(fails)
-            asked, fails = asked + 1, {3, 17} <= set(parts)
-            kept = parts if fails else kept
-    assert kept == [3, 17]
-    assert 5 < asked < 80
-    assert list(reduction([5])) == []
+    asked = []
+
+    def fails(parts: list[int]) -> bool:
+        asked.append(parts)
+        return {3, 17} <= set(parts)
+
+    assert reduced(list(range(40)), fails) == [3, 17]
+    assert 5 < len(asked) < 80
+    assert reduced([5], fails) == [5]
 
 
 def test_parts_below_rounding_floor_are_ignored() -> None:
-    search = Search({"verdict": "unsolved", "tol": 1e-6, "time_limit": 1.0}, random_problem(3, contacts=2), 10.0)
-    for floor, kept in ((1e-12, [0, 1]), (9.4, [0, 1]), (1e-12, [0])):
-        search.update({"verdict": "unsolved", "residual_floor": floor, "wall_time": 1e-3})
-        assert search.smallest == kept
+    row = {"verdict": "unsolved", "tol": 1e-6}
+    assert fails_as(row, {"verdict": "unsolved", "residual_floor": 1e-12})
+    assert not fails_as(row, {"verdict": "unsolved", "residual_floor": 9.4})
+    assert not fails_as(row, {"verdict": "wrong"})
 
 
 def test_contacts_and_bodies_are_removed() -> None:

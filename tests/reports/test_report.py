@@ -19,7 +19,7 @@ from frictionbench.reports.run import Run, annotate, annotate_simulations, read_
 from frictionbench.reports.tables import reliabilities, sentences
 from frictionbench.reports.templates import script
 from frictionbench.results.conventions import ENDINGS
-from frictionbench.results.extras import ConvergenceHistory, write_histories
+from frictionbench.results.histories import ConvergenceHistory, write_histories
 from frictionbench.results.schema import SOLVES, arrow_schema
 from tests.helpers.browser import browse, in_browser
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder

@@ -38,7 +38,6 @@ FILES = {
     "solves.parquet": ["report", "compare", "history", "accept"],
     "simulations.parquet": ["report", "compare"],
     "convergence.json": ["report"],
-    "shrunk/index.json": ["report"],
     "shards/solves-test.jsonl": ["rerun", "shrink"],
     "shards/solves-0.jsonl": ["rerun", "shrink"],
     "problems/source-0.json": ["export"],

@@ -1,5 +1,5 @@
-"""What a run follows on a few problems (results.extras): the verified residual when a solver is stopped after a number of its
-iterations, and the impulses of the last answer.
+"""What a run follows on a few problems (results.histories): the verified residual when a solver is stopped after a number of
+its iterations, and the impulses of the last answer.
 
 Each point of a history is the answer of a separate, untimed call with that limit. A body on more supports than it needs is
 hyperstatic: the motion and the net impulse are unique, their distribution over the contacts is not. Distributions are not
@@ -17,7 +17,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ZERO, Look, log_ticks, name_axes, residual_axis
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
-from frictionbench.results.extras import ConvergenceHistory
+from frictionbench.results.histories import ConvergenceHistory
 
 WORST = 1e3  # residuals of iterations that diverge are drawn here if they are larger
 EXACT = 1e-4  # residual below which an answer's impulses are drawn: an order of magnitude finer than the eye sees
