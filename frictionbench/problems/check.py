@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from frictionbench.problems.rows import Rows, from_matrix
+from frictionbench.problems.rows import Rows, from_dense, from_matrix
 
 Array = NDArray[np.float64]
 REAL = "fiu"  # numpy's kinds of real numbers: floats, integers with and without sign
@@ -89,8 +89,13 @@ def rows(field: str, value: Any, shape: tuple[int | None, int]) -> Rows:
     Of Rows, which this package makes canonical, only the number and the entries are checked.
     Errors: InputError naming the field.
     """
-    if not isinstance(value, Rows):
+    if sparse.issparse(value):
         return from_matrix(matrix(field, value, shape))
+    if not isinstance(value, Rows):
+        array = _real(field, value)
+        _require_shape(field, array, shape)
+        require_finite(field, array)
+        return from_dense(array)
     require(shape[0] in (None, len(value.start) - 1), field, f"expected {_show(shape)}, got {len(value.start) - 1} rows")
     require_finite(field, value.value)
     return value
@@ -103,16 +108,21 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
         require_consistent(field, value)
     else:
         value = floats(field, value)
-    require(value.ndim == 2, field, f"expected a matrix, got shape {value.shape}")
+    _require_shape(field, value, shape)
     result = sparse.csr_array(value, dtype=np.float64, copy=True)
-    for axis, expected in enumerate(shape):
-        require(expected is None or result.shape[axis] == expected, field, f"expected shape {_show(shape)}, got {result.shape}")
     require_finite(field, result.data, result)
     result.sum_duplicates()
     result.eliminate_zeros()
     for part in (result.data, result.indices, result.indptr):
         part.setflags(write=False)
     return result
+
+
+def _require_shape(field: str, value: Any, shape: tuple[int | None, int | None]) -> None:
+    if value.ndim != 2:
+        raise InputError(f"{field}: expected a matrix, got shape {value.shape}")
+    if any(expected not in (None, size) for size, expected in zip(value.shape, shape, strict=True)):
+        raise InputError(f"{field}: expected shape {_show(shape)}, got {value.shape}")
 
 
 def require_consistent(field: str, value: Any) -> None:
@@ -166,10 +176,14 @@ def _real(field: str, value: Any) -> Array:
 
 def require_finite(field: str, values: Array, of: sparse.csr_array | None = None) -> None:
     """Errors: InputError naming the field and its first entry that is not finite. of: the matrix whose values these are."""
-    bad = np.flatnonzero(~np.isfinite(values))
-    if len(bad):
-        place = bad[0] if of is None else tuple(int(axis[bad[0]]) for axis in of.tocoo().coords)
-        raise InputError(f"{field}: entry {place} is {values[bad[0]]}; all must be finite")
+    if np.isfinite(values).all():
+        return
+    bad = int(np.flatnonzero(~np.isfinite(values))[0])
+    if of is None:
+        place = bad if values.ndim == 1 else tuple(map(int, np.unravel_index(bad, values.shape)))
+    else:
+        place = tuple(int(axis[bad]) for axis in of.tocoo().coords)
+    raise InputError(f"{field}: entry {place} is {values.flat[bad]}; all must be finite")
 
 
 def _show(shape: tuple[int | None, int | None]) -> str:

@@ -5,12 +5,11 @@ coordinates couple. Each block's inverse is dense, so the inverse has the blocks
 """
 
 import numpy as np
-from scipy import sparse
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse.csgraph import connected_components
 
 from frictionbench.problems.check import require
-from frictionbench.problems.rows import Array, Index64, Rows, from_matrix
+from frictionbench.problems.rows import Array, Index64, Rows
 
 
 def inverse_mass(mass: Rows) -> Rows:
@@ -19,27 +18,32 @@ def inverse_mass(mass: Rows) -> Rows:
     Errors: InputError naming `mass` where it is not symmetric to round-off or not positive definite.
     """
     n, value = len(mass.start) - 1, mass.value
-    alone = np.array_equal(mass.start, np.arange(n + 1)) and np.array_equal(mass.column, mass.start[:-1])
-    if alone and bool((value > 0).all()):
+    if (
+        np.array_equal(mass.start, np.arange(n + 1))
+        and np.array_equal(mass.column, mass.start[:-1])
+        and bool((value > 0).all())
+    ):
         return Rows(mass.start, mass.column, 1 / value)
-    matrix = mass.matrix(n)
-    return from_matrix(_by_blocks(matrix, *connected_components(matrix, directed=False)))
-
-
-def _by_blocks(mass: sparse.csr_array, count: int, label: Index64) -> sparse.csr_array:
-    """The inverse, block by block; label: (nv,), the block of each coordinate. Errors: as of inverse_mass."""
-    asymmetry = abs(mass - mass.T)
-    require(bool(np.all(mass.diagonal() > 0)), "mass", "not positive definite: a diagonal entry is not positive")
-    require(not asymmetry.nnz or asymmetry.max() <= 1e-12 * abs(mass).max(), "mass", "not symmetric")
-    order = np.argsort(label, kind="stable")
-    blocks = np.split(order, np.cumsum(np.bincount(label, minlength=count))[:-1])
-    rows, columns, entries = [], [], []
-    for block in blocks:
-        rows.append(np.repeat(block, len(block)))
-        columns.append(np.tile(block, len(block)))
-        entries.append(_inverse(mass[block][:, block].toarray(), block).ravel())
-    triplets = (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns)))
-    return sparse.csr_array(sparse.coo_array(triplets, shape=mass.shape))
+    length = np.diff(mass.start)
+    row = np.repeat(np.arange(n), length)
+    diagonal = np.bincount(row, np.where(row == mass.column, value, 0.0), n)
+    require(bool((diagonal > 0).all()), "mass", "not positive definite: a diagonal entry is not positive")
+    coupled = length.max() == n  # a row without zeros couples all coordinates, as that of a robot's base does
+    label = np.zeros(n, int) if coupled else connected_components(mass.matrix(n), directed=False)[1]
+    size = np.bincount(label)
+    start = np.append(0, size[label].cumsum()).astype(np.int32)
+    column, inverse = np.empty(start[-1], np.int32), np.empty(start[-1])
+    blocks = np.split(np.argsort(label, kind="stable"), size.cumsum()[:-1])
+    entries = np.split(np.argsort(label[row], kind="stable"), np.bincount(label[row]).cumsum()[:-1])
+    place, allowed = np.empty(n, int), 1e-12 * np.abs(value).max()
+    for coordinates, own in zip(blocks, entries, strict=True):
+        place[coordinates] = np.arange(len(coordinates))
+        block = np.zeros((len(coordinates), len(coordinates)))
+        block[place[row[own]], place[mass.column[own]]] = value[own]
+        require(bool(np.abs(block - block.T).max() <= allowed), "mass", "not symmetric")
+        at = start[coordinates][:, None] + np.arange(len(coordinates))
+        column[at], inverse[at] = coordinates, _inverse(block, coordinates)
+    return Rows(start, column, inverse)
 
 
 def _inverse(block: Array, coordinates: Index64) -> Array:
