@@ -50,9 +50,8 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         open_folder(plan, folder)
         rows = {table: store.rows(folder, table) for table in TABLES}
         with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
-            store.write_manifest(
-                folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.sandbox}
-            )
+            known = {name: value for name, value in store.read_manifest(folder).items() if name != "finished"}
+            store.write_manifest(folder, known | {"workers": None if cluster else jobs, "walls": pool.sandbox})
             records = _collect(plan, pool, progress)
             _record_motions(plan, pool, progress)
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]

@@ -171,6 +171,16 @@ def test_map_resumes(atlas) -> None:
     assert store.rows(atlas, "solves").keys() == before
 
 
+def test_a_map_that_is_refined_is_not_finished(tmp_path, monkeypatch) -> None:
+    seen = []
+    histories = "frictionbench.harness.run.record_histories"
+    monkeypatch.setattr(histories, lambda _, folder, *__: seen.append("finished" in store.read_manifest(folder)))
+    run_maps(plan(small("sliding_block", 3, 3), solvers=("lemke", "relaxation_ip")), tmp_path / "run", 1, quiet())
+    assert seen == [False] * len(seen)
+    assert len(seen) > 1
+    assert "finished" in store.read_manifest(tmp_path / "run")
+
+
 def test_failures_are_listed_smallest_first(tmp_path) -> None:
     spec = Map("m", "stack", Axis("blocks", 2, 3, 2, whole=True), Axis("mass_ratio", 1.0, 1e6, 2, "log"), {"push": 1.0})
     run_maps(plan(replace(spec, levels=0), solvers=("hybrid", "nsgs")), tmp_path / "run", 2, quiet())
