@@ -63,8 +63,7 @@ def fetch(name: str) -> None:
     """Fetch a family with a progress bar. Errors: InputError naming the family or the file."""
     family = collection.family(name)
     files = collection.registry()[family]
-    with Progress().stage(f"fclib/{family}", len(files), 0) as stage:
-        for _ in collection.fetch(family):
-            stage.advance()
+    for _ in Progress().counted(f"fclib/{family}", collection.fetch(family), len(files)):
+        pass
     print(f"{len(files)} files in {collection.cache_folder() / family}")
     print(f"run them: frictionbench run recorded --data fclib/{family}")

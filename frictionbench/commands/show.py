@@ -58,6 +58,6 @@ def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int |
             return record_motion(stage, variant, scheme, steps)
     with scratch_pool(plugins) as pool:
         call = (name, settings, variant, scheme, steps)
-        (outcome,) = pool.run([Task(variant, worker.run_show, call, MAX_SECONDS, plugins[0].source)])
+        (outcome,) = pool.run([Task(worker.run_show, call, MAX_SECONDS, plugins[0].source)])
     found = decoded(outcome.result(f"solver: {variant} cannot be shown"), f"solver: {variant}")
     return replace(found, scene=stage.name, solver=variant)

@@ -56,7 +56,7 @@ def solve_one(
     variants, plugins, unusable = (*load_plugins(solver_specs), []) if solver_specs else all_variants()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with scratch_pool(plugins, jobs=jobs) as pool:
-        (outcome,) = pool.run([Task(problem, worker.run_problem, (source,), COLLECT_SECONDS)])
+        (outcome,) = pool.run([Task(worker.run_problem, (source,), COLLECT_SECONDS)])
         facts = outcome.result(f"problem: {problem} cannot be made")
         record = facts["record"]
         rank_by = rank_by or (RankBy.BODIES if facts["mechanical"] else RankBy.FORM)

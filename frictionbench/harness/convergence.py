@@ -28,7 +28,8 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.residual import residual
 from frictionbench.problems.verdicts import ACCEPTED
-from frictionbench.results.histories import CONVERGENCE, ConvergenceHistory, convergence_history, write_histories
+from frictionbench.results.files import parsed
+from frictionbench.results.histories import CONVERGENCE, ConvergenceHistory, write_histories
 from frictionbench.results.store import Row
 from frictionbench.solvers import Solver, Status
 
@@ -87,7 +88,7 @@ def record_histories(
         if row.get("tol") == tol and row.get("verdict") in ACCEPTED and not row.get("members")
     }
     tasks = [
-        Task(f"convergence history of {variant}", run_history, (name, variant, tol), LIMIT, plan.owner(variant))
+        Task(run_history, (name, variant, tol), LIMIT, plan.owner(variant))
         for variant in sorted(plan.variants, key=plan.owner)
         for name in problems
         if (name, variant) in solved
@@ -96,7 +97,7 @@ def record_histories(
     for outcome in progress.follow("convergence histories", pool, tasks):
         name, variant, _ = outcome.task.arguments
         if not outcome.failure:
-            with suppress(ValueError, TypeError, LookupError, OverflowError):
+            with suppress(ValueError, TypeError, LookupError):
                 found.append(_history(problems[name], variant, outcome.value))
     write_histories(
         folder, sorted(found, key=lambda history: (history.scene, history.parameters, str(history.step), history.variant))
@@ -124,9 +125,10 @@ def _one_a_scene(records: list[Record]) -> list[Record]:
 
 
 def _history(record: Record, variant: str, found: Any) -> ConvergenceHistory:
-    """Errors: as of results.histories.convergence_history; a plug-in's worker may reply with anything."""
+    """Errors: LookupError, TypeError or ValueError; a plug-in's worker may reply with anything."""
     redundant = bool(record["redundancy"])
     facts = {name: record[name] for name in ("scene", "parameters", "step", "contacts")}
     curve = {name: found[name] for name in ("units", "residuals")}
     impulse = found["impulse"] if redundant and record["contacts"] <= MOST_FORCES else []
-    return convergence_history(facts | curve | {"variant": variant, "redundant": redundant, "impulse": impulse})
+    made = facts | curve | {"variant": variant, "redundant": redundant, "impulse": impulse}
+    return parsed(made, ConvergenceHistory, CONVERGENCE)

@@ -32,7 +32,7 @@ from frictionbench.problems.recorded import own
 from frictionbench.problems.residual import contact_residuals, residual_floor
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.results.files import replaced, subfolder
-from frictionbench.results.judgement import LAWS, Judgement, checked, touching, write_judgements
+from frictionbench.results.judgement import LAWS, Judgement, touching, write_judgements
 
 FOLDER = "judged"
 EXACT = "hybrid"  # our solver of Coulomb's law for any problem, which stands beside the engine
@@ -162,13 +162,13 @@ def judge(
 
 def _judgements(paths: list[Path], scratch: Path, jobs: int, progress: Progress) -> list[Judgement]:
     """The judgements in the order of the paths. Errors: InputError naming the first file that cannot be judged."""
-    tasks = [Task(path.name, judge_step, (str(path.absolute()),), COLLECT_SECONDS) for path in paths]
+    tasks = [Task(judge_step, (str(path.absolute()),), COLLECT_SECONDS) for path in paths]
     with Pool(scratch, jobs, (), MEMORY_LIMIT) as pool:
         found = {
-            outcome.task.name: checked(outcome.result(f"{outcome.task.arguments[0]}: cannot be judged"))
+            outcome.task.arguments: Judgement(**outcome.result(f"{outcome.task.arguments[0]}: cannot be judged"))
             for outcome in progress.follow("steps", pool, tasks)
         }
-    return [found[path.name] for path in paths]
+    return [found[task.arguments] for task in tasks]
 
 
 def _sources(folder: Path, found: list[Judgement], out: Path) -> tuple[Source, ...]:

@@ -13,12 +13,13 @@ the thresholds of theory are traced over each map, along lines, by bisection, wi
 """
 
 import json
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -30,6 +31,7 @@ from frictionbench.harness.run import run
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.catalogue import find_scene
+from frictionbench.problems.check import require
 from frictionbench.problems.scenes import scene, scenes
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.simulate import first_problem_of
@@ -51,21 +53,20 @@ Verdicts = dict[GridPoint, dict[str, str]]  # then by variant
 def axis(field: str, text: str, name: str) -> Axis:
     """The axis of a scene's parameter that a text describes. Errors: InputError naming the field."""
     parameter, _, values = text.partition("=")
-    *scale, low, high, count = values.split(":") if values.count(":") in (2, 3) else ("", "", "", "", "")
+    *scale, first, last, number = values.split(":") if values.count(":") in (2, 3) else ("", "", "", "", "")
+    kind: Any = scale[0] if scale else "linear"
     try:
-        found = Axis(parameter.strip(), float(low), float(high), int(count), *scale)  # type: ignore[arg-type]
+        low, high, count = float(first), float(last), int(number)
     except ValueError:
         raise InputError(f"{field}: cannot read {text!r}; write PARAMETER=FROM:TO:N or PARAMETER=log:FROM:TO:N") from None
-    if found.scale not in SCALES:
-        raise InputError(f"{field}: unknown scale {found.scale!r}; known are {', '.join(SCALES)}")
-    if found.scale != "linear" and not 0 < found.low < found.high:
-        raise InputError(f"{field}: {text!r} needs 0 < FROM < TO")
-    if not found.low < found.high or not 2 <= found.count <= MOST_LINES:
-        raise InputError(f"{field}: {text!r} needs FROM < TO and 2 to {MOST_LINES} values")
-    if found.scale == "both" and found.count % 2 == 0:
-        raise InputError(f"{field}: {text!r} needs an odd number of values, one of them 0")
-    whole = isinstance(scenes()[name].parameters.get(found.parameter), int) if name in scenes() else False
-    return Axis(found.parameter, found.low, found.high, found.count, found.scale, whole)
+    require(kind in SCALES, field, f"unknown scale {kind!r}; known are {', '.join(SCALES)}")
+    require(kind == "linear" or 0 < low < high, field, f"{text!r} needs 0 < FROM < TO")
+    many = 0 < high - low < math.inf and 2 <= count <= MOST_LINES
+    require(many, field, f"{text!r} needs FROM < TO and 2 to {MOST_LINES} values")
+    require(kind != "both" or count % 2 == 1, field, f"{text!r} needs an odd number of values, one of them 0")
+    parameter = parameter.strip()
+    whole = name in scenes() and isinstance(scenes()[name].parameters.get(parameter), int)
+    return Axis(parameter, low, high, count, kind, whole)
 
 
 def plan_map(

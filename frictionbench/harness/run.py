@@ -164,10 +164,7 @@ def _brief(value: object) -> str:
 
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
     """The records of all problems by origin, in the plan's order; for a source without problems one with the reason."""
-    tasks = [
-        Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source,), COLLECT_SECONDS)
-        for source in (*plan.sources, *plan.map_sources)
-    ]
+    tasks = [Task(worker.run_source, (source,), COLLECT_SECONDS) for source in (*plan.sources, *plan.map_sources)]
     by_task: dict[int, list[Record]] = {}
     for outcome in progress.follow("problems", pool, tasks):
         (source,) = outcome.task.arguments
@@ -177,7 +174,7 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
 
 def _record_motions(plan: Plan, pool: Pool, progress: Progress) -> None:
     """Record a motion of every scene, on this machine; the report does without those that fail."""
-    tasks = [Task(f"motion of {shown.scene}", worker.run_motion, (shown,), plan.simulation_limit) for shown in plan.shown()]
+    tasks = [Task(worker.run_motion, (shown,), plan.simulation_limit) for shown in plan.shown()]
     for _ in progress.follow("motions", pool, tasks):
         pass
 
@@ -198,9 +195,8 @@ def _task(cell: Cell, records: dict[str, Record], plan: Plan) -> Task:
 
 def cell_task(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Record | None = None) -> Task:
     """The task of a cell; record: of the problem of a solve cell."""
-    name = f"{cell.variant} on {(record or vars(cell))['scene']}"
     arguments = (cell, limit) if record is None else (cell, record, limit)
-    return Task(name, RUNS[cell.table], arguments, limit, owner(cell.variant, plugins), whole=False)
+    return Task(RUNS[cell.table], arguments, limit, owner(cell.variant, plugins), whole=False)
 
 
 def _no_problem(task: Task) -> str:

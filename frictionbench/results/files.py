@@ -11,11 +11,10 @@ import json
 import os
 import stat
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import UnionType
-from typing import Any, BinaryIO, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, BinaryIO, TypeVar
 
 T = TypeVar("T")
 
@@ -77,37 +76,28 @@ def read_json(path: Path, most: int = LARGEST_JSON) -> Any:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
 
 
-def read_parsed(path: Path, parse: Callable[[Any], T], missing: T | None = None) -> T:
-    """What `parse` makes of the value in a JSON file; `missing`, if given, where there is no file.
+def parsed(value: Any, kind: type[T], where: Path | str) -> T:
+    """The value as a type, which may be a tuple or a class with named and annotated fields.
 
-    Errors: FileNotFoundError; ResultsError naming the file, where it cannot be read or `parse` raises.
+    Errors: ResultsError naming where it comes from and what in it cannot be used.
     """
-    if missing is not None and not path.exists():
-        return missing
-    value = read_json(path)
+    from pydantic import TypeAdapter, ValidationError  # the command line imports this file for its help
+
     try:
-        return parse(value)
-    except (ValueError, TypeError, LookupError, AttributeError, OverflowError) as error:
-        raise ResultsError(f"{path}: cannot be read ({type(error).__name__}: {error})") from None
+        return TypeAdapter(kind).validate_python(value)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = " ".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
+        told = printable(f"{place}: {first['msg']}")
+        raise ResultsError(f"{where}: cannot be read ({told})") from None
 
 
-def record(kind: type[T], row: Any) -> T:
-    """A NamedTuple from an object with a value for each of its fields, converted to the field's type.
+def read_parsed(path: Path, kind: type[T], missing: T | None = None) -> T:
+    """The value in a JSON file as a type; `missing`, if given, where there is no file.
 
-    Errors: ValueError, TypeError, LookupError or OverflowError where one is missing or cannot be converted.
+    Errors: FileNotFoundError; ResultsError naming the file, where it cannot be read or holds something else.
     """
-    return kind(**{name: _converted(row[name], to) for name, to in get_type_hints(kind).items()})
-
-
-def _converted(value: Any, to: Any) -> Any:
-    inner = get_args(to)
-    if isinstance(to, UnionType):  # with None
-        return None if value is None else _converted(value, inner[0])
-    if get_origin(to) is list:
-        return [_converted(item, inner[0]) for item in value]
-    if get_origin(to) is dict:
-        return {str(name): _converted(item, inner[1]) for name, item in value.items()}
-    return to(value)
+    return missing if missing is not None and not path.exists() else parsed(read_json(path), kind, path)
 
 
 def printable(text: str) -> str:

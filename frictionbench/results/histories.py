@@ -1,17 +1,19 @@
 """Convergence histories of solvers on a few problems, stored in DIR/convergence.json."""
 
 import json
-import math
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
 
-from frictionbench.results.files import read_parsed, record, write_text
+from pydantic import FiniteFloat
+
+from frictionbench.results.files import read_parsed, write_text
 
 CONVERGENCE = "convergence.json"
 
 
-class ConvergenceHistory(NamedTuple):
+@dataclass(frozen=True)
+class ConvergenceHistory:
     """One solver on one problem, stopped after increasing amounts of its own work (sweeps, iterations or pivots).
 
     parameters: of the scene, JSON. units: the limits on work, ascending. residuals: the verified residual of the answer at
@@ -26,23 +28,18 @@ class ConvergenceHistory(NamedTuple):
     contacts: int
     redundant: bool
     units: list[int]
-    residuals: list[float]
-    impulse: list[list[float]]
+    residuals: list[FiniteFloat]
+    impulse: list[list[FiniteFloat]]
+
+    def __post_init__(self) -> None:
+        if len(self.units) != len(self.residuals):
+            raise ValueError(f"the history of {self.variant} on {self.scene} is incomplete")
 
 
 def write_histories(folder: Path, found: Sequence[ConvergenceHistory]) -> None:
-    write_text(folder / CONVERGENCE, json.dumps([history._asdict() for history in found]))
+    write_text(folder / CONVERGENCE, json.dumps([asdict(history) for history in found]))
 
 
 def read_histories(folder: Path) -> list[ConvergenceHistory]:
     """The histories; none where none were written. Errors: ResultsError naming the file where it cannot be read."""
-    return read_parsed(folder / CONVERGENCE, lambda rows: [convergence_history(row) for row in rows], [])
-
-
-def convergence_history(row: Any) -> ConvergenceHistory:
-    """The history with these fields. Errors: ValueError, TypeError, LookupError or OverflowError where it is none."""
-    history = record(ConvergenceHistory, row)
-    numbers = [*history.residuals, *(part for contact in history.impulse for part in contact)]
-    if len(history.units) != len(history.residuals) or not all(map(math.isfinite, numbers)):
-        raise ValueError(f"the history of {history.variant} on {history.scene} is incomplete")
-    return history
+    return read_parsed(folder / CONVERGENCE, list[ConvergenceHistory], [])

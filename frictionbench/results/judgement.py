@@ -7,19 +7,20 @@ import json
 import math
 from collections import Counter
 from collections.abc import Iterable
-from itertools import chain
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from pydantic import Field, FiniteFloat
 
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.files import ResultsError, read_parsed, record, write_text
+from frictionbench.results.files import ResultsError, read_parsed, write_text
 from frictionbench.results.store import read_table
 
 NAME = "judgement.json"
 LAWS = ("signorini", "cone", "direction", "dissipation")
+Number = Annotated[float, Field(ge=-math.inf)]  # any but NaN
 QUANTITIES = {  # what percentiles are shown of, with units
     "residual": "",
     "signorini": "m/s",
@@ -57,20 +58,20 @@ class Judgement(NamedTuple):
     file: str
     problem: str
     contacts: int
-    residual: float
-    floor: float
-    law: str
-    signorini: float
-    cone: float
-    direction: float
-    dissipation: float
-    creep: float | None
-    free_velocity: float
-    bodies: dict[str, list[float]]
-    penetration: float | None
-    energy_defect: float
-    notes: dict[str, float]
-    forces: list[list[float]]
+    residual: Number
+    floor: Number
+    law: Annotated[str, Field(pattern=f"^({'|'.join(LAWS)}|)$")]
+    signorini: Number
+    cone: Number
+    direction: Number
+    dissipation: Number
+    creep: Number | None
+    free_velocity: Number
+    bodies: dict[str, Annotated[list[Number], Field(min_length=4)]]
+    penetration: Number | None
+    energy_defect: Number
+    notes: dict[str, Number]
+    forces: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
     contradiction: str
 
 
@@ -82,26 +83,9 @@ def read_judgements(folder: Path) -> list[Judgement]:
     """The judgements. Errors: ResultsError naming the file where it is missing or cannot be read."""
     path = folder / NAME
     try:
-        return read_parsed(path, lambda rows: [checked(row) for row in rows])
+        return read_parsed(path, list[Judgement])
     except FileNotFoundError:
         raise ResultsError(f"{path}: no steps were judged in this folder") from None
-
-
-def checked(row: Any) -> Judgement:
-    """The judgement with these fields. Errors: ValueError, TypeError, LookupError or OverflowError where it is none."""
-    found = record(Judgement, row)
-    forces = [part for contact in found.forces for part in contact]
-    measured = [value for value in (*found, *found.notes.values(), *chain(*found.bodies.values())) if isinstance(value, float)]
-    known = found.law in LAWS or not found.contacts
-    if (
-        not known
-        or any(map(math.isnan, measured))
-        or not all(map(math.isfinite, forces))
-        or len(forces) != 3 * len(found.forces)
-        or any(len(net) < 4 or len(net) % 2 for net in found.bodies.values())
-    ):
-        raise ValueError(f"the judgement of {found.file} is incomplete")
-    return found
 
 
 def touching(found: list[Judgement]) -> list[Judgement]:

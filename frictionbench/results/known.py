@@ -11,30 +11,38 @@ reason = "a safer step"
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar, get_type_hints
+from typing import Annotated, Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic.dataclasses import dataclass
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.changes import GONE, NEW, Change, Flip, Growth, Time
 from frictionbench.results.compare import Comparison
-from frictionbench.results.files import ResultsError, read_text
+from frictionbench.results.files import ResultsError, parsed, read_text
 
 F = TypeVar("F", Flip, Growth, Time)
+Text = Annotated[str, Field(min_length=1)]
 OF_CELLS = ("verdict", GONE, Verdict.SKIPPED, NEW)
 LARGEST = 2**20  # bytes
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, config=ConfigDict(extra="forbid"))
 class Known:
     """One acknowledged change."""
 
-    solver: str
-    change: str
-    reason: str
+    solver: Text
+    change: Text
+    reason: Text
     scene: str = ""
     after: str = ""
-    ratio: int | float = 0.0
+    ratio: Annotated[float, Field(ge=1)] = 0.0
+
+    def __post_init__(self) -> None:
+        if self.change not in OF_CELLS and not self.ratio:
+            raise ValueError(f"ratio is missing; give the largest acknowledged ratio of {self.change!r}")
 
     def is_of(self, found: Change) -> bool:
         if not found.worse or found.variant != self.solver:
@@ -54,30 +62,11 @@ def read(path: Path) -> list[Known]:
         raise
     except (ValueError, RecursionError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
-    entries = content.get("known")
-    if content.keys() - {"known"} or not isinstance(entries, list):
-        raise ResultsError(f"{path}: must contain only [[known]] tables")
-    return [_entry(path, i, entry) for i, entry in enumerate(entries, 1)]
+    return parsed(content, _File, path).known
 
 
-def _entry(path: Path, number: int, entry: Any) -> Known:
-    where = f"{path}: known {number}"
-    if not isinstance(entry, dict):
-        raise ResultsError(f"{where}: not a table")
-    fields = get_type_hints(Known)
-    for name, value in entry.items():
-        if name not in fields:
-            raise ResultsError(f"{where}: unknown field {name!r}; the fields are {', '.join(fields)}")
-        if not isinstance(value, fields[name]) or isinstance(value, bool):
-            raise ResultsError(f"{where}: {name} cannot be {value!r}")
-    for name in ("solver", "change", "reason"):
-        if not entry.get(name):
-            raise ResultsError(f"{where}: {name} is missing")
-    if entry["change"] not in OF_CELLS and not entry.get("ratio"):
-        raise ResultsError(f"{where}: ratio is missing; give the largest acknowledged ratio of {entry['change']!r}")
-    if "ratio" in entry and not entry["ratio"] >= 1:
-        raise ResultsError(f"{where}: ratio cannot be {entry['ratio']!r}; it is the largest acknowledged one, at least 1")
-    return Known(**entry)
+class _File(BaseModel, extra="forbid"):
+    known: list[Known]
 
 
 def acknowledge(comparison: Comparison, known: Sequence[Known]) -> Comparison:

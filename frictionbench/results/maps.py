@@ -13,16 +13,17 @@ within the tolerance.
 
 import json
 import math
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field, NonNegativeInt
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import DEFAULT_SCHEME, first_phase
-from frictionbench.results.files import ResultsError, read_parsed
+from frictionbench.results.files import parsed, read_parsed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,9 +51,14 @@ class Axis:
     parameter: str
     low: float
     high: float
-    count: int
+    count: NonNegativeInt
     scale: Scale = "linear"
     whole: bool = False
+
+    def __post_init__(self) -> None:
+        logarithmic = self.scale != "linear" and not min(self.low, self.high) > 0
+        if logarithmic or not all(map(math.isfinite, map(self._value, (0, self.count - 1)))):
+            raise ValueError(f"the axis {self.parameter} has no values")
 
     def value(self, position: float) -> float:
         """The parameter at a position, powers of two exactly, others to DIGITS; an int where the axis is whole."""
@@ -90,19 +96,23 @@ class Map:
     verdicts and work must be the same over the whole map. title, note: text above the drawing.
     """
 
-    name: str
+    name: Annotated[str, Field(pattern=r"^[\w-]+$")]
     scene: str
     x: Axis
     y: Axis
-    parameters: Mapping[str, Any] = field(default_factory=dict)
+    parameters: dict[str, Any] = field(default_factory=dict)
     scheme: str = DEFAULT_SCHEME
-    steps: int = 0
-    levels: int = 1
-    most: int = 24
+    steps: NonNegativeInt = 0
+    levels: Annotated[NonNegativeInt, Field(le=MOST_LEVELS)] = 1
+    most: NonNegativeInt = 24
     thresholds: tuple[str, ...] = ()
     constant: bool = False
     title: str = ""
     note: str = ""
+
+    def __post_init__(self) -> None:
+        if self.x.count * self.y.count * 4**self.levels > MOST_POINTS:
+            raise ValueError(f"more than {MOST_POINTS} grid points")
 
     @property
     def grid(self) -> list[GridPoint]:
@@ -123,30 +133,7 @@ class Map:
 
 def maps_of(manifest: Mapping[str, Any]) -> list[Map]:
     """The maps of a run, from its manifest. Errors: ResultsError where they cannot be read."""
-    try:
-        return [
-            _checked(Map(**{**spec, "x": Axis(**spec["x"]), "y": Axis(**spec["y"]), "thresholds": tuple(spec["thresholds"])}))
-            for spec in manifest["settings"].get("maps", [])
-        ]
-    except (KeyError, TypeError, ValueError, ArithmeticError) as error:
-        raise ResultsError(f"manifest.json: maps: cannot be read ({error})") from None
-
-
-def _checked(spec: Map) -> Map:
-    """The map, if it is one that a plan can have made. Errors: ValueError, TypeError or ArithmeticError."""
-    texts = (spec.name, spec.scene, spec.scheme, spec.title, spec.note, spec.x.parameter, spec.y.parameter, *spec.thresholds)
-    numbers = (spec.levels, spec.steps, spec.most, spec.x.count, spec.y.count)
-    if not all(isinstance(text, str) for text in texts) or not re.fullmatch(r"[\w-]+", spec.name):
-        raise ValueError("a name is no text, or not that of a file")
-    if not all(type(number) is int and number >= 0 for number in numbers) or not isinstance(spec.parameters, dict):
-        raise ValueError("a count is no whole number, or parameters are no object")
-    if spec.levels > MOST_LEVELS or spec.x.count * spec.y.count * 4**spec.levels > MOST_POINTS:
-        raise ValueError(f"more than {MOST_POINTS} grid points")
-    for axis in (spec.x, spec.y):
-        known = axis.scale in get_args(Scale) and (axis.scale == "linear" or min(axis.low, axis.high) > 0)
-        if not known or not all(map(math.isfinite, map(axis.value, (0, axis.count - 1)))):
-            raise ValueError(f"the axis {axis.parameter} has no values")
-    return spec
+    return parsed(manifest["settings"].get("maps", []), list[Map], "manifest.json: maps")
 
 
 def thresholds_file(folder: Path, spec: Map) -> Path:
@@ -156,11 +143,7 @@ def thresholds_file(folder: Path, spec: Map) -> Path:
 
 def read_thresholds(folder: Path, spec: Map) -> dict[str, list[GridPoint]]:
     """Points on each threshold, by its name; empty where none were traced. Errors: ResultsError if the file cannot be read."""
-    return read_parsed(
-        thresholds_file(folder, spec),
-        lambda traced: {str(name): [(float(i), float(j)) for i, j in points] for name, points in traced.items()},
-        {},
-    )
+    return read_parsed(thresholds_file(folder, spec), dict[str, list[GridPoint]], {})
 
 
 def at_grid_points(rows: "pd.DataFrame", spec: Map) -> "pd.DataFrame":

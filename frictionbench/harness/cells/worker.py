@@ -24,6 +24,7 @@ from frictionbench.harness.cells.motion import record_motion, store_motion
 from frictionbench.harness.cells.rows import finding_columns, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, Timing, time_solver
+from frictionbench.harness.contract.check import contact
 from frictionbench.harness.deadline import COMPILE_SECONDS, Deadline
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
 from frictionbench.problems import LCP, FrictionProblem, InputError
@@ -298,16 +299,5 @@ def _smallest(dimension: int, jointed: bool) -> FrictionProblem | LCP:
     """A problem of one sliding contact; an LCP for dimension 0."""
     if dimension == 0:
         return LCP(np.eye(2), np.array([-1.0, 1.0]))
-    free = np.zeros(dimension + 1)
-    free[:2] = -1.0, 1.0
-    rows = np.eye(dimension + 1)
-    return FrictionProblem(
-        mass=rows,
-        normal=rows[:1],
-        tangent=rows[1:dimension],
-        friction=np.array([0.5]),
-        free_velocity=free,
-        bias=np.zeros(1),
-        joints=rows[dimension:] if jointed else rows[:0],
-        dimension=dimension,
-    )
+    given = contact(dimension, spare=1)
+    return given.replace(joints=np.eye(dimension + 1)[-1:], joint_bias=np.zeros(1)) if jointed else given

@@ -86,14 +86,17 @@ def ordinary() -> list[FrictionProblem]:
     ]
 
 
-def contact(dimension: int, friction: float = 0.5, speed: float = 1.0, falling: float = 1.0) -> FrictionProblem:
-    """A point mass of 2 kg on the ground with tangential velocity `speed` and downward velocity `falling`, both in m/s."""
-    rows, free = np.eye(dimension), np.zeros(dimension)
+def contact(dimension: int, friction: float = 0.5, speed: float = 1.0, falling: float = 1.0, spare: int = 0) -> FrictionProblem:
+    """A point mass of 2 kg on the ground with tangential velocity `speed` and downward velocity `falling`, both in m/s.
+
+    spare: how many velocities there are besides, which the contact does not move.
+    """
+    rows, free = np.eye(dimension + spare), np.zeros(dimension + spare)
     free[:2] = -falling, speed
     return FrictionProblem(
         mass=2 * rows,
         normal=rows[:1],
-        tangent=rows[1:],
+        tangent=rows[1:dimension],
         friction=np.array([friction]),
         free_velocity=free,
         bias=np.zeros(1),

@@ -33,9 +33,7 @@ def examine(specs: list[str], jobs: int) -> list[Found]:
         if not owner(variant, plugins) and (missing := find(variant)[0].missing):
             raise InputError(f"solver: {variant}: {missing}")
     tasks = [
-        Task(
-            f"{check} {variant}", worker.run_check, (variant, check, _violations, LIMIT), LIMIT, owner(variant, plugins), False
-        )
+        Task(worker.run_check, (variant, check, _violations, LIMIT), LIMIT, owner(variant, plugins), whole=False)
         for variant in variants
         for check in CHECKS
     ]

@@ -65,8 +65,8 @@ class Cluster:
         with suppress(Exception):  # a scheduler that does not answer cannot be told
             self._client.close(timeout=1.0)
 
-    def run(self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None) -> Iterator[Outcome]:
-        """The outcomes of the tasks as they arrive. started is called when a task is submitted.
+    def run(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
+        """The outcomes of the tasks as they arrive.
 
         Errors: ResultsError where the scheduler ends or does not answer, or a dask worker runs other code.
         """
@@ -76,7 +76,6 @@ class Cluster:
 
         def submit(most: int) -> None:
             for task in islice(queue, most):
-                started(task)
                 future = self._client.submit(_isolated, task, self._files(task), self._settings, pure=False)
                 waiting[future.key] = future, task
                 future.add_done_callback(done.put)

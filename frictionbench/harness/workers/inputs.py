@@ -47,11 +47,9 @@ def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[
 
 
 def _load(sources: list[str], named: list[str]) -> list[Plugin]:
-    tasks = [Task(source, describe_plugin, (source, named), IMPORT_SECONDS, owner=source) for source in sources]
+    tasks = [Task(describe_plugin, (source, named), IMPORT_SECONDS, owner=source) for source in sources]
     with scratch_pool() as pool:
-        values = {
-            outcome.task.name: outcome.result(f"solver: {outcome.task.name} cannot be imported") for outcome in pool.run(tasks)
-        }
+        values = {done.task.owner: done.result(f"solver: {done.task.owner} cannot be imported") for done in pool.run(tasks)}
     return [_described(source, values[source]) for source in sources]
 
 
@@ -75,7 +73,8 @@ def require_buildable(chosen: Sequence[tuple[str, dict[str, Any]]]) -> None:
 
     Errors: InputError naming the parameter, or the scene where it takes too much memory or time.
     """
-    tasks = [Task(scene_title(name, json.dumps(given)), run_scene, (name, given), BUILD_SECONDS) for name, given in chosen]
+    tasks = [Task(run_scene, scene, BUILD_SECONDS) for scene in chosen]
     with scratch_pool() as pool:
         for outcome in pool.run(tasks):
-            outcome.result(f"scene: {outcome.task.name} cannot be made")
+            name, given = outcome.task.arguments
+            outcome.result(f"scene: {scene_title(name, json.dumps(given))} cannot be made")

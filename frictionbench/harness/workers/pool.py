@@ -34,11 +34,10 @@ LONGEST_REPLY = 256 * 2**20
 class Task:
     """A call of function(*arguments) in a worker, whose value is sent back as JSON.
 
-    name: shown in the progress bar. limit: seconds; whole: whether they are of the whole call, or of a part of it, such as the
-    solver's, which the function itself limits. owner: the solver from outside this repository that it runs, or empty.
+    limit: seconds; whole: whether they are of the whole call, or of a part of it, such as the solver's, which the function
+    itself limits. owner: the solver from outside this repository that it runs, or empty.
     """
 
-    name: str
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
     limit: float
@@ -221,14 +220,13 @@ class Pool:
         for slot in self._slots:
             slot.close()
 
-    def run(self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None) -> Iterator[Outcome]:
-        """The outcomes of the tasks as they arrive. started is called when a task is sent to a worker."""
+    def run(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
+        """The outcomes of the tasks as they arrive."""
         queue = iter(tasks)
         while True:
             for slot in self._slots:
                 if slot.task is None and (task := next(queue, None)) is not None:
                     slot.send(task)
-                    started(task)
             busy = {slot.connection: slot for slot in self._slots if slot.task is not None}
             if not busy:
                 return

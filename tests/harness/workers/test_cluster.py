@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.harness.progress import Progress, Stage
+from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet, small_plan, verdicts
@@ -61,20 +61,13 @@ class KillAfter(Progress):
         super().__init__(quiet()._console)
         self.killed, self.left, self.number = killed, cells, number
 
-    @contextmanager
-    def stage(self, name: str, total: int, done: int) -> Iterator[Stage]:
-        with super().stage(name, total, done) as stage:
+    def counted(self, name, items, total, done=0):
+        for item in super().counted(name, items, total, done):
             if name == "cells":
-                finished = stage.finished
-
-                def count(task):
-                    self.left -= 1
-                    if self.left == 0:
-                        os.killpg(self.killed.pid, self.number)
-                    finished(task)
-
-                stage.finished = count
-            yield stage
+                self.left -= 1
+                if self.left == 0:
+                    os.killpg(self.killed.pid, self.number)
+            yield item
 
 
 def wait_for_workers(address: str, count: int) -> None:
