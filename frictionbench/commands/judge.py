@@ -6,7 +6,7 @@ from typing import Any
 
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.results.files import printable
-from frictionbench.results.judgement import read_judged, steps, worst
+from frictionbench.results.judgement import read_judged, steps
 
 
 def as_data(folder: Path) -> dict[str, Any]:
@@ -23,7 +23,7 @@ def told(folder: Path) -> str:
     lines = [f"{steps(len(found.touching))} with contacts judged by Coulomb's law, {without} without contact"]
     most = ", ".join(f"{law} in {count}" for law, count in found.laws.items())
     lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")
-    for one in worst(found.steps, 1):
+    for one in found.worst(1):
         lines += [f"worst step: {printable(one.file)}, residual {_number(one.residual)}, {one.law}"]
     for answer in filter(None, (found.creep, found.forces, found.impossible)):
         lines += paragraph(printable(answer), screen(), "")

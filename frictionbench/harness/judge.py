@@ -32,7 +32,7 @@ from frictionbench.problems.recorded import own
 from frictionbench.problems.residual import contact_residuals, residual_floor
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.results.files import replaced, subfolder
-from frictionbench.results.judgement import LAWS, Judgement, touching, write_judgements
+from frictionbench.results.judgement import LAWS, Judgement, write_judgements
 
 FOLDER = "judged"
 EXACT = "hybrid"  # our solver of Coulomb's law for any problem, which stands beside the engine
@@ -147,7 +147,7 @@ def judge(
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
     with tempfile.TemporaryDirectory() as name:
         found = _judgements(paths, Path(name), jobs, progress)
-        require(bool(touching(found)), "folder", f"no step in {folder} has a contact")
+        require(any(one.contacts for one in found), "folder", f"no step in {folder} has a contact")
         solvers = tuple(dict.fromkeys((EXACT, *against)))
         settings = json.dumps([[one.problem for one in found], solvers, tol, time_limit])
         out = out or Path("runs") / f"judge-{sha256(settings.encode()).hexdigest()[:8]}"
@@ -173,7 +173,7 @@ def _judgements(paths: list[Path], scratch: Path, jobs: int, progress: Progress)
 
 def _sources(folder: Path, found: list[Judgement], out: Path) -> tuple[Source, ...]:
     """The problems by which the steps with contacts are judged, each problem once."""
-    steps = {one.problem: one.file for one in reversed(touching(found))}
+    steps = {one.problem: one.file for one in reversed(found) if one.contacts}
     stored = out.absolute() / FOLDER
     name = folder.resolve().name
     return tuple(Source(name, {"file": file}, file=str(stored / f"{problem}.npz")) for problem, file in reversed(steps.items()))

@@ -17,7 +17,7 @@ from frictionbench.reports.drawing.style import ALARM, INK, WORST, ZERO, log_tic
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
-from frictionbench.results.judgement import LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged, worst
+from frictionbench.results.judgement import LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
 
 MOST = 12  # steps in the table of the worst
 ROUNDING = 1e-9  # of the largest component of a net impulse: smaller ones are shown as 0
@@ -31,7 +31,7 @@ LEAST = 1e-12  # m/s: where smaller violations are drawn
 def write_judgement(folder: Path) -> Path:
     """Write DIR/judgement.html; return its path. Errors: ResultsError where the folder holds no judgement."""
     found = read_judged(folder)
-    bad = worst(found.steps, MOST)
+    bad = found.worst(MOST)
     solved = {
         str(variant): own.drop_duplicates("problem").set_index("problem")
         for variant, own in found.rows.groupby("variant", sort=False)

@@ -7,6 +7,7 @@ import json
 import math
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -35,6 +36,14 @@ NO_CREEP = 1e-6  # of the free velocity: less is rounding
 SOFT = 0.01  # share of the impulse from which on softness explains a creep
 NEAR = 0.01  # relative difference of net impulses below which they count as the same
 SYMPTOM = "See 'An object at rest creeps' in docs/symptoms.md."
+HARDER = (
+    "It is the likely cause: make contacts harder, in MuJoCo by solimp nearer 1, a larger impratio or noslip_iterations, in "
+    f"Drake by a smaller penetration allowance and stiction tolerance. {SYMPTOM}"
+)
+TIGHTER = (
+    "The likely cause is a solver that stops early, or friction that the engine regularises: tighten its tolerance, raise its "
+    f"number of iterations, or lower the speed at which friction is full. {SYMPTOM}"
+)
 PERCENTILES = (50, 90, 99, 100)
 
 
@@ -88,133 +97,117 @@ def read_judgements(folder: Path) -> list[Judgement]:
         raise ResultsError(f"{path}: no steps were judged in this folder") from None
 
 
-def touching(found: list[Judgement]) -> list[Judgement]:
-    """The steps that have a contact."""
-    return [one for one in found if one.contacts]
-
-
 def percentiles(values: Iterable[float]) -> list[float] | None:
     """PERCENTILES of the numbers; None of none."""
     known = list(values)
     return [float(np.percentile(known, p, method="higher")) for p in PERCENTILES] if known else None
 
 
-def laws(found: list[Judgement]) -> dict[str, int]:
-    """In how many steps each law is the one violated most, the most frequent first."""
-    return dict(Counter(one.law for one in touching(found) if one.residual > one.floor).most_common())
-
-
-def notes(found: list[Judgement]) -> dict[str, tuple[float, int]]:
-    """By note its mean share over the steps that have it, and their number; the largest first."""
-    shares: dict[str, list[float]] = {}
-    for one in found:
-        for name, share in one.notes.items():
-            shares.setdefault(name, []).append(share)
-    mean = {name: (float(np.mean(own)), len(own)) for name, own in shares.items()}
-    return dict(sorted(mean.items(), key=lambda item: -item[1][0]))
-
-
-def impossible(found: list[Judgement]) -> str:
-    """How many steps are proved to have no solution, with the first of them; empty for none."""
-    proved = [one for one in found if one.contradiction]
-    told = f"{len(proved)} of {len(found)} steps {'has' if len(proved) == 1 else 'have'} no solution, with proof; "
-    return told + f"{proved[0].file}: {proved[0].contradiction}" if proved else ""
-
-
-def creeping(found: list[Judgement]) -> str:
-    """Whether contacts that should stick creep, how fast, and why most likely; empty where none should stick."""
-    held = [one for one in found if one.creep is not None]
-    if not held:
-        return ""
-    fastest = max(held, key=lambda one: one.creep or 0.0)
-    speed, free = fastest.creep or 0.0, fastest.free_velocity
-    if speed <= NO_CREEP * free:
-        return f"Contacts that should stick do not creep, in {steps(len(held))}."
-    told = f"Contacts that should stick creep at up to {1e3 * speed:.2g} mm/s ({fastest.file}), "
-    told += f"{100 * speed / free:.2g} % of the velocity that they would have without impulses. "
-    soft, _ = notes(found).get("softness of contacts", (0.0, 0))
-    if soft > SOFT:
-        return told + (
-            f"{100 * soft:.2g} % of the impulse is the softness of the engine's contacts, which is the likely cause: make them "
-            "harder, in MuJoCo by solimp nearer 1, a larger impratio or noslip_iterations, in Drake by a smaller penetration "
-            f"allowance and stiction tolerance. {SYMPTOM}"
-        )
-    return told + (
-        "The likely cause is a solver that stops early, or friction that the engine regularises: tighten its tolerance, raise "
-        f"its number of iterations, or lower the speed at which friction is full. {SYMPTOM}"
-    )
-
-
-def forces_right(found: list[Judgement]) -> str:
-    """How far the net impulses between bodies are from the exact answer's, and which contacts' own forces can be compared."""
-    nets = [(one, name, net) for one in found for name, net in one.bodies.items()]
-    determined = [each for each in nets if each[2][1]]
-    if not nets:
-        return ""
-    told = f"{len(nets) - len(determined)} of {len(nets)} net impulses between bodies are not determined by the motion. "
-    told = told if len(determined) < len(nets) else ""
-    if determined:
-        near = sum(net[3] <= NEAR for _, _, net in determined)
-        one, name, net = max(determined, key=lambda each: each[2][3])
-        told += f"{near} of {len(determined)} net impulses between bodies are within {100 * NEAR:g} % of the exact answer's; "
-        told += f"farthest, by {100 * net[3]:.2g} %, are those on the velocities {name} in {one.file}. "
-    if hyperstatic := sum(not net[2] for _, _, net in nets):
-        told += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
-    return told.strip()
-
-
 def steps(count: int) -> str:
     return f"{count} step{'' if count == 1 else 's'}"
 
 
-def worst(found: list[Judgement], most: int) -> list[Judgement]:
-    """The steps with the largest residuals that are not neighbours in time, the largest first."""
-    order = {one.file: place for place, one in enumerate(found)}
-    apart = len(found) // (2 * most)
-    chosen: list[Judgement] = []
-    for one in sorted(touching(found), key=lambda one: -one.residual):
-        if len(chosen) < most and all(abs(order[one.file] - order[other.file]) >= apart for other in chosen):
-            chosen.append(one)
-    return chosen
-
-
-def beside(rows: pd.DataFrame) -> list[dict[str, Any]]:
-    """The solvers on the same steps, in the order of their rows: variant, problems solved of how many, and percentiles of
-    residual and of time, s."""
-    return [
-        {
-            "variant": str(variant),
-            "solved": int((own["verdict"] == Verdict.SOLVED).sum()),
-            "problems": len(own),
-            "residual": percentiles(filter(np.isfinite, own["residual"])),
-            "time": percentiles(filter(np.isfinite, own["time"])),
-        }
-        for variant, own in rows.groupby("variant", sort=False)
-    ]
-
-
-class Judged(NamedTuple):
-    """A judged folder: the steps, those with contacts, the rows of solves with the time, s, of form, setup and solve, and what
-    the functions of this file tell. percentiles: by quantity, over the steps with contacts, of absolute values."""
+@dataclass(frozen=True)
+class Judged:
+    """A judged folder: its steps, and the rows of solves with the time, s, of form, setup and solve."""
 
     steps: list[Judgement]
-    touching: list[Judgement]
     rows: pd.DataFrame
-    creep: str
-    forces: str
-    impossible: str
-    laws: dict[str, int]
-    notes: dict[str, tuple[float, int]]
-    percentiles: dict[str, list[float] | None]
-    beside: list[dict[str, Any]]
+
+    @property
+    def touching(self) -> list[Judgement]:
+        """The steps that have a contact."""
+        return [one for one in self.steps if one.contacts]
+
+    @property
+    def laws(self) -> dict[str, int]:
+        """In how many steps each law is the one violated most, the most frequent first."""
+        return dict(Counter(one.law for one in self.touching if one.residual > one.floor).most_common())
+
+    @property
+    def notes(self) -> dict[str, tuple[float, int]]:
+        """By note its mean share over the steps that have it, and their number; the largest first."""
+        shares = pd.DataFrame([one.notes for one in self.steps])
+        means = shares.mean().sort_values(ascending=False, kind="stable")
+        return {str(name): (float(mean), int(shares[name].count())) for name, mean in means.items()}
+
+    @property
+    def percentiles(self) -> dict[str, list[float] | None]:
+        """Those of the quantities over the steps with contacts, of absolute values; None where none is known."""
+        values = {name: [getattr(one, name) for one in self.touching] for name in QUANTITIES}
+        return {name: percentiles(abs(value) for value in own if value is not None) for name, own in values.items()}
+
+    @property
+    def impossible(self) -> str:
+        """How many steps are proved to have no solution, with the first of them; empty for none."""
+        proved = [one for one in self.steps if one.contradiction]
+        have = "has" if len(proved) == 1 else "have"
+        told = f"{len(proved)} of {len(self.steps)} steps {have} no solution, with proof; "
+        return told + f"{proved[0].file}: {proved[0].contradiction}" if proved else ""
+
+    @property
+    def creep(self) -> str:
+        """Whether contacts that should stick creep, how fast, and why most likely; empty where none should stick."""
+        held = [one for one in self.steps if one.creep is not None]
+        if not held:
+            return ""
+        fastest = max(held, key=lambda one: one.creep or 0.0)
+        speed, free = fastest.creep or 0.0, fastest.free_velocity
+        if speed <= NO_CREEP * free:
+            return f"Contacts that should stick do not creep, in {steps(len(held))}."
+        told = f"Contacts that should stick creep at up to {1e3 * speed:.2g} mm/s ({fastest.file}), "
+        told += f"{100 * speed / free:.2g} % of the velocity that they would have without impulses. "
+        soft, _ = self.notes.get("softness of contacts", (0.0, 0))
+        if soft > SOFT:
+            return told + f"{100 * soft:.2g} % of the impulse is the softness of the engine's contacts. {HARDER}"
+        return told + TIGHTER
+
+    @property
+    def forces(self) -> str:
+        """How far net impulses between bodies are from the exact answer's, and which contacts' own forces can be compared."""
+        nets = [(one, name, net) for one in self.steps for name, net in one.bodies.items()]
+        determined = [each for each in nets if each[2][1]]
+        if not nets:
+            return ""
+        told = f"{len(nets) - len(determined)} of {len(nets)} net impulses between bodies are not determined by the motion. "
+        told = told if len(determined) < len(nets) else ""
+        if determined:
+            near = sum(net[3] <= NEAR for _, _, net in determined)
+            one, name, net = max(determined, key=lambda each: each[2][3])
+            told += f"{near} of {len(determined)} net impulses between bodies are within {100 * NEAR:g} % of the exact "
+            told += f"answer's; farthest, by {100 * net[3]:.2g} %, are those on the velocities {name} in {one.file}. "
+        if hyperstatic := sum(not net[2] for _, _, net in nets):
+            told += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
+        return told.strip()
+
+    def worst(self, most: int) -> list[Judgement]:
+        """The steps with the largest residuals that are not neighbours in time, the largest first."""
+        order = {one.file: place for place, one in enumerate(self.steps)}
+        apart = len(self.steps) // (2 * most)
+        chosen: list[Judgement] = []
+        for one in sorted(self.touching, key=lambda one: -one.residual):
+            if len(chosen) < most and all(abs(order[one.file] - order[other.file]) >= apart for other in chosen):
+                chosen.append(one)
+        return chosen
+
+    @property
+    def beside(self) -> list[dict[str, Any]]:
+        """The solvers on the same steps, in the order of their rows: variant, problems solved of how many, and percentiles of
+        residual and of time, s."""
+        return [
+            {
+                "variant": str(variant),
+                "solved": int((own["verdict"] == Verdict.SOLVED).sum()),
+                "problems": len(own),
+                "residual": percentiles(filter(np.isfinite, own["residual"])),
+                "time": percentiles(filter(np.isfinite, own["time"])),
+            }
+            for variant, own in self.rows.groupby("variant", sort=False)
+        ]
 
 
 def read_judged(folder: Path) -> Judged:
     """Errors: ResultsError where the folder holds no judgement, or a file that cannot be read."""
-    found, rows = read_judgements(folder), read_table(folder, "solves")
-    rows = rows.assign(time=rows[["form_time", "setup_time", "solve_time"]].sum(axis=1, min_count=1))
-    counted = touching(found)
-    values = {name: [getattr(one, name) for one in counted] for name in QUANTITIES}
-    own = {name: percentiles(abs(value) for value in some if value is not None) for name, some in values.items()}
-    told = creeping(found), forces_right(found), impossible(found), laws(found), notes(found)
-    return Judged(found, counted, rows, *told, own, beside(rows))
+    rows = read_table(folder, "solves")
+    times = rows[["form_time", "setup_time", "solve_time"]].sum(axis=1, min_count=1)
+    return Judged(read_judgements(folder), rows.assign(time=times))

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import frictionbench as fb
@@ -12,7 +13,7 @@ from frictionbench.harness.judge import judge, judge_file
 from frictionbench.problems.measures import judged, violations
 from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
-from frictionbench.results.judgement import NAME, forces_right, impossible, percentiles, read_judgements
+from frictionbench.results.judgement import NAME, Judged, percentiles, read_judgements
 from frictionbench.results.store import read_table
 from tests.helpers.command_line import frictionbench
 from tests.helpers.runs import quiet
@@ -98,8 +99,8 @@ def test_a_step_without_solution_is_named(tmp_path) -> None:
         fb.save(steps, tmp_path / name, impulse=np.zeros((1, 2)), step=STEP)
     found = [judge_file(tmp_path, tmp_path / name) for name in ("free.npz", "pressed.npz")]
     assert [bool(one.contradiction) for one in found] == [False, True]
-    assert impossible(found[:1]) == ""
-    told = impossible(found)
+    assert Judged(found[:1], pd.DataFrame()).impossible == ""
+    told = Judged(found, pd.DataFrame()).impossible
     assert told.startswith("1 of 2 steps has no solution, with proof; pressed.npz: no solution exists")
     assert "contact 0 and joint equation 0" in told
 
@@ -125,4 +126,4 @@ def test_hyperstatic_contacts_are_marked(tmp_path) -> None:
     assert (contacts, net_known, alone) == (3, 1, 0)
     assert difference < 1e-6
     assert nets == pytest.approx([-0.05, 2 * 9.81 * STEP] * 2)
-    assert "In 1 of 1 the forces of single contacts are not determined (hyperstatic)" in forces_right([one])
+    assert "In 1 of 1 the forces of single contacts are not determined (hyperstatic)" in Judged([one], pd.DataFrame()).forces
