@@ -12,7 +12,6 @@ import sys
 import tempfile
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -160,25 +159,6 @@ def peak_memory() -> float:
     return peak
 
 
-@dataclass
-class Core:
-    """The state of this process's core during a block: see watch_core."""
-
-    core_wait: float = float("nan")
-    load: tuple[float, ...] = ()
-    clock: tuple[float, ...] = ()
-
-
-@contextmanager
-def watch_core() -> Iterator[Core]:
-    """The seconds for which this thread waited for its core during the block, and load average and clock before and after."""
-    core = Core()
-    before, load, clock = waited(), os.getloadavg()[0], _clock()
-    yield core
-    core.core_wait = waited() - before
-    core.load, core.clock = (load, os.getloadavg()[0]), (*clock, *_clock())
-
-
 def waited() -> float:
     """The seconds for which this thread has been runnable while its core ran another; NaN where the system does not tell."""
     try:
@@ -186,13 +166,6 @@ def waited() -> float:
             return int(times.read().split()[1]) / 1e9
     except (OSError, IndexError, ValueError):
         return float("nan")
-
-
-def _clock() -> tuple[float, ...]:
-    """The clock frequency of this thread's core, Hz; empty where the machine does not report it."""
-    with suppress(AttributeError, OSError, IndexError, NotImplementedError):
-        return (psutil.cpu_freq(percpu=True)[min(os.sched_getaffinity(0))].current * 1e6,)
-    return ()
 
 
 def die_with_parent(parent: int) -> None:

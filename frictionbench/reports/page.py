@@ -36,7 +36,7 @@ MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the sam
 MOST_CELLS = 20_000  # of the filter: a megabyte of the page; a run of more is filtered from Python
 DIGITS = 3  # of times and residuals in the filter
 FEW = 8  # curves that are distinguishable in one figure
-CURVES = ["times", "energies", "penetrations", "load", "clock"]  # columns that no table shows
+CURVES = ["times", "energies", "penetrations"]  # columns that no table shows
 MUCH_FORM = 0.2  # share of form in the time, above which the formulation by this suite may decide the rank
 
 Values = dict[str, Any]

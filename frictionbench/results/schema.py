@@ -42,8 +42,6 @@ host               text      machine that ran the cell
 core               whole     processor core that ran the cell alone
 core_wait          real  s   time for which the process was runnable but its core ran another one
 disturbed          flag      no dedicated core, or core_wait above 2 % of the timed seconds
-load               reals 1   load average of the machine, before and after
-clock              reals Hz  clock frequency of the core, before and after, where the machine reports it
 wall_time          real  s   duration of the cell including verification and repeats, excluding loading and compilation
 overhead           real  s   part of wall_time outside form, setup and solve; of a simulation, verification and recording
 peak_memory        real  B   largest resident memory of the process during the cell

@@ -126,15 +126,15 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     start_time += _warm_up(cell.variant, *_kind(problem), limit)
     given = duplicate(problem)
     process.reset_peak_memory()
+    waited = process.waited()
     try:
-        with process.watch_core() as core:
-            timing = _timed(solver, given, cell, record, limit, info.remote and info.ours)
+        timing = _timed(solver, given, cell, record, limit, info.remote and info.ours)
     except AnswerError as error:
         verdict = Verdict.WRONG if error.claimed else Verdict.UNSOLVED
         return _done(start_time, {"verdict": verdict, "reason": str(error), "claimed": error.claimed})
     except BaseException as error:  # whatever a solver raises, also SystemExit, is a finding of its row
         return _done(start_time, _crashed(error))
-    row = {"peak_memory": process.peak_memory(), **_core_columns(core, timing.spent)}
+    row = {"peak_memory": process.peak_memory(), **_core_columns(waited, timing.spent)}
     reference = stored_answer(_worker.folder, cell.problem)
     row |= finding_columns(problem, timing, info, cell.tol, limit, reference, disturbed=bool(row["disturbed"]))
     if not same(problem, given):
@@ -176,13 +176,13 @@ def run_batch(cell: BatchCell, limit: float) -> Row:
 def _measured(variant: str, limit: float, measure: Callable[[], Row]) -> Row:
     """The columns that `measure` finds, and those of memory and core; that it crashed, whatever a solver raises."""
     process.reset_peak_memory()
-    begun = perf_counter()
+    begun, waited = perf_counter(), process.waited()
     try:
-        with _worker.deadline.within(limit, *_compiling(variant)), process.watch_core() as core:
+        with _worker.deadline.within(limit, *_compiling(variant)):
             found = measure()
     except BaseException as error:
         return _crashed(error)
-    return found | {"peak_memory": process.peak_memory()} | _core_columns(core, perf_counter() - begun)
+    return found | {"peak_memory": process.peak_memory()} | _core_columns(waited, perf_counter() - begun)
 
 
 def _crashed(error: BaseException) -> Row:
@@ -246,13 +246,15 @@ def _problem(name: str) -> FrictionProblem | LCP:
     return stored(_worker.folder, name)
 
 
-def _core_columns(core: process.Core, spent: float) -> Row:
-    """The columns on the cell's core; spent: seconds that were timed. A solver that has left its core is disturbed as well."""
+def _core_columns(waited: float, spent: float) -> Row:
+    """The columns on the cell's core. waited: process.waited() before it began; spent: seconds that were timed. A solver that
+    has left its core is disturbed as well."""
+    core_wait = process.waited() - waited
     own = None if _worker.core is None else {_worker.core}
     left = own is None or os.sched_getaffinity(0) != own
     if own:
         os.sched_setaffinity(0, own)
-    return {**vars(core), "disturbed": left or not core.core_wait <= SHARED * spent}
+    return {"core_wait": core_wait, "disturbed": left or not core_wait <= SHARED * spent}
 
 
 def _done(start_time: float, row: Row) -> Row:
