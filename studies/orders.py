@@ -45,7 +45,7 @@ def trapezoid(scene: Scene, now: Step, solve: Solve) -> Step:
     turned = scene.contacts(ahead, np.inf).normal[: len(before)]
     turning = (turned - before.normal) @ v
     first = scene.friction_problem(q, v + h * pull, before, bias=turning, joint_bias=scene.joints(ahead)[1] @ v)
-    begun = Solved("step", first, solve(first))
+    begun = Solved("step", first, solve(first), before)
     reached = first.velocity(begun.impulse)
     end = scene.moved(q, h / 2 * (v + reached))
     later = scene.accelerate(end, scene.force(end, reached, now.time + h))
@@ -53,7 +53,7 @@ def trapezoid(scene: Scene, now: Step, solve: Solve) -> Step:
     free = v + h / 2 * (pull + later) + (reached - v - h * pull) / 2
     rebound = scene.restitutions(after) * np.minimum(after.normal @ v, 0) * (len(before) == 0)
     second = scene.friction_problem(end, free, after, bias=rebound)
-    ended = Solved("step", second, solve(second))
+    ended = Solved("step", second, solve(second), after)
     return Step(now.time + h, end, second.velocity(ended.impulse), after, (begun, ended))
 
 

@@ -18,7 +18,6 @@ from scipy import sparse
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
-from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.planar.bodies import Body, Shape
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.rows import Index64, Rows, from_dense
@@ -122,12 +121,6 @@ class GeneralisedScene(Scene):
 
     def joints(self, q: Array) -> tuple[Array, sparse.csr_array]:
         return np.zeros(0), sparse.csr_array((0, len(q)))
-
-    def places(self, problem: FrictionProblem, q: Array) -> Array:
-        """Where the contacts of a problem are drawn (nc, 4): those of the nearest rows."""
-        known = self.contacts(q, np.inf)
-        rows = problem.normal.toarray()[:, : len(q)]
-        return known.place[np.abs(rows[:, None] - known.N[None]).sum(axis=2).argmin(axis=1)]
 
     def _summary(self) -> list[str]:
         return [f"{len(self.q0)} coordinates", *super()._summary()[-2:]]

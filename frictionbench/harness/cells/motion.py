@@ -19,6 +19,7 @@ from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.generalised import GeneralisedScene
+from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes import scene, scenes
@@ -26,6 +27,7 @@ from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.spatial.bodies import SpatialGeometry, Sphere
 from frictionbench.problems.spatial.collision import CORNERS
+from frictionbench.problems.spatial.rotation import frames
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.motion import Motion, Outline, write_motion
 from frictionbench.solvers import solve
@@ -114,8 +116,8 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
     contacts = [np.zeros((0, 3 * d))]
     for smooth in after.smooth:
         work[0] += smooth.work
-        contacts.append(np.column_stack([smooth.contacts.place, smooth.impulse]))
-    for phase, problem, impulse, returned in after.solved:
+        contacts.append(_placed(smooth.contacts, smooth.impulse))
+    for phase, problem, impulse, found, returned in after.solved:
         worst = max(worst, residual(problem, impulse))
         if phase == "forces":  # its work is that of the smooth motion
             continue
@@ -128,7 +130,7 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
         middle = (v + after_phase) / 2
         normal, *tangential = (total * (J @ middle).reshape(-1, d)).sum(axis=0)
         work += sum(tangential), normal, hinge_impulse @ middle
-        contacts.append(_contacts(stage, problem, before.q, total))
+        contacts.append(_placed(found, total))
         v = after_phase
     return _merged(np.vstack(contacts)), work, worst
 
@@ -137,50 +139,13 @@ def _poses(stage: Scene, q: Array) -> Array:
     return stage.poses(q) if isinstance(stage, GeneralisedScene) else q.reshape(len(stage.bodies), -1)
 
 
-def _contacts(stage: Scene, problem: FrictionProblem, q: Array, impulse: Array) -> Array:
-    """Each contact (nc, 3 d) as in results.motion."""
-    if isinstance(stage, GeneralisedScene):
-        return np.column_stack([stage.places(problem, q), impulse])
-    return _in_plane(problem, q, impulse) if stage.dimension == 2 else _in_space(stage, problem, q, impulse)
-
-
-def _in_plane(problem: FrictionProblem, q: Array, impulse: Array) -> Array:
-    """Each contact (nc, 6): its point, its unit normal, directed to the body that is pushed, of two bodies the upper one, and
-    the impulse.
-
-    They follow from the contact's rows for that body: (e, a x e) for the normal e and for e turned by -90 degrees, with arm a.
-    """
-    N, T = (_of_bodies(rows, q, 3) for rows in (problem.normal, problem.tangent))
-    contact, body = _upper(N[:, :, :2])
-    normal, tangent = N[contact, body], T[contact, body]
-    arm = normal[:, 2:] * tangent[:, :2] - tangent[:, 2:] * normal[:, :2]
-    return np.column_stack([q.reshape(-1, 3)[body, :2] + arm, normal[:, :2], impulse])
-
-
-def _in_space(stage: Scene, problem: FrictionProblem, q: Array, impulse: Array) -> Array:
-    """As _in_plane, (nc, 9), with the vector of the impulse.
-
-    The rows are (e, R'(a x e)) for an orthonormal frame of e, so that the sum of e x (a x e) is 2 a.
-    """
-    assert isinstance(stage.geometry, SpatialGeometry)
-    rows = np.stack([_of_bodies(rows, q, 6) for rows in (problem.normal, problem.tangent[::2], problem.tangent[1::2])])
-    contact, body = _upper(rows[0, :, :, :3])
-    held = rows[:, contact, body]  # (3, nc, 6)
-    axes, spin = held[..., :3], np.einsum("cab,kcb->kca", stage.geometry.rotations(q)[body], held[..., 3:])
-    arm = np.cross(axes, spin).sum(axis=0) / 2
-    return np.column_stack([stage.geometry.centres(q)[body] + arm, axes[0], np.einsum("ck,kca->ca", impulse, axes)])
-
-
-def _of_bodies(rows: Any, q: Array, velocities: int) -> Array:
-    """Rows of the Jacobian (nc, nb, velocities of a body), without the velocities that a scheme has added."""
-    bodies = len(q) // (3 if velocities == 3 else 7)
-    return np.asarray(rows[:, : bodies * velocities].toarray().reshape(-1, bodies, velocities))
-
-
-def _upper(normal: Array) -> tuple[Any, Any]:
-    """The numbers of the contacts (nc,), and for each the body whose normal (nc, nb, d) points up."""
-    height = np.where(normal.any(axis=2), normal[:, :, -1], -np.inf)
-    return np.arange(len(normal)), height.argmax(axis=1)
+def _placed(contacts: Contacts, impulse: Array) -> Array:
+    """Each contact (nc, 3 d) as in results.motion. A normal between two bodies is turned upwards: in the plane the components
+    of the impulse along it and its tangent stay what they are."""
+    direction = contacts.direction
+    sign = np.where((contacts.bodies >= 0).all(axis=1) & (direction[:, -1] < 0), -1.0, 1.0)[:, None]
+    drawn = sign * np.einsum("ck,cka->ca", impulse, frames(direction)) if impulse.shape[1] == 3 else impulse
+    return np.column_stack([contacts.point, sign * direction, drawn])
 
 
 def _merged(contacts: Array) -> Array:

@@ -45,7 +45,7 @@ def acceleration(scene: Scene, now: Step, solve: Solve) -> Step:
     belts[slides] = speed * slip[slides] / pace[slides, None]
     if slides.any():
         problem = on_belts(problem, np.flatnonzero(slides), belts[slides])
-    step, after = respond("step", problem, solve)
+    step, after = respond("step", problem, contacts, solve)
     require_moving_belts(problem, step.impulse, belts, contacts, now.time)
     after = after[: len(v)]
     return Step(now.time + h, scene.moved(q, h * after), after, contacts, (*solved, step))

@@ -22,5 +22,5 @@ def anitescu_potra(scene: Scene, now: Step, solve: Solve) -> Step:
     solved: list[Solved] = []
     if scene.restitution > 0 and approaching(scene, v, contacts).any():
         solved, v = impact(scene, q, v, contacts, solve)
-    step, v = respond("step", scene.friction_problem(q, free_velocity(scene, now, v), contacts), solve)
+    step, v = respond("step", scene.friction_problem(q, free_velocity(scene, now, v), contacts), contacts, solve)
     return Step(now.time + h, scene.moved(q, h * v), v, contacts, (*solved, step))

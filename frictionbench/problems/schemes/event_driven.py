@@ -49,7 +49,7 @@ Impact = Callable[[Scene, Array, Array, Contacts, Solve], tuple[list[Solved], Ar
 def newton(scene: Scene, q: Array, v: Array, contacts: Contacts, solve: Solve) -> tuple[list[Solved], Array]:
     """The impact by Newton's law, 0 <= n'v+ + e n'v ⟂ r_n >= 0; with friction it can add energy."""
     target = scene.restitutions(contacts) * np.minimum(contacts.normal @ v, 0.0)
-    solved, v = respond("impact", scene.friction_problem(q, v, contacts, bias=target), solve)
+    solved, v = respond("impact", scene.friction_problem(q, v, contacts, bias=target), contacts, solve)
     return [solved], v
 
 
@@ -119,7 +119,7 @@ def _impact(
     low = (e > 0) & (e < 1) & (back < 0) & (rebound**2 <= 2 * np.abs(back) * LOW * scene.reach)
     if not (e > 0).any() or not low[e * rebound > 0].all():
         return solved, after, "impact", time
-    inelastic, after = respond("impact", scene.friction_problem(q, v, contacts), solve)
+    inelastic, after = respond("impact", scene.friction_problem(q, v, contacts), contacts, solve)
     if len(contacts) > 1:
         return [inelastic], after, "impact", time
     return [inelastic], after, "accumulation", time + float(2 * rebound[0] / (-back[0] * (1 - e[0])))

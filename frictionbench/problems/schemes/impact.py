@@ -22,11 +22,11 @@ def approaching(scene: Scene, v: Array, contacts: Contacts) -> NDArray[np.bool_]
 
 def impact(scene: Scene, q: Array, v: Array, contacts: Contacts, solve: Solve) -> tuple[list[Solved], Array]:
     """The impact of the contacts, whatever their gaps, at velocity v: the phases' problems and the velocity (nv,) after."""
-    compression, v = respond("compression", scene.friction_problem(q, v, contacts), solve)
+    compression, v = respond("compression", scene.friction_problem(q, v, contacts), contacts, solve)
     if not scene.restitution:
         return [compression], v
     returned = scene.restitutions(contacts) * compression.impulse[:, 0].clip(min=0)
     thrown = v + scene.accelerate(q, contacts.normal.T @ returned)
     rebound = scene.friction_problem(q, thrown, contacts, friction_bias=scene.coefficients(contacts) * returned)
-    decompression, v = respond("decompression", rebound, solve)
+    decompression, v = respond("decompression", rebound, contacts, solve)
     return [compression, decompression._replace(returned=returned)], v

@@ -26,5 +26,5 @@ def lotstedt(scene: Scene, now: Step, solve: Solve) -> Step:
         before = dict(zip(map(tuple, now.contacts.feature.tolist()), normal, strict=True))
     limit = scene.coefficients(contacts) * np.array([before.get(tuple(feature), 0.0) for feature in contacts.feature.tolist()])
     problem = scene.friction_problem(q, free_velocity(scene, now, now.v), contacts, friction_bias=limit)
-    step, v = respond("step", problem.replace(friction=np.zeros(len(contacts))), solve)
+    step, v = respond("step", problem.replace(friction=np.zeros(len(contacts))), contacts, solve)
     return Step(now.time + h, scene.moved(q, h * v), v, contacts, (step,))

@@ -28,7 +28,7 @@ def theta_scheme(name: str, theta: float) -> Scheme:
         problem = scene.friction_problem(
             middle, v + h * scene.accelerate(middle, force, theta * h), contacts, bias=restitution, ahead=theta * h
         )
-        step, after = respond("step", problem, solve)
+        step, after = respond("step", problem, contacts, solve)
         return Step(t + h, scene.moved(q, h * ((1 - theta) * v + theta * after)), after, contacts, (step,))
 
     return advance

@@ -21,5 +21,5 @@ def paoli_schatzman(scene: Scene, now: Step, solve: Solve) -> Step:
     contacts = contacts_within_reach(scene, q, v, free)
     bias = (1 + e) * contacts.gap / h - e * (contacts.normal @ v)
     problem = scene.friction_problem(q, free, contacts, bias=bias, joint_bias=scene.joints(q)[0] / h)
-    step, v = respond("step", problem, solve)
+    step, v = respond("step", problem, contacts, solve)
     return Step(now.time + h, scene.moved(q, h * v), v, contacts, (step,))

@@ -30,12 +30,14 @@ class NoSolution(Exception):  # noqa: N818  # a finding, not an error
 
 
 class Solved(NamedTuple):
-    """A friction problem of one time step and the impulses (nc, d), N s, that the solver gave. That of the phase `forces` is in
-    accelerations and forces, N. returned: (nc,), the normal impulses that Poisson's law gives back before a decompression."""
+    """A friction problem of one time step, the impulses (nc, d), N s, that the solver gave, and its contacts. That of the phase
+    `forces` is in accelerations and forces, N. returned: (nc,), the normal impulses that Poisson's law gives back before a
+    decompression."""
 
     phase: Phase
     problem: FrictionProblem
     impulse: Array
+    contacts: Contacts
     returned: Array | float = 0.0
 
 
@@ -120,10 +122,10 @@ def start(scene: Scene) -> Step:
     return Step(0.0, scene.q0, scene.v0, scene.contacts(scene.q0))
 
 
-def respond(phase: Phase, problem: FrictionProblem, solve: Solve) -> tuple[Solved, Array]:
+def respond(phase: Phase, problem: FrictionProblem, contacts: Contacts, solve: Solve) -> tuple[Solved, Array]:
     """The solved problem, and the velocity (nv,) afterwards."""
     impulse = solve(problem)
-    return Solved(phase, problem, impulse), problem.velocity(impulse)
+    return Solved(phase, problem, impulse, contacts), problem.velocity(impulse)
 
 
 def free_velocity(scene: Scene, now: Step, v: Array) -> Array:

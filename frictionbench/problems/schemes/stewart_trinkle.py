@@ -35,5 +35,5 @@ def stewart_trinkle(scene: Scene, now: Step, solve: Solve) -> Step:
             contacts = contacts_within_reach(scene, q, v, free)
     theta = scene.joints(q)[0]
     problem = scene.friction_problem(q, free, contacts, bias=contacts.gap / h, joint_bias=theta / h)
-    step, v = respond("step", problem, solve)
+    step, v = respond("step", problem, contacts, solve)
     return Step(now.time + h, scene.moved(q, h * v), v, contacts, (*solved, step))

@@ -125,4 +125,4 @@ def accelerations(
     require_moving_belts(problem, impulse, belts, contacts, time)
     u = problem.contact_velocity(impulse)
     u[~held, 1] = 0.0
-    return Accelerations(Solved("forces", problem, impulse), u, size)
+    return Accelerations(Solved("forces", problem, impulse, contacts), u, size)
