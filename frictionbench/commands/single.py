@@ -4,6 +4,7 @@ All run in isolated workers and are verified like any run.
 """
 
 import json
+import time
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,8 @@ from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import installed
 
 SPATIAL = 3  # dimensions
+FIRST = ("nsgs", "hybrid")  # of all solvers: the one that compiles in some seconds, and the one that solves nearly everything
+PATIENCE = 5.0  # seconds after which the first answer is told before the table
 
 
 def solve_one(
@@ -52,6 +55,7 @@ def solve_one(
 
     Errors: InputError naming the field.
     """
+    begun, progress = time.monotonic(), progress or Progress()
     source = _source(problem)
     variants, plugins, unusable = (*load_plugins(solver_specs), []) if solver_specs else all_variants()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
@@ -64,8 +68,15 @@ def solve_one(
             print(f"{problem}: {facts['summary']}", flush=True)
         if facts["contradiction"] and not as_json:
             print("\n".join(paragraph(facts["contradiction"], screen(), "")), flush=True)
-        tasks = [cell_task(cell, time_limit, plugins, record) for cell in plan.solve_cells([record])]
-        rows = [row_of(outcome, plugins) for outcome in (progress or Progress()).follow("solvers", pool, tasks)]
+        cells = sorted(plan.solve_cells([record]), key=lambda cell: [cell.variant != name for name in FIRST])
+        tasks, rows, waiting = [cell_task(cell, time_limit, plugins, record) for cell in cells], [], True
+        for outcome in progress.follow("solvers", pool, tasks):
+            rows.append(row_of(outcome, plugins))
+            if waiting and rows[-1]["verdict"] == Verdict.SOLVED:
+                waiting = False
+                if time.monotonic() - begun > PATIENCE and len(tasks) > 1:
+                    found = f"{rows[-1]['variant']} solves it {rank_by.words} in {_time(_seconds(rows[-1], rank_by))}"
+                    progress.tell(f"{found}; the table follows when all have ended")
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
     if as_json:

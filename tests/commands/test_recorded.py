@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
+from frictionbench.commands import single
 from frictionbench.commands.export import export
 from frictionbench.commands.single import rerun_row, shrink, solve_one
 from frictionbench.harness.plans.choose import choose
@@ -160,3 +161,12 @@ def test_files_in_order_are_a_sequence(tmp_path) -> None:
 def test_unusable_data(tmp_path, suite, scenes, complaint) -> None:
     with pytest.raises(InputError, match=f"^data: {complaint}"):
         choose(suite, scenes, ("nsgs",), None, None, data=(str(tmp_path),))
+
+
+def test_first_answer_is_told_before_the_table(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(single, "PATIENCE", 0.0)
+    solve_one("stack[blocks=1]", ["lemke", "nsgs"], 1e-6, 10.0, 1)
+    told = capsys.readouterr().err.splitlines()
+    assert [line.split(" solves it")[0] for line in told if "the table follows" in line] == ["nsgs"]
+    solve_one("stack[blocks=1]", ["lemke"], 1e-6, 10.0, 1)
+    assert "the table follows" not in capsys.readouterr().err

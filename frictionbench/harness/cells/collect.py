@@ -27,7 +27,7 @@ from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.census import census_labels
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.analysis.frictionless import idle
-from frictionbench.problems.analysis.labels import POINTED, labels
+from frictionbench.problems.analysis.labels import POINTED, labels, lcp_size
 from frictionbench.problems.analysis.mode import ModeCounts, distance_to_next_mode, mode_counts
 from frictionbench.problems.analysis.outcomes import refined
 from frictionbench.problems.analysis.stability import sensitivity
@@ -100,9 +100,10 @@ class Collected(NamedTuple):
     idle: bool | None = None
 
 
-def collect(folder: Path, source: Source) -> list[Record]:
+def collect(folder: Path, source: Source, described: bool = True) -> list[Record]:
     """The records of the source's problems, which are stored under folder/problems; read where they were stored before.
 
+    described: whether they are solved for their reference answers and labelled, which takes longer than to make them.
     Errors: InputError with the reason where the source yields no problem.
     """
     store = subfolder(folder, "problems")
@@ -119,9 +120,12 @@ def collect(folder: Path, source: Source) -> list[Record]:
         if name not in records:
             with replaced(store / f"{name}.npz") as file:
                 save(problem, file)
-            described = lcp_facts(source, found) if isinstance(found, LCP) else _answered_facts(folder, source, found)
+            if isinstance(found, LCP):
+                record = lcp_facts(source, found)
+            else:
+                record = _answered_facts(folder, source, found) if described else _size_facts(source, found)
             digests = {COLD: ""} | {start: _digest(impulses) for start, impulses in starts.items()}
-            records[name] = described | {"starts": digests, "repeats": source.repeats}
+            records[name] = record | {"starts": digests, "repeats": source.repeats}
             if starts:
                 with replaced(_starts_file(folder, name, origin(records[name]))) as file:
                     np.savez(file, **starts)  # type: ignore[arg-type]
@@ -312,6 +316,13 @@ def facts(source: Source, collected: Collected) -> Record:
         "sensitivity": _sensitivity(problem) if problem.contacts <= MAX_PERTURBED else None,
         "mode_distance": _mode_distance(problem, answer),
     }
+
+
+def _size_facts(source: Source, collected: Collected) -> Record:
+    """Those of them that the problem states: its contacts, its dimension and the size of its LCP."""
+    problem = collected.problem
+    sizes = {"contacts": problem.contacts, "dimension": problem.dimension, "size": lcp_size(problem)}
+    return blank_facts(source, problem.hash, collected.step, collected.phase) | sizes
 
 
 def lcp_facts(source: Source, lcp: LCP) -> Record:

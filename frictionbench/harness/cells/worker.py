@@ -104,9 +104,9 @@ def run_scene(name: str, parameters: dict[str, Any]) -> None:
 
 
 def run_problem(source: Source) -> dict[str, Any]:
-    """Collect a source's first problem: its record, its summary, whether its mechanics are given, and in words the
-    contradiction in it, if any."""
-    record, *_ = run_source(source)
+    """Collect a source's first problem without solving it: its record, its summary, whether its mechanics are given, and in
+    words the contradiction in it, if any."""
+    record, *_ = collect(_worker.folder, source, described=False)
     problem = stored(_worker.folder, record["problem"])
     facts = {"record": record, "summary": problem.summary, "mechanical": False, "contradiction": ""}
     if isinstance(problem, FrictionProblem):

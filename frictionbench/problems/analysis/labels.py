@@ -27,7 +27,7 @@ FACETS = 8  # of the polygon in space, the default of FrictionProblem.lcp
 
 @dataclass(frozen=True)
 class Labels:
-    """size: of the friction LCP, nc (K + 2), with K = 2 in the plane and 8 in space.
+    """size: of the friction LCP (lcp_size).
 
     rank, condition: of W (largest over smallest nonzero singular value); None above DENSE_ROWS rows, where a dense singular
     value decomposition costs more than the problem, and for a condition without any nonzero value.
@@ -67,13 +67,18 @@ def labels(problem: FrictionProblem) -> Labels:
     nc, d = problem.contacts, problem.dimension
     rank, condition = _rank_condition(problem) if nc * d <= DENSE_ROWS else (None, None)
     ratio = problem.scale.max() / problem.scale.min() if nc else 1.0
-    size = nc * ((2 if d == 2 else FACETS) + 2)
+    size = lcp_size(problem)
     largest = float(problem.friction.max(initial=0.0))
     shape = pointedness(problem), p0_margin(problem), float(ratio), largest, *_as_given(problem)
     islands = int(problem.islands.max(initial=-1)) + 1
     limit, dry = joint_rows(problem)
     counts = int(limit.sum()), int(dry.sum())
     return Labels(size, rank, condition, *shape, islands, problem.spread, *counts, _trivial(problem))
+
+
+def lcp_size(problem: FrictionProblem) -> int:
+    """The unknowns nc (K + 2) of the friction LCP, with K = 2 in the plane and FACETS in space."""
+    return problem.contacts * ((2 if problem.dimension == 2 else FACETS) + 2)
 
 
 def joint_rows(problem: FrictionProblem) -> tuple[Array, Array]:
