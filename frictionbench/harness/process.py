@@ -72,29 +72,6 @@ def hold_core() -> int | None:
     return None
 
 
-@contextmanager
-def all_cores() -> Iterator[int]:
-    """Let this process run on all cores of the machine during a block; how many they are, 1 where another worker claims one."""
-    own, claimed = os.sched_getaffinity(0), len(held_cores)
-    try:
-        os.sched_setaffinity(0, range(os.cpu_count() or 1))
-        others = set(cores()) - own
-        while hold_core() is not None:
-            pass
-        yield 1 + len(others) if len(held_cores) - claimed >= len(others) else 1
-    finally:
-        for claim in held_cores[claimed:]:
-            claim.close()
-        del held_cores[claimed:]
-        os.sched_setaffinity(0, own)
-
-
-def busy_seconds() -> float:
-    """The processor's time that all processes of the machine have had, s."""
-    times = psutil.cpu_times()
-    return float(sum(getattr(times, name, 0.0) for name in ("user", "nice", "system", "irq", "softirq", "steal")))
-
-
 def bound_memory(limit: int) -> int:
     """Let this process map at most `limit` bytes more than it has mapped, or fewer where it was given a lower limit already.
 

@@ -17,13 +17,12 @@ from frictionbench.results.files import write_text
 from frictionbench.results.store import read_manifest, read_table
 
 PERCENTILES = (50, 95, 100)
-HEADER = ("solver", "way", "start", "problems a second", "ratio", "p50", "p95", "worst", "threads")
+HEADER = ("solver", "way", "start", "problems a second", "ratio", "p50", "p95", "worst")
 METHOD = (  # how the figures were measured, in words for reports
     "Problems a second of one core, by the processor's time, of the fastest round. Each problem of a batch has its own "
     + ", ".join(f"{name.replace('_', ' ')} ({low:g} to {high:g})" for name, (low, high) in DRAWN.items())
     + ". ratio: over the rate of single calls of the solver that is named, on the same problems, timed in turn. p50, p95, "
-    "worst: the time of a problem, repeated in the same way, over the mean time of such a call. threads: what as many threads "
-    "as there are cores gain, by the wall's clock; a dash where they were not tried, busy where other processes ran meanwhile.",
+    "worst: the time of a problem, repeated in the same way, over the mean time of such a call.",
     "Ways: "
     + "; ".join(f"{way}: {meaning.replace('`', '')}" for way, meaning in WAYS.items())
     + ". All include form, solve and, but for calls, the residual of every answer. Cold starts are from zero "
@@ -57,8 +56,7 @@ class Rate(NamedTuple):
     """A row of a table. refused: why there is no rate, else empty.
 
     rate: problems a second of one core, of the fastest round. ratio: over that of single calls of the base. percentiles
-    (PERCENTILES): the time of a problem over the mean time of such a call. threads, gain: as in results.schema; `gain` is NaN
-    where it was not measured, also where threads were tried but other processes ran.
+    (PERCENTILES): the time of a problem over the mean time of such a call.
     """
 
     variant: str
@@ -68,17 +66,14 @@ class Rate(NamedTuple):
     rate: float
     ratio: float
     percentiles: list[float]
-    threads: int
-    gain: float
 
     @property
     def texts(self) -> list[str]:
-        """Rate, ratio, percentiles and gain in digits; a dash where nothing was measured, and only the reason where refused."""
+        """Rate, ratio and percentiles in digits; a dash where nothing was measured, and only the reason where refused."""
         if self.refused:
-            return [self.refused, *["–"] * 5]
-        gained = f"{self.gain:.2f}" if np.isfinite(self.gain) else "busy" if self.threads else "–"
+            return [self.refused, *["–"] * 4]
         shares = [f"{share:.2f}" for share in self.percentiles] or ["–"] * 3
-        return [f"{self.rate:,.0f}", f"{self.ratio:.2g}", *shares, gained]
+        return [f"{self.rate:,.0f}", f"{self.ratio:.2g}", *shares]
 
 
 class RateTable(NamedTuple):
@@ -119,12 +114,10 @@ def rate_of(row: dict[str, Any]) -> Rate:
     times, singles, each = (_seconds(row[name]) for name in ("times", "base_times", "problem_times"))
     why = refusal(row)
     if why or not len(times) or not len(singles):
-        return Rate(*names, why or "not timed", np.nan, np.nan, [], 0, np.nan)
+        return Rate(*names, why or "not timed", np.nan, np.nan, [])
     single = singles.min()
     shares = [float(np.percentile(each, p)) / single for p in PERCENTILES] if len(each) else []
-    threads = 0 if pd.isna(row["threads"]) else int(row["threads"])
-    gain = np.nan if pd.isna(row["gain"]) else float(row["gain"])
-    return Rate(*names, "", 1 / times.min(), single / times.min(), shares, threads, gain)
+    return Rate(*names, "", 1 / times.min(), single / times.min(), shares)
 
 
 def refusal(row: dict[str, Any]) -> str:

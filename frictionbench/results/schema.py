@@ -149,8 +149,6 @@ times              reals s   processor's time, or the duration if it waited, ove
 base               text      solver of the single calls to which rates are relative
 base_times         reals s   the same of such a single call, measured in turn with `times`
 problem_times      reals s   the same of each problem of a sample, solved many times over; null if results are reused
-threads            whole     number of threads, on as many cores; null where they were not tried
-gain               real  1   rate on them over that on one, by the wall's clock; null where other processes ran meanwhile
 """
 
 

@@ -5,9 +5,7 @@ ROUNDS times, in turn with single calls of BASE on the same problems, each round
 that no answer is one of before; the answers of the first call and of the last round are verified. The time is that of the
 processor, children's included, which another process on the core does not change; where the call took more than WAITS times
 as long without waiting for the core, it waited for something else, and its duration counts. Compiling and loading come
-before. Threads are timed by the wall's clock, where this run has all cores
-for itself, on the problems repeated for LONG seconds; where other processes took more than FOREIGN of these cores meanwhile,
-there is no figure. Every answer of every problem is verified.
+before. Every answer of every problem is verified.
 
 A warm start is the answer of the same problem with a push smaller by NEARBY, as of the step before in a simulation.
 """
@@ -42,10 +40,9 @@ from frictionbench.solvers import Answer, Answers, SolverInfo, solve, solve_many
 
 BASE = {2: "lemke", 3: "hybrid"}  # by dimension
 TOL, ROUNDS, SAMPLE, AGAIN, SEED = 1e-8, 5, 20, 10, 1
-SHORT, LONG = 0.01, 0.3  # s: in shorter runs a call's own time counts, and that of starting threads
+SHORT = 0.01  # s: in shorter runs a call's own time counts
 WAITS = 1.2  # between them lies what a virtual machine's host takes
 REUSED = 4.0  # times as long: fewer is the difference between few problems together and many
-FOREIGN = 0.02  # of the cores' time, that of other processes
 
 
 @dataclass(frozen=True)
@@ -105,15 +102,13 @@ def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
         row["problem_times"] = each
     else:
         row["reason"] = "it reuses earlier results: the times of single problems, solved many times over, are left out"
-    if cell.way == "packed" and cell.start != WARM:
-        row |= _threads(cell, batch, min(times))
     return row
 
 
-def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array, workers: int = 1) -> Callable[[], Any]:
+def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array) -> Callable[[], Any]:
     """What solves these problems, to be timed; what is done once, such as packing, is done here."""
     start = before if cell.start == WARM else None
-    many = partial(solve_many, spec=cell.variant, tol=cell.tol, start=start, workers=workers)
+    many = partial(solve_many, spec=cell.variant, tol=cell.tol, start=start)
     if cell.way == "packed":
         return partial(many, Batch(problems))
     if cell.way == "list":
@@ -141,21 +136,6 @@ def _each(cell: BatchCell, batch: Problems, repeats: int) -> list[float]:
         way = _way(cell, (problem,) * repeats, before)
         times.append(min(_worked(way)[0] for _ in range(2)) / repeats)
     return times
-
-
-def _threads(cell: BatchCell, batch: Problems, seconds: float) -> Row:
-    """What threads on all cores gain. seconds: of a problem on one."""
-    with process.all_cores() as workers:
-        if workers == 1:
-            return {}
-        many = batch.problems * math.ceil(LONG / (seconds * cell.count))
-        runs = {number: _way(cell, many, batch.before, number) for number in (1, workers)}
-        begun, busy, own = perf_counter(), process.busy_seconds(), process_time()
-        walls = [{number: _wall(run) for number, run in runs.items()} for _ in range(ROUNDS)]
-        foreign = (process.busy_seconds() - busy) - (process_time() - own)
-        quiet = foreign <= FOREIGN * workers * (perf_counter() - begun)
-    gain = min(each[1] for each in walls) / min(each[workers] for each in walls)
-    return {"threads": workers, "gain": gain if quiet else None}
 
 
 def _verified(cell: BatchCell, problems: tuple[FrictionProblem, ...], answers: list[Answer], info: SolverInfo) -> Row:
@@ -194,9 +174,3 @@ def _processor_time() -> float:
     """The processor's time that this process and its children have had, s."""
     times = os.times()
     return process_time() + times.children_user + times.children_system
-
-
-def _wall(run: Callable[[], Any]) -> float:
-    begun = perf_counter()
-    run()
-    return perf_counter() - begun

@@ -185,8 +185,7 @@ def maps() -> Plan:
 
 
 def batch() -> Plan:
-    """Many small problems at once: problems a second at a verified residual, packed and one by one, cold and warm, on one core
-    and on all."""
+    """Many small problems at once: problems a second at a verified residual, packed and one by one, cold and warm."""
     stacks = [BatchSource("stack", {"blocks": contacts // 2}, count) for contacts, count in STACKS.items()]
     cubes = [BatchSource("cubes", {"boxes": contacts // 4}, count) for contacts, count in CUBES.items()]
     return Plan(
