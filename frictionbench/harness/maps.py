@@ -1,28 +1,20 @@
 """Failure maps: their grids, their runs, and what is traced and drawn beside them.
 
-An axis is written on the command line as
-
-    friction=.1:3:30               30 values from .1 to 3, both ends among them
-    mass_ratio=log:1e-6:1e6:13     13 values, a constant factor apart
-    jitter=zero:1e-12:1e-2:7       0 and six values, a constant factor apart
-    overlap=both:1e-12:1e-1:13     -1e-1 ... -1e-12, 0, 1e-12 ... 1e-1
-
 First the grid points are run, then the points of finer grids where verdicts differ. Each round is the run of a plan with more
 grid points, in the same folder, so that an interrupted run resumes: which points to add follows from the rows found. At the end
 the thresholds of theory are traced over each map, along lines, by bisection, without a solver.
 """
 
 import json
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, get_args
 
 import numpy as np
 
+from frictionbench.harness.plans.atlas import axis
 from frictionbench.harness.plans.choose import tolerances
 from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
@@ -31,42 +23,20 @@ from frictionbench.harness.run import run
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.catalogue import find_scene
-from frictionbench.problems.check import require
-from frictionbench.problems.scenes import scene, scenes
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.simulate import first_problem_of
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.files import subfolder, write_text
-from frictionbench.results.maps import Axis, GridPoint, Map, Scale, at_grid_points, thresholds_file
+from frictionbench.results.maps import Axis, GridPoint, Map, at_grid_points, thresholds_file
 
-SCALES = get_args(Scale)
 SOLVERS = (*MAPPED, "relaxation_ip")  # of a map whose command names none
-MOST_LINES = 200  # along an axis: finer than a map can show
 REPEATS = 2  # timed solves: a map shows times by colour, to a factor
 LINES = 11  # along each axis at least, so that a curve drawn through the points looks smooth
 HALVINGS = 7  # of half a grid line: to 1/256 of it, finer than a printed map shows
 Verdicts = dict[GridPoint, dict[str, str]]  # then by variant
-
-
-def axis(field: str, text: str, name: str) -> Axis:
-    """The axis of a scene's parameter that a text describes. Errors: InputError naming the field."""
-    parameter, _, values = text.partition("=")
-    *scale, first, last, number = values.split(":") if values.count(":") in (2, 3) else ("", "", "", "", "")
-    kind: Any = scale[0] if scale else "linear"
-    try:
-        low, high, count = float(first), float(last), int(number)
-    except ValueError:
-        raise InputError(f"{field}: cannot read {text!r}; write PARAMETER=FROM:TO:N or PARAMETER=log:FROM:TO:N") from None
-    require(kind in SCALES, field, f"unknown scale {kind!r}; known are {', '.join(SCALES)}")
-    require(kind == "linear" or 0 < low < high, field, f"{text!r} needs 0 < FROM < TO")
-    many = 0 < high - low < math.inf and 2 <= count <= MOST_LINES
-    require(many, field, f"{text!r} needs FROM < TO and 2 to {MOST_LINES} values")
-    require(kind != "both" or count % 2 == 1, field, f"{text!r} needs an odd number of values, one of them 0")
-    parameter = parameter.strip()
-    whole = name in scenes() and isinstance(scenes()[name].parameters.get(parameter), int)
-    return Axis(parameter, low, high, count, kind, whole)
 
 
 def plan_map(

@@ -11,8 +11,9 @@ import pytest
 from markupsafe import escape
 
 from frictionbench.harness.cells.simulation import run_closed_loop
-from frictionbench.harness.maps import axis, crossings, finer, run_maps
-from frictionbench.harness.plans.atlas import ATLAS
+from frictionbench.harness.maps import crossings, finer, run_maps
+from frictionbench.harness.plans import atlas as of_suite
+from frictionbench.harness.plans.atlas import axis
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.harness.run import run
@@ -33,7 +34,7 @@ from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import BAD_SOLVERS
 from tests.helpers.runs import quiet
 
-MAPS = {spec.name: spec for spec in ATLAS}
+MAPS = {spec.name: spec for spec in of_suite.atlas()}
 
 
 def small(name: str, across: int = 5, upwards: int = 5, **changes) -> Map:

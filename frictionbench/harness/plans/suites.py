@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans import robots as of_robots
-from frictionbench.harness.plans.atlas import ATLAS
+from frictionbench.harness.plans.atlas import atlas
 from frictionbench.harness.plans.hard import hard
 from frictionbench.harness.plans.plan import BatchSource, Plan, Source
 from frictionbench.harness.plans.recorded import LADDER, recorded, spatial, theirs
@@ -176,7 +176,7 @@ def maps() -> Plan:
         simulations=FAILING,
         simulation_solvers=(*MAPPED, *MAPPED_RELAXED),
         after_failure=(KEEP_ANSWER, KEEP_VELOCITY, RELAX),
-        maps=ATLAS,
+        maps=atlas(),
         simulation_tol=1e-6,
         time_limit=1.0,
         simulation_limit=10.0,
