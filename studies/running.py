@@ -29,7 +29,7 @@ from frictionbench.results import read_table, subfolder, write_text
 from studies.study import RECORDED, Study, Summary, Tables
 
 NAMES = (  # in the order of the page
-    *("convexity", "relaxation", "interior", "dissipation", "inclusion", "cone", "outcomes"),
+    *("convexity", "relaxation", "interior", "inclusion", "cone", "outcomes"),
     *("orders", "events", "substeps", "coordinates", "compliance", "neighbours", "warm", "rankings", "exactness"),
 )
 HERE = Path(__file__).parent

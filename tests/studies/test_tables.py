@@ -91,19 +91,6 @@ def test_hinges_drift_and_solvers_see_the_same_problem() -> None:
 
 
 @pytest.mark.slow  # its claims on computed tables
-def test_the_principle_rejects_no_solution() -> None:
-    size = {"draws": 12, "angles": (1.1,)}
-    found = reduced("dissipation", solutions=size, returned=size | {"solvers": ("lemke", "nsgs")})
-    solutions, returned = found["solutions"], found["returned"]
-    assert solutions["number"].nunique() >= 2
-    assert solutions["of"].min() >= 2
-    assert (solutions["energy"] - solutions["least"]).abs().max() < 1e-6
-    assert solutions["residual"].max() < 1e-7
-    assert returned["rank"].dropna().isin([1, 2, 3]).all()
-    assert text("dissipation", found).answer.startswith("No, by a theorem")
-
-
-@pytest.mark.slow  # its claims on computed tables
 def test_events_are_exact_and_steps_are_of_first_order() -> None:
     found = reduced(
         "events",
