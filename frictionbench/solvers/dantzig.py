@@ -19,13 +19,10 @@ without zeros.
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, loop
-from frictionbench.problems.forms.lcp import tangent_basis
-from frictionbench.problems.packed import Packed
+from frictionbench.problems.compiled import kernel
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline
-from frictionbench.solvers.interface import Solved, solver
-from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
+from frictionbench.solvers.interface import solver
 from frictionbench.solvers.pivots.inverse_basis import Matrix
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
@@ -42,9 +39,8 @@ from frictionbench.solvers.pivots.lemke_path import (
     follow_lemke_path,
     lemke_state,
 )
-from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
-from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting, default_limit
-from frictionbench.solvers.pivots.scaled_lcp import MARGIN, STATUSES, ScaledLCP, finish
+from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
+from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
 from frictionbench.solvers.pivots.vectors import fill, put
 
 
@@ -95,23 +91,6 @@ def contact_order(n: int, nc: int) -> Index64:
     return order
 
 
-@loop
-def dantzig_loop(packed, basis, space, tol, limit):  # type: ignore[no-untyped-def]
-    """Packed problems one after the other: impulses, how each ended, and pivots and inversions (N, 2)."""
-    r, ended, work = unsolved(packed, 2)
-    for k in range(len(ended)):
-        if is_alone(packed, k):
-            continue
-        fits, stretch, M, q, unit = scaled_lcp_of(packed, k, basis, space)
-        if not fits:
-            continue
-        own, most = impulses_of(packed, k, r), limit if limit else default_limit(len(q))
-        order = contact_order(len(q), len(own))
-        ended[k], y, work[k, 0], work[k, 1] = dantzig(order, M, q, unit, tol, most, np.inf)
-        write_stretched(basis, y, stretch, own)
-    return r, ended, work
-
-
 @solver("dantzig", family="pivoting", model="lcp", dimension=(2, 3))
 class Dantzig(PrincipalPivoting):
     """Dantzig's principal pivoting, one contact after the other. (Baraff 1994)
@@ -121,8 +100,3 @@ class Dantzig(PrincipalPivoting):
 
     def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:
         return dantzig(contact_order(len(lcp.q), lcp.contacts[0]), lcp.M, lcp.q, lcp.unit, tol, limit, deadline())
-
-    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
-        basis = tangent_basis(packed.dimension, self.facets)
-        r, ended, work = dantzig_loop(packed, basis, lcp_space(packed, basis), MARGIN * tol, limit or 0)
-        return solved(r, ended, STATUSES, work, ("pivots", "inversions"))

@@ -92,7 +92,7 @@ def solve_many(
     start: guesses of the impulses, N s: an array (nc, d) for each problem, Answers, or their flat `impulse`. A solver without
         warm start ignores them.
 
-    Solvers with a loop of their own (lemke, dantzig, path_search, nsgs, interior_point's first phase and hybrid's first two
+    Solvers with a loop of their own (lemke, nsgs, interior_point's first phase and hybrid's first two
     members) go over all problems in compiled code; for others, for problems with joints and for what a loop does not solve this
     is a loop over `solve`, which threads do not make faster.
 

@@ -39,13 +39,10 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import kernel, loop, part
-from frictionbench.problems.forms.lcp import tangent_basis
-from frictionbench.problems.packed import Packed
+from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, is_over
-from frictionbench.solvers.interface import Answer, Solved, Status, solver
-from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
+from frictionbench.solvers.interface import Answer, solver
 from frictionbench.solvers.pivots.lemke_path import add_matrix_product, is_ray
 from frictionbench.solvers.pivots.lu_basis import (
     Columns,
@@ -69,7 +66,6 @@ from frictionbench.solvers.pivots.newton_path import (
     follow_newton_path,
 )
 from frictionbench.solvers.pivots.ordering import in_order
-from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
 from frictionbench.solvers.pivots.scaled_lcp import (
     MARGIN,
     STATUSES,
@@ -120,7 +116,7 @@ class PathSearch:
     def solve(self, prepared: "Prepared", tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, order, columns, basis, q, unit, noise = prepared
         n, target = len(q), MARGIN * tol
-        limit = default_limit(n) if limit is None else limit
+        limit = 50 * n + 1000 if limit is None else limit
         settings = q, unit, noise, target, limit, deadline(), self.crash
         found, least, end, ray, work = search(columns, basis, *settings)
         while basis.size[2] > 0 and not is_over():  # the factors did not fit
@@ -133,19 +129,6 @@ class PathSearch:
         elif end not in (LIMIT, SINGULAR):
             end = RAY if ray else RETURNED
         return scaled.answer(y, STATUSES[end], **dict(zip(COUNTS, work.tolist(), strict=True)))
-
-    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
-        """One compiled loop; what it does not solve is left to `solve`, which judges it by the exact residual."""
-        basis = tangent_basis(packed.dimension, self.facets)
-        sizes = np.diff(packed.contacts) * (len(basis[0]) + 1)
-        widest = int(sizes.max(initial=0))
-        first, noise = np.zeros(widest + 1, np.int64), [np.zeros(0)]
-        for n in np.unique(sizes).tolist():
-            first[n] = sum(map(len, noise))
-            noise.append(perturbations(self.restarts + 1, n).ravel())
-        settings = self.restarts + 1, MARGIN * tol, limit or 0, self.crash
-        r, ended, work = search_loop(packed, basis, lcp_space(packed, basis), np.concatenate(noise), first, *settings)
-        return solved(r, ended, (Status.SOLVED,), work, COUNTS)
 
 
 COUNTS = "pivots", "factorisations", "crash", "newton", "restarts"
@@ -174,42 +157,6 @@ def columns_in_order(M, q, unit, nc):  # type: ignore[no-untyped-def]
     """The columns to choose from, q, the unit and the order: see in_order."""
     start, row, value, own_q, own_unit, order = in_order(M, q, unit, nc)
     return Columns(start, row, value, np.zeros(len(q))), own_q, own_unit, order
-
-
-@kernel
-def default_limit(n):  # type: ignore[no-untyped-def]
-    """Of the pivots on n unknowns."""
-    return 50 * n + 1000
-
-
-@loop
-def search_loop(packed, basis, space, noise, place, attempts, tol, limit, steps):  # type: ignore[no-untyped-def]
-    """Packed problems one after the other: impulses, how each ended, 0 where solved, and the counts (N, 5).
-
-    noise: the perturbations of all attempts on n unknowns from place[n] on.
-    """
-    r, ended, work = unsolved(packed, 5)
-    for k in range(len(ended)):
-        if is_alone(packed, k):
-            continue
-        fits, stretch, M, right, unit = scaled_lcp_of(packed, k, basis, space)
-        if not fits:
-            continue
-        own, n = impulses_of(packed, k, r), len(right)
-        columns, q, own_unit, order = columns_in_order(M, right, unit, len(own))
-        lu = new_basis(n, room(n, len(columns.column)))
-        own_noise = noise[place[n] : place[n] + attempts * n].reshape(attempts, n)
-        most = limit if limit else default_limit(n)
-        y, least, _, _, counts = search(columns, lu, q, own_unit, own_noise, tol, most, np.inf, steps)
-        if least <= tol and not overflowed(lu):
-            ended[k] = 0
-            z = np.empty(n)
-            for i in range(n):
-                z[order[i]] = y[i]
-            for i in range(5):
-                work[k, i] = counts[i]
-            write_stretched(basis, z, stretch, own)
-    return r, ended, work
 
 
 @kernel

@@ -191,7 +191,7 @@ def batch() -> Plan:
     return Plan(
         suite="batch",
         sources=(),
-        solvers=("lemke", "dantzig", "path_search", *BATCHED, "quantecon[settings=tuned]", *ONE_BY_ONE),
+        solvers=("lemke", *BATCHED, "quantecon[settings=tuned]", *ONE_BY_ONE),
         spatial_solvers=BATCHED,
         tolerances=(1e-8,),
         batches=(*stacks, *cubes),

@@ -1,19 +1,12 @@
-"""The common part of the principal pivoting methods: the scaled LCP, the default limit, the margin and the answer."""
+"""The common part of the principal pivoting methods: the scaled LCP, the default limit of pivots, the margin and the answer."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.pivots.scaled_lcp import MARGIN, STATUSES, ScaledLCP, scaled_lcp
-
-
-@kernel
-def default_limit(n: int) -> int:
-    """Of the pivots on n unknowns."""
-    return 10_000 + 100 * n
 
 
 @dataclass(frozen=True)
@@ -34,5 +27,5 @@ class PrincipalPivoting(ABC):
         return scaled_lcp(problem, self.facets)
 
     def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        ended, y, pivots, inversions = self.pivot(prepared, MARGIN * tol, limit or default_limit(len(prepared.q)))
+        ended, y, pivots, inversions = self.pivot(prepared, MARGIN * tol, limit or 10_000 + 100 * len(prepared.q))
         return prepared.answer(y, STATUSES[ended], pivots=pivots, inversions=inversions)
