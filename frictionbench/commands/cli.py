@@ -104,8 +104,7 @@ def run(
     The same command resumes an interrupted run.
     """
     from frictionbench.commands.summary import folder_for, summary
-    from frictionbench.harness.plans.choose import chosen
-    from frictionbench.harness.plans.config import RunOptions, read_options
+    from frictionbench.harness.plans.choose import RunOptions, chosen, read_options
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.run import drop_disturbed
     from frictionbench.harness.run import run as run_plan

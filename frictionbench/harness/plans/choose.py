@@ -1,9 +1,21 @@
-"""The plan for a suite's name and the command line's choices, and the scenes and instances that it names."""
+"""The plan for the options of `run`, which are given on the command line, in a TOML file or by the manifest of a run.
 
-from dataclasses import replace
+    suite = "smoke"
+    solver = ["lemke", "nsgs[relaxation=1.3]"]
+    tol = "1e-4,1e-8"
+    time_limit = 2.0
+
+A run writes those that it was given, but `out`, into its manifest as `options`, from which another can be made like it.
+"""
+
+import tomllib
+from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
-from frictionbench.harness.plans.config import RunOptions
+from pydantic import ConfigDict, ValidationError
+from pydantic.dataclasses import dataclass
+
 from frictionbench.harness.plans.plan import BatchSource, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import every, with_data
 from frictionbench.harness.plans.suites import SUITES
@@ -11,11 +23,58 @@ from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import instances, near, require_known
 from frictionbench.problems.check import require
 from frictionbench.problems.spec import parse
+from frictionbench.results import store
 from frictionbench.results.conventions import DRAWN
-from frictionbench.results.maps import Map
 from frictionbench.solvers import find
+from frictionbench.solvers.plugins import defines_all
 
 COUNT = 100  # problems of a batch that is named on the command line
+
+
+@dataclass(frozen=True, config=ConfigDict(strict=True))
+class RunOptions:
+    """The options by their names on the command line; None for one that was not given."""
+
+    suite: str | None = None
+    scene: list[str] | None = None
+    solver: list[str] | None = None
+    tol: str | None = None
+    time_limit: float | None = None
+    data: list[str] | None = None
+    all_solvers: bool | None = None
+    out: str | None = None
+
+    def given(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+    def before(self, other: "RunOptions") -> "RunOptions":
+        """These options, and those of another where they are not given."""
+        return replace(other, **self.given())
+
+
+def read_options(path: Path) -> RunOptions:
+    """The options in a TOML file, or of the run in a results folder.
+
+    Solvers that are code, a file or a command, are refused: they are named on the command line.
+    Errors: InputError naming the file and the option, OSError, and as of store.read_manifest.
+    """
+    try:
+        found = store.read_manifest(path).get("options", {}) if path.is_dir() else tomllib.loads(path.read_text("utf-8"))
+    except ValueError as error:
+        raise InputError(f"config: {path}: {error}") from None
+    require(isinstance(found, dict), "config", f"{path}: options: not a table")
+    names = [field.name for field in fields(RunOptions)]
+    for name in found:
+        known = f"{path}: unknown option {name!r}{near(name, names)}; known are {', '.join(names)}"
+        require(name in names, "config", known)
+    try:
+        options = RunOptions(**found)
+    except ValidationError as error:
+        name = str(error.errors()[0]["loc"][0])
+        raise InputError(f"config: {path}: {name}: cannot be {found[name]!r:.100}") from None
+    for spec in options.solver or []:
+        require(not defines_all(spec), "config", f"{path}: solver: {spec} is code; name it with --solver")
+    return options
 
 
 def chosen(wanted: RunOptions, variants: tuple[str, ...], plugins: tuple[Plugin, ...]) -> Plan:
@@ -23,7 +82,7 @@ def chosen(wanted: RunOptions, variants: tuple[str, ...], plugins: tuple[Plugin,
     scenes, data = wanted.scene or [], tuple(wanted.data or ())
     suite, every_one = wanted.suite or "standard", bool(wanted.all_solvers)
     plan = choose(suite, scenes, variants, wanted.tol, wanted.time_limit, plugins, data, every_one)
-    return replace(plan, options=wanted._replace(out=None).given())
+    return replace(plan, options=replace(wanted, out=None).given())
 
 
 def choose(
@@ -49,17 +108,8 @@ def choose(
     if all_solvers and variants:
         raise InputError("all-solvers: runs every solver, and --solver names some; give one of the two")
     plan = with_data(SUITES[suite](), data)
-    if scene_specs and plan.batches:
-        plan = replace(plan, batches=tuple(each for spec in scene_specs for each in _batches(plan, spec)), expects="")
-    elif scene_specs:
-        chosen = [_chosen(plan, spec) for spec in scene_specs]
-        plan = replace(
-            plan,
-            sources=tuple(s for met, _, _ in chosen for s in met),
-            simulations=tuple(s for _, simulated, _ in chosen for s in simulated),
-            maps=tuple(spec for _, _, mapped in chosen for spec in mapped),
-            expects="",
-        )
+    if scene_specs:
+        plan = _restricted(plan, scene_specs)
     if variants:
         plan = replace(plan, solvers=variants, spatial_solvers=(), simulation_solvers=variants, plugins=plugins, expects="")
     if all_solvers:
@@ -74,18 +124,41 @@ def choose(
     return plan
 
 
-def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source], list[Map]]:
-    """Sources, simulations and maps: those of the suite with this name, or new ones where the spec has settings or the suite
-    has none of this name."""
-    name, settings = parse("scene", spec)
-    own = [source for source in plan.sources if source.scene == name]
-    mapped = [spec for spec in plan.maps if name in (spec.scene, spec.name)]
-    if (own or mapped) and not settings:
-        return own, [simulation for simulation in plan.simulations if simulation.scene == name], mapped
+def _restricted(plan: Plan, specs: list[str]) -> Plan:
+    """The plan with those of its own parts that have one of these names, or new ones where a spec has settings or the plan has
+    none of its name."""
+    found: dict[str, list[Any]] = {"sources": [], "simulations": [], "maps": [], "batches": []}
+    for spec in specs:
+        name, settings = parse("scene", spec)
+        own = {
+            kind: [part for part in getattr(plan, kind) if name in (part.scene, getattr(part, "name", None))] for kind in found
+        }
+        if settings or not (own["sources"] or own["maps"] or own["batches"]):
+            own = _new(name, settings, bool(plan.batches))
+        for kind, each in own.items():
+            found[kind] += each
+    parts: Any = {kind: tuple(each) for kind, each in found.items()}
+    return replace(plan, expects="", **parts)
+
+
+def _new(name: str, settings: dict[str, Any], batch: bool) -> dict[str, list[Any]]:
+    """The parts of a plan that a name and settings make; batch: COUNT problems together.
+
+    Errors: InputError naming the scene or the setting that is unknown, or where a batch has none of those that are drawn.
+    """
     require_known(name, settings)
-    if name in instances():
-        return [Source(name, settings)], [], []
-    return [Source(name, settings, pick=6)], [Source(name, settings)], []
+    if not batch:
+        one = name in instances()
+        return {
+            "sources": [Source(name, settings, pick=0 if one else 6)],
+            "simulations": [] if one else [Source(name, settings)],
+        }
+    try:
+        require_known(name, dict.fromkeys(DRAWN, 1.0) | settings)
+    except InputError:
+        lacks = f"{name} cannot be a batch: its problems differ by {', '.join(DRAWN)}, and it has not all of them"
+        raise InputError(f"scene: {lacks}") from None
+    return {"batches": [BatchSource(name, settings, COUNT)]}
 
 
 def tolerances(text: str) -> tuple[float, ...]:
@@ -93,23 +166,3 @@ def tolerances(text: str) -> tuple[float, ...]:
         return tuple(dict.fromkeys(float(part) for part in text.split(",")))
     except ValueError:
         raise InputError(f"tol: cannot read {text!r}; write numbers like 1e-4,1e-8") from None
-
-
-def _batches(plan: Plan, spec: str) -> tuple[BatchSource, ...]:
-    """The plan's batches of the scene with this name, or one of COUNT problems where the spec has settings.
-
-    Errors: InputError naming the scene or the setting that is unknown, or where the scene has none of those that are drawn.
-    """
-    name, settings = parse("scene", spec)
-    own = tuple(source for source in plan.batches if source.scene == name)
-    if own and not settings:
-        return own
-    given: dict[str, Any] = dict.fromkeys(DRAWN, 1.0) | settings
-    require_known(name, settings)
-    try:
-        require_known(name, given)
-    except ValueError:
-        require(
-            False, "scene", f"{name} cannot be a batch: its problems differ by {', '.join(DRAWN)}, and it has not all of them"
-        )
-    return (BatchSource(name, settings, COUNT),)

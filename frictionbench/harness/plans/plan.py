@@ -152,7 +152,7 @@ class Plan:
 
     spatial_solvers: for problems and simulations in space, in place of the others; `solvers` if empty. expects: how long the
     run takes on two cores with one worker, for people; options: those of the command line that chose the plan
-    (harness.plans.config). Neither is a setting.
+    (harness.plans.choose). Neither is a setting.
 
     map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.maps). They are not
     settings, because they follow from the maps and from the rows found.

@@ -2,8 +2,7 @@
 
 import pytest
 
-from frictionbench.harness.plans.choose import chosen
-from frictionbench.harness.plans.config import RunOptions, read_options
+from frictionbench.harness.plans.choose import RunOptions, chosen, read_options
 from frictionbench.harness.run import open_folder
 from frictionbench.problems import InputError
 
