@@ -23,9 +23,9 @@ from frictionbench.harness.cells.collect import Record, collect, stored, stored_
 from frictionbench.harness.cells.motion import record_motion, store_motion
 from frictionbench.harness.cells.rows import finding_columns, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
-from frictionbench.harness.cells.timing import MOST, Timing, time_solver
+from frictionbench.harness.cells.timing import MOST, time_solver
 from frictionbench.harness.contract.check import contact
-from frictionbench.harness.deadline import COMPILE_SECONDS, Deadline
+from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.contradiction import contradiction
@@ -116,30 +116,12 @@ def run_problem(source: Source) -> dict[str, Any]:
 
 def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     """Run a solve cell; its row."""
-    start_time = perf_counter()
     info, solver = _solver(cell.variant)
     problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
     no_start = None if takes_start else f"{info.name} takes no start"
-    if reason := info.missing or info.refuses(problem) or _too_large(solver, problem) or no_start:
-        return _done(start_time, {"verdict": Verdict.SKIPPED, "reason": reason})
-    start_time += _warm_up(cell.variant, *_kind(problem), limit)
-    given = duplicate(problem)
-    process.reset_peak_memory()
-    waited = process.waited()
-    try:
-        timing = _timed(solver, given, cell, record, limit, info.remote and info.ours)
-    except AnswerError as error:
-        verdict = Verdict.WRONG if error.claimed else Verdict.UNSOLVED
-        return _done(start_time, {"verdict": verdict, "reason": str(error), "claimed": error.claimed})
-    except BaseException as error:  # whatever a solver raises, also SystemExit, is a finding of its row
-        return _done(start_time, _crashed(error))
-    row = {"peak_memory": process.peak_memory(), **_core_columns(waited, timing.spent)}
-    reference = stored_answer(_worker.folder, cell.problem)
-    row |= finding_columns(problem, timing, info, cell.tol, limit, reference, disturbed=bool(row["disturbed"]))
-    if not same(problem, given):
-        row |= {"verdict": Verdict.WRONG, "reason": "the solver changed its input"}
-    return _done(start_time, row | {"overhead": perf_counter() - start_time - timing.spent})
+    reason = info.missing or info.refuses(problem) or _too_large(solver, problem) or no_start
+    return _row(cell.variant, _kind(problem), limit, reason, lambda: _solved(cell, record, limit, problem, info, solver))
 
 
 def _too_large(solver: Solver, problem: FrictionProblem | LCP) -> str | None:
@@ -149,15 +131,45 @@ def _too_large(solver: Solver, problem: FrictionProblem | LCP) -> str | None:
     return told if need > _worker.memory else None
 
 
+def _solved(
+    cell: SolveCell, record: Record, limit: float, problem: FrictionProblem | LCP, info: SolverInfo, solver: Solver
+) -> Row:
+    """The columns that the solver's answers give. The limit holds for the first call; the repeats, few or short, may take a
+    second more."""
+    given, case = duplicate(problem), (cell.variant, cell.problem)
+    met = _foreign(cell.variant) and case in _worker.met
+    _worker.met.add(case)
+    digest = (record.get("starts") or {}).get(cell.start, "")
+    start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start, digest)
+    begun, waited = perf_counter(), process.waited()
+    try:
+        timing = time_solver(
+            solver,
+            given,
+            solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
+            answered=lambda: _worker.deadline.allow(limit + 1.0),
+            most=record.get("repeats") or MOST,
+            remote=info.remote and info.ours,
+            met=met,
+        )
+    except AnswerError as error:
+        verdict = Verdict.WRONG if error.claimed else Verdict.UNSOLVED
+        return {"verdict": verdict, "reason": str(error), "claimed": error.claimed}
+    _worker.deadline.allow(HARNESS_SECONDS)
+    row = _machine_columns(waited, timing.spent)
+    reference = stored_answer(_worker.folder, cell.problem)
+    row |= finding_columns(problem, timing, info, cell.tol, limit, reference, disturbed=bool(row["disturbed"]))
+    if not same(problem, given):
+        row |= {"verdict": Verdict.WRONG, "reason": "the solver changed its input"}
+    return row | {"overhead": perf_counter() - begun - timing.spent}
+
+
 def run_simulation(cell: SimulationCell, limit: float) -> Row:
     """Simulate a scene with a solver; the row of the simulation cell."""
-    start_time = perf_counter()
     info, solver = _solver(cell.variant)
     stage = scene(cell.scene, **cell.parameters)
-    if reason := refusal(cell, stage, info):
-        return _done(start_time, {"verdict": Verdict.SKIPPED, "reason": reason})
-    start_time += _warm_up(cell.variant, stage.dimension, bool(stage.hinges), limit)
-    return _done(start_time, _measured(cell.variant, limit, lambda: run_closed_loop(cell, stage, info, solver)))
+    kind, reason = (stage.dimension, bool(stage.hinges)), refusal(cell, stage, info)
+    return _row(cell.variant, kind, limit, reason, lambda: run_closed_loop(cell, stage, info, solver))
 
 
 def run_batch(cell: BatchCell, limit: float) -> Row:
@@ -165,28 +177,26 @@ def run_batch(cell: BatchCell, limit: float) -> Row:
     info, _ = _solver(cell.variant)
     with _worker.deadline.within(limit, COMPILE_SECONDS):
         batch = batch_of(cell.scene, json.dumps(cell.parameters), cell.count)
-    start_time = perf_counter()
-    row = batch.facts
-    if reason := info.missing or next(filter(None, map(info.refuses, batch.problems)), None):
-        return _done(start_time, row | {"verdict": Verdict.SKIPPED, "reason": reason})
-    start_time += _warm_up(cell.variant, batch.dimension, False, limit)
-    return _done(start_time, row | _measured(cell.variant, limit, lambda: time_batch(cell, batch, info)))
+    reason = info.missing or next(filter(None, map(info.refuses, batch.problems)), None)
+    return batch.facts | _row(cell.variant, (batch.dimension, False), limit, reason, lambda: time_batch(cell, batch, info))
 
 
-def _measured(variant: str, limit: float, measure: Callable[[], Row]) -> Row:
-    """The columns that `measure` finds, and those of memory and core; that it crashed, whatever a solver raises."""
+def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None, measure: Callable[[], Row]) -> Row:
+    """The columns that `measure` finds within the limit, and those of the machine; that it crashed, whatever a solver raises,
+    also SystemExit. reason: why the cell is skipped, if it is. kind: as of _warm_up."""
+    found: Row = {"verdict": Verdict.SKIPPED, "reason": reason}
+    if not reason:
+        _warm_up(variant, *kind, limit)
     process.reset_peak_memory()
     begun, waited = perf_counter(), process.waited()
-    try:
-        with _worker.deadline.within(limit, *_compiling(variant)):
-            found = measure()
-    except BaseException as error:
-        return _crashed(error)
-    return found | {"peak_memory": process.peak_memory()} | _core_columns(waited, perf_counter() - begun)
-
-
-def _crashed(error: BaseException) -> Row:
-    return {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)}
+    if not reason:
+        try:
+            with _worker.deadline.within(limit, *_compiling(variant)):
+                found = measure()
+            found = _machine_columns(waited, perf_counter() - begun) | found
+        except BaseException as error:
+            found = {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)}
+    return found | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - begun}
 
 
 def run_check(variant: str, check: str, violations: Callable[[SolverInfo, Solver, str], list[str]], limit: float) -> list[str]:
@@ -220,45 +230,20 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
     return find(variant)
 
 
-def _timed(
-    solver: Solver, problem: FrictionProblem | LCP, cell: SolveCell, record: Record, limit: float, remote: bool
-) -> Timing:
-    """The answers and their times. The limit holds for the first call; the repeats, few or short, may take a second more."""
-    case = cell.variant, cell.problem
-    met = _foreign(cell.variant) and case in _worker.met
-    _worker.met.add(case)
-    digest = (record.get("starts") or {}).get(cell.start, "")
-    start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start, digest)
-    with _worker.deadline.within(limit, *_compiling(cell.variant)) as allow:
-        return time_solver(
-            solver,
-            problem,
-            solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
-            answered=lambda: allow(limit + 1.0),
-            most=record.get("repeats") or MOST,
-            remote=remote,
-            met=met,
-        )
-
-
 @lru_cache(maxsize=8)  # the cells of a problem come one after another
 def _problem(name: str) -> FrictionProblem | LCP:
     return stored(_worker.folder, name)
 
 
-def _core_columns(waited: float, spent: float) -> Row:
-    """The columns on the cell's core. waited: process.waited() before it began; spent: seconds that were timed. A solver that
-    has left its core is disturbed as well."""
-    core_wait = process.waited() - waited
-    own = None if _worker.core is None else {_worker.core}
+def _machine_columns(waited: float, spent: float) -> Row:
+    """The columns of memory and core. waited: process.waited() before the cell began; spent: seconds that were timed. A solver
+    that has left its core is disturbed as well."""
+    core_wait, own = process.waited() - waited, None if _worker.core is None else {_worker.core}
     left = own is None or os.sched_getaffinity(0) != own
     if own:
         os.sched_setaffinity(0, own)
-    return {"core_wait": core_wait, "disturbed": left or not core_wait <= SHARED * spent}
-
-
-def _done(start_time: float, row: Row) -> Row:
-    return row | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - start_time}
+    disturbed = left or not core_wait <= SHARED * spent
+    return {"peak_memory": process.peak_memory(), "core_wait": core_wait, "disturbed": disturbed}
 
 
 def _foreign(variant: str) -> bool:
@@ -276,14 +261,13 @@ def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:
     return (0, False) if isinstance(problem, LCP) else (problem.dimension, problem.joints.shape[0] > 0)
 
 
-def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float:
-    """Load and compile what the solver needs, once per worker, by solving _smallest; the seconds that it took.
+def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> None:
+    """Load and compile what the solver needs, once per worker, by solving _smallest.
 
     An error here occurs again, and is reported, in the cell.
     """
     if (variant, dimension, jointed) in _worker.warm:
-        return 0.0
-    start_time = perf_counter()
+        return
     _worker.warm.add((variant, dimension, jointed))
     info, solver = find(variant)
     gc.disable()  # compilation keeps most objects it creates; collections would free little and take a tenth of the time
@@ -294,7 +278,6 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
     gc.enable()
     gc.collect()
     gc.freeze()  # what is loaded now stays; collections between cells skip it
-    return perf_counter() - start_time
 
 
 def _smallest(dimension: int, jointed: bool) -> FrictionProblem | LCP:
