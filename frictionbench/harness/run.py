@@ -19,7 +19,7 @@ from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.rows import known_row, no_problem
 from frictionbench.harness.convergence import record_histories
-from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SolveCell, origin, owner
+from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SolveCell, origin, owner, plugin_of
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
@@ -53,7 +53,9 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
             known = {name: value for name, value in store.read_manifest(folder).items() if name != "finished"}
             store.write_manifest(folder, known | {"workers": None if cluster else jobs, "walls": pool.sandbox})
             records = _collect(plan, pool, progress)
-            _record_motions(plan, pool, progress)
+            motions = [Task(worker.run_motion, (shown,), plan.simulation_limit) for shown in plan.shown()]
+            for _ in progress.follow("motions", pool, motions):
+                pass  # the report does without those that fail
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
             if not plan.expects:
                 progress.tell(_announced(plan, cells, records))
@@ -94,25 +96,16 @@ def _run(
     together, so that each worker loads it once.
     """
     left = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
-    writer, tasks = f"{os.getpid()}-{secrets.token_hex(4)}", []
+    tasks = [_task(cell, records, plan) for cell in left]
+    writer, record = f"{os.getpid()}-{secrets.token_hex(4)}", dependencies.Record(folder)
     with ExitStack() as opened:
         shards = {table: opened.enter_context(ShardWriter(folder, table, writer)) for table in TABLES}
-
-        def keep(outcome: Outcome) -> None:
+        for outcome in progress.follow("cells", engine, tasks, len(cells) - len(tasks)):
             cell, row = outcome.task.arguments[0], row_of(outcome, plan.plugins)
+            if plugin := plugin_of(cell.variant, plan.plugins):
+                record.add(plugin.source, outcome.loaded)
             shards[cell.table].write(row)
             rows[cell.table][cell.key] = row
-
-        for task in (_task(cell, records, plan) for cell in left):
-            if reason := _no_problem(task):
-                keep(Outcome(task, failure=Verdict.SKIPPED, reason=reason))
-            else:
-                tasks.append(task)
-        record = dependencies.Record(folder)
-        for outcome in progress.follow("cells", engine, tasks, len(cells) - len(tasks)):
-            if source := plan.source(outcome.task.arguments[0].variant):
-                record.add(source, outcome.loaded)
-            keep(outcome)
 
 
 def open_folder(plan: Plan, folder: Path) -> None:
@@ -172,13 +165,6 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
     return {origin(record): record for task in tasks for record in by_task[id(task)]}
 
 
-def _record_motions(plan: Plan, pool: Pool, progress: Progress) -> None:
-    """Record a motion of every scene, on this machine; the report does without those that fail."""
-    tasks = [Task(worker.run_motion, (shown,), plan.simulation_limit) for shown in plan.shown()]
-    for _ in progress.follow("motions", pool, tasks):
-        pass
-
-
 def _loaded_by(plan: Plan, cell: Cell) -> tuple[str, str]:
     """The plug-in and the outside library that a cell loads, each empty where it loads none."""
     if owner := plan.owner(cell.variant):
@@ -197,12 +183,6 @@ def cell_task(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Rec
     """The task of a cell; record: of the problem of a solve cell."""
     arguments = (cell, limit) if record is None else (cell, record, limit)
     return Task(RUNS[cell.table], arguments, limit, owner(cell.variant, plugins), whole=False)
-
-
-def _no_problem(task: Task) -> str:
-    """Why there is no problem to solve, where the source yielded none; empty where there is one."""
-    cell, record, *_ = task.arguments
-    return str(record.get("reason", "")) if isinstance(cell, SolveCell) else ""
 
 
 def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:

@@ -8,7 +8,7 @@ import numpy as np
 
 from frictionbench.harness import machine
 from frictionbench.harness.cells.timing import SLOW_FIRST, Timing
-from frictionbench.harness.plans.plan import Cell, Plugin, Source
+from frictionbench.harness.plans.plan import Cell, Plugin, Source, plugin_of
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.analysis.mode import mode
 from frictionbench.problems.analysis.outcomes import refined, velocity_distance
@@ -39,8 +39,9 @@ def known_row(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Row
     if record is None:
         own["parameters"] = json.dumps(own["parameters"], sort_keys=True)
     facts = {} if record is None else {name: record[name] for name in PROBLEM_FACTS}
-    described = next((plugin.solvers[cell.variant] for plugin in plugins if cell.variant in plugin.solvers), None)
-    return own | facts | {"key": cell.key, "time_limit": limit} | (described or solver_facts(cell.variant))
+    plugin = plugin_of(cell.variant, plugins)
+    described = plugin.solvers[cell.variant] if plugin else solver_facts(cell.variant)
+    return own | facts | {"key": cell.key, "time_limit": limit} | described
 
 
 def no_problem(source: Source, reason: str) -> Row:

@@ -26,7 +26,7 @@ from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, time_solver
 from frictionbench.harness.contract.check import contact
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
-from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
+from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source, plugin_of
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.answer import AnswerError
@@ -116,6 +116,8 @@ def run_problem(source: Source) -> dict[str, Any]:
 
 def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     """Run a solve cell; its row."""
+    if record.get("reason"):  # the source yielded no problem
+        return _row(cell.variant, (0, False), limit, record["reason"], dict)
     info, solver = _solver(cell.variant)
     problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
@@ -221,12 +223,11 @@ def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, ste
 
 def _solver(variant: str) -> tuple[SolverInfo, Solver]:
     """The solver of a variant. A plug-in is imported, if its content is still the one with which the run began."""
-    for plugin in _worker.plugins:
-        if variant in plugin.solvers:
-            if plugins.content(plugin.source) != plugin.content:
-                raise InputError(f"solver: {plugin.source} was changed since the run began; begin another run")
-            with _worker.deadline.within(IMPORT_SECONDS):
-                plugins.load(plugin.source)
+    if plugin := plugin_of(variant, _worker.plugins):
+        if plugins.content(plugin.source) != plugin.content:
+            raise InputError(f"solver: {plugin.source} was changed since the run began; begin another run")
+        with _worker.deadline.within(IMPORT_SECONDS):
+            plugins.load(plugin.source)
     return find(variant)
 
 
@@ -248,7 +249,7 @@ def _machine_columns(waited: float, spent: float) -> Row:
 
 def _foreign(variant: str) -> bool:
     """Whether the solver is a plug-in's."""
-    return any(variant in plugin.solvers for plugin in _worker.plugins)
+    return plugin_of(variant, _worker.plugins) is not None
 
 
 def _compiling(variant: str) -> tuple[float, bool]:

@@ -242,10 +242,6 @@ class Plan:
         """All solvers of problems and simulations, each once."""
         return tuple(dict.fromkeys((*self.solvers, *self.spatial_solvers, *self.simulation_solvers)))
 
-    def source(self, variant: str) -> str:
-        """The source of a variant among the plan's plug-ins; empty for our own."""
-        return next((plugin.source for plugin in self.plugins if variant in plugin.solvers), "")
-
     def owner(self, variant: str) -> str:
         """The owner of a variant among the plan's plug-ins."""
         return owner(variant, self.plugins)
@@ -260,9 +256,15 @@ class Plan:
         return [*self.simulations, *others.values()]
 
 
+def plugin_of(variant: str, plugins: tuple[Plugin, ...]) -> Plugin | None:
+    """The plug-in that a variant belongs to; None for our own."""
+    return next((plugin for plugin in plugins if variant in plugin.solvers), None)
+
+
 def owner(variant: str, plugins: tuple[Plugin, ...]) -> str:
     """The source and name of the outside solver that a variant belongs to; empty for our own."""
-    return next((f"{plugin.source} {plugin.solvers[variant]['solver']}" for plugin in plugins if variant in plugin.solvers), "")
+    plugin = plugin_of(variant, plugins)
+    return f"{plugin.source} {plugin.solvers[variant]['solver']}" if plugin else ""
 
 
 def origin(record: dict[str, Any]) -> str:

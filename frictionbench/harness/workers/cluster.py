@@ -120,7 +120,7 @@ class Cluster:
     def _files(self, task: Task) -> Files:
         """The files that the task reads: its problem, and its starts if it has any."""
         cell = task.arguments[0]
-        if not isinstance(cell, SolveCell):
+        if not isinstance(cell, SolveCell) or not cell.problem:
             return {}
         return {path.name: path.read_bytes() for path in (self._folder / "problems").glob(f"{cell.problem}*.npz")}
 
