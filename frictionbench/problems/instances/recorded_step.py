@@ -23,6 +23,7 @@ from frictionbench.problems.recorded import own
 
 FOLDER = Path(__file__).parent / "steps"
 ROBOTS = FOLDER / "robots"
+SHOWN = 12  # names in an error
 
 
 def recorded_steps(folder: Path = FOLDER) -> list[str]:
@@ -44,7 +45,8 @@ def robot_step(case: str = "humanoid-hit-064") -> FrictionProblem:
 
 def _kept(folder: Path, case: str) -> FrictionProblem:
     known = recorded_steps(folder)
-    require(case in known, "case", f"unknown step {case!r}{near(case, known)}; known are {', '.join(known)}")
+    some = ", ".join(known[:SHOWN]) + (f" and {len(known) - SHOWN} more" if len(known) > SHOWN else "")
+    require(case in known, "case", f"unknown step {case!r:.100}{near(str(case), known)}; known are {some}")
     problem = own.load(folder / f"{case}.npz")
     assert isinstance(problem, FrictionProblem)
     return problem
