@@ -304,7 +304,7 @@ class GivenDelassus(FrictionProblem):
         """J (nc*d, nc*d), J J' the symmetric part of W; dense but for the columns of W's null space, which are empty."""
         value, basis = np.linalg.eigh((self.W + self.W.T).toarray() / 2)
         floor = np.finfo(float).eps * len(value) * abs(value).max(initial=0.0)
-        root = (basis * np.sqrt(np.where(value > floor, value, 0.0))).reshape(-1, self.dimension, len(value))
+        root = (basis * np.sqrt(np.where(value > floor, value, 0.0))).reshape(self.contacts, self.dimension, len(value))
         touched = np.asarray(root.any(axis=1))
         start = np.append(0, touched.sum(axis=1).cumsum()).astype(np.int32)
         return ByContact(start, np.nonzero(touched)[1].astype(np.int32), root.transpose(0, 2, 1)[touched])

@@ -123,12 +123,14 @@ class Mechanics(ReadOnly):
     @cached_property
     def W(self) -> sparse.csr_array:
         """The Delassus matrix J P J' (nc*d, nc*d)."""
-        if not self._has_joints:
-            return self.blocks.matrix()
-        moves = sparse.diags_array((~self._locked).astype(float).ravel())
-        W = self._free_blocks().matrix() - sparse.csr_array(self._held.coupled())
-        W = sparse.csr_array(moves @ W @ moves)
-        W.eliminate_zeros()
+        if self._has_joints:
+            moves = sparse.diags_array((~self._locked).astype(float).ravel())
+            W = self._free_blocks().matrix() - sparse.csr_array(self._held.coupled())
+            W = sparse.csr_array(moves @ W @ moves)
+            W.eliminate_zeros()
+        else:
+            W = self.blocks.matrix()
+        check.set_read_only(W)
         return W
 
     @cached_property

@@ -7,8 +7,8 @@ scenes: large mu, irregular contact graphs, mass ratios, more contacts than degr
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems.check import require
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.parameters import count, number
 
 
 def random_problem(
@@ -20,10 +20,10 @@ def random_problem(
     log-uniformly from [.05, 10] and varied by a factor of up to 2 per contact. mass_ratio: masses are log-uniform in
     [1, mass_ratio] kg. Contacts can number up to twice the degrees of freedom, so W is often rank deficient.
     """
-    require(contacts >= 1, "contacts", f"must be at least 1, got {contacts!r}")
-    require(mass_ratio >= 1, "mass_ratio", f"must be at least 1, got {mass_ratio!r}")
-    random = np.random.default_rng(seed)
-    nb = int(random.integers(max(1, contacts // 6), contacts + 1)) if bodies is None else bodies
+    count("contacts", contacts)
+    number("mass_ratio", mass_ratio, least=1)
+    random = np.random.default_rng(count("seed", seed, least=0))
+    nb = int(random.integers(max(1, contacts // 6), contacts + 1)) if bodies is None else count("bodies", bodies)
     mass = mass_ratio ** random.random(nb)
     inertia = mass * random.uniform(0.05, 0.5, nb)
     first = random.integers(nb, size=contacts)
@@ -39,7 +39,7 @@ def random_problem(
                 arm = random.uniform(-1, 1, 2)
                 for row, e in ((normal[i], n[i]), (tangent[i], t[i])):
                     row[3 * body : 3 * body + 3] = sign * np.array([*e, arm[0] * e[1] - arm[1] * e[0]])
-    mu = 10 ** random.uniform(np.log10(0.05), 1) if friction is None else friction
+    mu = 10 ** random.uniform(np.log10(0.05), 1) if friction is None else number("friction", friction, least=0)
     spread = random.uniform(0.5, 1, contacts) if friction is None else np.ones(contacts)
     return FrictionProblem(
         mass=sparse.diags_array(np.column_stack([mass, mass, inertia]).ravel()),

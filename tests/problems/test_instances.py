@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.labels import labels, pointedness
 from frictionbench.problems.analysis.thresholds import POINTED, gaps_only
+from frictionbench.problems.catalogue import problem_of, scenes
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.instances.recorded_step import recorded_steps
 from frictionbench.problems.residual import residual
@@ -165,3 +166,11 @@ def test_recorded_steps_have_a_solution(case) -> None:
     assert gaps_only(problem) or problem.contacts <= 13  # where theory does not tell, a solver does
     if problem.contacts <= 13:
         assert residual(problem, solve(problem, "hybrid").impulse) <= 1e-8
+
+
+@pytest.mark.parametrize("wrong", ["x", np.nan, [1], {}], ids=str)
+def test_every_parameter_of_scenes_and_instances_is_checked(wrong) -> None:
+    for name, found in {**scenes(), **instances()}.items():
+        for parameter in found.parameters:
+            with pytest.raises(InputError, match=f"^{parameter}: "):
+                problem_of(name, **{parameter: wrong})
