@@ -86,8 +86,7 @@ def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugi
 
 
 def _origin(variant: str, settings: dict[str, Any]) -> str:
-    plugins = settings.get("plugins")
-    for plugin in plugins if isinstance(plugins, list) else []:
-        if isinstance(plugin, dict) and variant in (plugin.get("solvers") or ()):
-            return f"the run loaded it from {plugin.get('source')!r} ({str(plugin.get('content'))[:12]})"
+    for plugin in settings.get("plugins", ()):
+        if variant in plugin["solvers"]:
+            return f"the run loaded it from {plugin['source']!r} ({str(plugin.get('content'))[:12]})"
     return "the manifest does not name the file"

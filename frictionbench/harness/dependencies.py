@@ -108,10 +108,9 @@ def _named(path: Path) -> str:
     return next((str(path.relative_to(home)) for home in homes if path.is_relative_to(home)), path.name)
 
 
-def differing(recorded: Any) -> list[str]:
+def differing(recorded: dict[str, str]) -> list[str]:
     """The places in a manifest's `content` whose content is another now."""
-    places = recorded.items() if isinstance(recorded, dict) else ()
-    return [place for place, digest in places if hashed(place) != digest]
+    return [place for place, digest in recorded.items() if hashed(place) != digest]
 
 
 class Record:

@@ -183,9 +183,8 @@ def _setup(manifest: dict[str, Any]) -> str:
         ("machine", ("host", "processor", "cores", "system")),
         ("versions", ("frictionbench", "numpy", "numba")),
     ):
-        values = manifest.get(part)
-        if isinstance(values, dict):
-            parts += [f"{name} {values[name]}"[:80] for name in names if name in values]
+        values = manifest.get(part, {})
+        parts += [f"{name} {values[name]}"[:80] for name in names if name in values]
     return " · ".join(parts)
 
 

@@ -159,8 +159,8 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
 
 def _setting(run: Run) -> str:
     """The suite and the machine of the run, in a sentence."""
-    machine = run.manifest.get("machine")
-    processor = f", one thread of {machine['processor']}" if isinstance(machine, dict) and "processor" in machine else ""
+    machine = run.manifest.get("machine", {})
+    processor = f", one thread of {machine['processor']}" if "processor" in machine else ""
     problems = run.ranked["problem_id"].nunique()
     return f"Suite {run.manifest['settings'].get('suite', 'unnamed')}, {count(problems, 'problem')}{processor}."
 

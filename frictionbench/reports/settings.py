@@ -26,8 +26,7 @@ def settings(manifest: dict[str, Any]) -> list[tuple[str, list[Setting]]]:
 
 def workers_on_all_cores(manifest: dict[str, Any]) -> int:
     """The number of workers if they left no core to the main process; 0 if one was left or the manifest does not state it."""
-    machine = manifest.get("machine")
-    workers, cores = manifest.get("workers"), machine.get("cores") if isinstance(machine, dict) else None
+    workers, cores = manifest.get("workers"), manifest.get("machine", {}).get("cores")
     return workers if isinstance(workers, int) and isinstance(cores, int) and workers >= cores else 0
 
 

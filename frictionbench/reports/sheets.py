@@ -31,7 +31,7 @@ class Sheet(NamedTuple):
 
 def sheets(run: Run) -> list[Sheet]:
     """The sheets of all labels that have cells, in alphabetical order."""
-    descriptions = run.manifest.get("solvers")
+    descriptions = run.manifest.get("solvers", {})
     parts = [table.assign(target=target) for target, table in run.summaries.items()]
     results = pd.concat([part[part["problem_class"].isin(run.overall)] for part in parts])
     failed = _failures(run)
@@ -39,7 +39,7 @@ def sheets(run: Run) -> list[Sheet]:
     found = []
     for row in run.rows.drop_duplicates("label").sort_values("label").itertuples():
         label = str(row.label)
-        text = descriptions.get(row.variant, "") if isinstance(descriptions, dict) else ""
+        text = descriptions.get(row.variant, "")
         own = list(failed[failed["label"] == label].itertuples(index=False))
         facts = {name: str(getattr(row, name) or "") for name in ("family", "model", "version", "members")}
         found.append(

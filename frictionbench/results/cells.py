@@ -21,7 +21,7 @@ from frictionbench.results import baseline
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import RankBy, json_object, scene_title
 from frictionbench.results.files import ResultsError
-from frictionbench.results.store import Row, read_manifest, read_table
+from frictionbench.results.store import read_manifest, read_table
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
@@ -92,31 +92,33 @@ def _of_text(path: Path) -> Cells:
 
 def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
     manifest = read_manifest(folder)
-    settings, versions, machine = manifest["settings"], manifest.get("versions"), manifest.get("machine")
-    solves, simulations = read_table(folder, "solves"), read_table(folder, "simulations")
+    settings = manifest["settings"]
+    solves, simulations, batches = (read_table(folder, table) for table in ("solves", "simulations", "batches"))
     totals = list(map(repeats, *(solves[f"{column}s"] for column in rank_by.columns)))
-    least = [times.min(initial=np.inf) for times in totals]
     few = np.array([len(times) < ENOUGH for times in totals], dtype=bool)
-    parts = [solves.assign(table="solve", seconds=least, disturbed=solves["disturbed"].fillna(False).astype(bool) & few)]
-    parts.append(
-        simulations.rename(columns={"worst_residual": "residual", "scheme": "phase"}).assign(
+    failed = ((1 - batches["verified"]) * batches["problems"]).round()
+    parts = [
+        solves.assign(
+            table="solve",
+            seconds=[times.min(initial=np.inf) for times in totals],
+            disturbed=solves["disturbed"].fillna(False).astype(bool) & few,
+        ),
+        simulations.rename(columns={"worst_residual": "residual", "scheme": "phase", "after_failure": "start"}).assign(
             table="simulation",
             step=None,
-            start=simulations["after_failure"],
-            work=[_missed(row) for row in simulations.to_dict("records")],
+            work=[
+                _counted("{}", steps_not_done=row.steps - row.steps_done, unsolved_problems=row.unsolved)
+                for row in simulations.itertuples()
+            ],
             seconds=simulations["solver_time"],
-        )
-    )
-    batches = read_table(folder, "batches")
-    parts.append(
-        batches.assign(
+        ),
+        batches.rename(columns={"way": "phase"}).assign(
             table="batch",
             step=None,
-            phase=batches["way"],
-            work=[_unverified(row) for row in batches.to_dict("records")],
+            work=[_counted(work, unsolved_problems=n) for work, n in zip(batches["work"], failed, strict=True)],
             seconds=[repeats(own).min(initial=np.inf) for own in batches["times"]],
-        )
-    )
+        ),
+    ]
     rows = pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
     rows = rows.assign(
         scene=[scene_title(*pair) for pair in zip(rows["scene"], rows["parameters"], strict=True)],
@@ -129,9 +131,9 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
         folder,
         _typed(rows),
         str(settings.get("suite")),
-        _numbers(settings.get("tolerances")),
-        machine if isinstance(machine, dict) else {},
-        str(versions.get("frictionbench", "")) if isinstance(versions, dict) else "",
+        _numbers(settings.get("tolerances", ())),
+        manifest.get("machine", {}),
+        manifest.get("versions", {}).get("frictionbench", ""),
         str(manifest.get("finished") or manifest.get("started") or ""),
         sources(settings),
         _loaded(manifest),
@@ -144,41 +146,29 @@ FILE = "@"  # in a key, before the hash of the problem's file
 
 def _with_files(rows: pd.DataFrame, manifest: dict[str, Any]) -> list[str]:
     """The keys, of a problem in a file with that file's hash: another file of the same name is another cell."""
-    content, listed = manifest.get("content"), manifest["settings"].get("sources")
-    content = content if isinstance(content, dict) else {}
-    hashes: dict[tuple[str, str], str] = {}
-    for source in listed if isinstance(listed, list) else ():
-        if isinstance(source, dict) and isinstance(digest := content.get(str(source.get("file"))), str):
-            hashes[str(source.get("scene")), json.dumps(source.get("parameters"), sort_keys=True)] = digest
+    content, listed = manifest.get("content", {}), manifest["settings"].get("sources", [])
+    hashes = {
+        (source["scene"], json.dumps(source["parameters"], sort_keys=True)): content[source["file"]]
+        for source in listed
+        if source["file"] in content
+    }
     places = zip(rows["key"], rows["scene"], rows["parameters"], strict=True)
     return [f"{key}{FILE}{hashes[place][:HASH]}" if (place := (scene, text)) in hashes else key for key, scene, text in places]
 
 
 def _loaded(manifest: dict[str, Any]) -> dict[str, dict[str, str]]:
     """What the plug-ins loaded, by variant and name, as the manifest states it."""
-    loaded, content = manifest.get("loaded"), manifest.get("content")
-    if not isinstance(loaded, dict) or not isinstance(content, dict):
-        return {}
+    loaded, content = manifest.get("loaded", {}), manifest.get("content", {})
     return {
-        variant: {name: str(content.get(place) or "-")[:HASH] for name, place in loaded[source].items()}
+        variant: {name: (content.get(place) or "-")[:HASH] for name, place in loaded[source].items()}
         for variant, source in sources(manifest["settings"]).items()
-        if isinstance(loaded.get(source), dict)
+        if source in loaded
     }
 
 
-def _missed(row: Row) -> str:
-    """The failures of a simulation as counters."""
-    steps, done, unsolved = (row[name] for name in ("steps", "steps_done", "unsolved"))
-    found = {"steps_not_done": steps - done} if pd.notna(steps) and pd.notna(done) else {}
-    found |= {"unsolved_problems": unsolved} if pd.notna(unsolved) else {}
-    return json.dumps({name: int(count) for name, count in found.items()})
-
-
-def _unverified(row: Row) -> str:
-    """The counters of a batch, and of its failures."""
-    share, problems = row["verified"], row["problems"]
-    failed = {"unsolved_problems": round((1 - share) * problems)} if pd.notna(share) and pd.notna(problems) else {}
-    return json.dumps(json_object(row["work"]) | failed)
+def _counted(work: Any, **found: float) -> str:
+    """Counters, JSON, with further ones where these are known."""
+    return json.dumps(json_object(work) | {name: int(count) for name, count in found.items() if pd.notna(count)})
 
 
 def repeats(*steps: Any) -> np.ndarray:

@@ -12,13 +12,7 @@ Sources = Mapping[str, str]  # of the solvers of plug-ins, by variant: a file or
 
 def sources(settings: Mapping[str, Any]) -> dict[str, str]:
     """The plug-ins of a run by variant, from the settings in its manifest."""
-    plugins = settings.get("plugins")
-    return {
-        str(variant): str(plugin.get("source"))
-        for plugin in (plugins if isinstance(plugins, list) else [])
-        if isinstance(plugin, dict) and isinstance(plugin.get("solvers"), dict)
-        for variant in plugin["solvers"]
-    }
+    return {variant: plugin["source"] for plugin in settings.get("plugins", ()) for variant in plugin["solvers"]}
 
 
 def rerun(folder: Path, key: str, variant: str, plugins: Sources) -> str:

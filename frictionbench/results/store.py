@@ -20,6 +20,7 @@ than the limits below are refused before they are read.
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, Self
 
@@ -28,7 +29,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from frictionbench.results.files import ResultsError, opened, read_json, replaced, subfolder, write_text
+from frictionbench.results.files import ResultsError, opened, parsed, read_json, replaced, subfolder, write_text
 from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
 
 Row = dict[str, Any]
@@ -218,6 +219,30 @@ def _expanded(chunk: pa.Array) -> int:
     return chunk.nbytes
 
 
+@dataclass
+class _Plugin:
+    source: str
+    solvers: dict[str, Any]
+
+
+@dataclass
+class _Source:
+    scene: str
+    parameters: dict[str, Any]
+    file: str
+
+
+# The types of what is read of a manifest, and of its settings.
+_FACTS: dict[str, Any] = {
+    "machine": dict[str, Any],
+    "versions": dict[str, str],
+    "solvers": dict[str, str],
+    "content": dict[str, str],
+}
+_FACTS |= {"loaded": dict[str, dict[str, str]]}
+_SETTINGS: dict[str, Any] = {"tolerances": list[float], "plugins": list[_Plugin], "sources": list[_Source]}
+
+
 def write_manifest(folder: Path, manifest: Row) -> None:
     """Write DIR/manifest.json atomically."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -240,7 +265,7 @@ def read_manifest(folder: Path) -> Row:
         raise ResultsError(
             f"{folder}: has schema version {version!r}, but this program reads version {SCHEMA_VERSION}; run it again"
         )
-    for name in ("machine", "versions", "solvers"):
-        if not isinstance(manifest.get(name, {}), dict):
-            raise ResultsError(f"{path}: {name} is no object")
+    for part, types in ((manifest, _FACTS), (manifest["settings"], _SETTINGS)):
+        for name in types.keys() & part.keys():
+            parsed(part[name], types[name], f"{path}: {name}")
     return manifest
