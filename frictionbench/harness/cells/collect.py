@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference, reference_answer
+from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference, reference_answer, unless_unsolved
 from frictionbench.harness.cells.rows import PROBLEM_FACTS, blank_facts
 from frictionbench.harness.plans import robots
 from frictionbench.harness.plans.plan import Source, origin
@@ -28,7 +28,7 @@ from frictionbench.problems.analysis.census import census_labels
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.labels import POINTED, labels, lcp_size
-from frictionbench.problems.analysis.mode import ModeCounts, distance_to_next_mode, mode_counts
+from frictionbench.problems.analysis.mode import distance_to_next_mode, mode_counts
 from frictionbench.problems.analysis.outcomes import refined
 from frictionbench.problems.analysis.stability import sensitivity
 from frictionbench.problems.analysis.thresholds import existence
@@ -284,38 +284,34 @@ def _transferred(known: Collected, wanted: Collected) -> Array:
     return np.array(transferred).reshape(wanted.problem.contacts, wanted.problem.dimension)
 
 
-def _solution_set(problem: FrictionProblem) -> dict[str, Any]:
-    """The shape of the set of solutions and of their velocities, where the problem is small enough to enumerate."""
-    if problem.dimension != 2 or problem.contacts > MAX_COUNTED:
-        return {"solutions": None, "outcomes": None}
-    found = census_labels(problem)
-    return {"solutions": found["solutions"], "outcomes": found["velocity_count"]}
-
-
 def facts(source: Source, collected: Collected) -> Record:
     """The columns of a row that describe a problem, with its reference answer if there is one:
     harness.cells.rows.PROBLEM_FACTS."""
-    problem = collected.problem
-    found = labels(problem)
-    counted = _solution_set(problem)
-    answer = collected.impulse
-    infeasible = answer is None and _contradicts_itself(problem)
-    return {
-        **blank_facts(source, problem.hash, collected.step, collected.phase, collected.reference),
-        **vars(found),
-        "contacts": problem.contacts,
+    problem, answer = collected.problem, collected.impulse
+    nc, planar, found = problem.contacts, problem.dimension == 2, labels(problem)
+    proof = contradiction(problem) if answer is None else None
+    infeasible = proof is not None and bool(proof.least_residual > ACCEPTED)  # no answer would be accepted
+    row = blank_facts(source, problem.hash, collected.step, collected.phase, collected.reference) | vars(found)
+    row |= {
+        "contacts": nc,
         "dimension": problem.dimension,
         "velocities": len(problem.free_velocity),
-        "redundancy": None if found.rank is None else problem.contacts * problem.dimension - found.rank,
+        "redundancy": None if found.rank is None else nc * problem.dimension - found.rank,
         "trivial": bool(found.trivial),
         "idle": not found.trivial and (_idle(problem) if collected.idle is None else collected.idle),
-        **_modes(problem, answer),
-        **counted,
-        "existence": "none" if infeasible else _existence(problem, found.pointedness, counted["solutions"]),
         "proved_infeasible": infeasible,
-        "sensitivity": _sensitivity(problem) if problem.contacts <= MAX_PERTURBED else None,
-        "mode_distance": _mode_distance(problem, answer),
     }
+    if planar and nc <= MAX_COUNTED:
+        counted = census_labels(problem)
+        row |= {"solutions": counted["solutions"], "outcomes": counted["velocity_count"]}
+    row["existence"] = "none" if infeasible else _existence(problem, found.pointedness, row["solutions"])
+    if nc <= MAX_PERTURBED:  # infinite where the problem, or one near it, has no answer that holds
+        row["sensitivity"] = unless_unsolved(np.inf, lambda solve: sensitivity(problem, solve))
+    if answer is not None:
+        row |= mode_counts(problem, answer)._asdict()
+        if planar and 0 < nc <= MAX_PERTURBED:
+            row["mode_distance"] = distance_to_next_mode(problem, answer)
+    return row
 
 
 def _size_facts(source: Source, collected: Collected) -> Record:
@@ -336,34 +332,6 @@ def _existence(problem: FrictionProblem, pointedness: float, solutions: str | No
     return known or ("" if solutions is None else "none" if solutions == "none" else "counted")
 
 
-def _contradicts_itself(problem: FrictionProblem) -> bool:
-    """Whether contacts or joints are proved to contradict each other so much that no answer would be accepted."""
-    proof = contradiction(problem)
-    return proof is not None and bool(proof.least_residual > ACCEPTED)
-
-
 def _idle(problem: FrictionProblem) -> bool:
     """Whether friction is not needed; not known to be so where the problem without friction has no reference answer."""
-    try:
-        return idle(problem, Reference())
-    except NoReference:
-        return False
-
-
-def _modes(problem: FrictionProblem, answer: Array | None) -> Record:
-    """The numbers of sticking, sliding and open contacts in an answer."""
-    return dict.fromkeys(ModeCounts._fields) if answer is None else mode_counts(problem, answer)._asdict()
-
-
-def _mode_distance(problem: FrictionProblem, answer: Array | None) -> float | None:
-    if problem.dimension != 2 or not 0 < problem.contacts <= MAX_PERTURBED or answer is None:
-        return None
-    return distance_to_next_mode(problem, answer)
-
-
-def _sensitivity(problem: FrictionProblem) -> float:
-    """See problems.analysis.stability; infinity where the problem, or one near it, has no answer that holds."""
-    try:
-        return sensitivity(problem, Reference())
-    except NoReference:
-        return np.inf
+    return unless_unsolved(False, lambda solve: idle(problem, solve))

@@ -5,6 +5,8 @@ is no reference answer, and the motion or sensitivity ends there with the reason
 """
 
 from collections import Counter
+from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +16,7 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.problems.verify import verify
 from frictionbench.solvers import available, solve
 
+T = TypeVar("T")
 TOL, ACCEPTED = 1e-10, 1e-8  # residuals: the tolerance given to solvers; the largest accepted, the tightest of most suites
 # In the order tried: an exact method first, then methods of other kinds, which fail on other problems.
 SMALL_PLANAR = ("lemke", "path_search", "interior_point")
@@ -53,12 +56,17 @@ class Reference:
         return counts[0][0] if len(counts) == 1 else ", ".join(f"{name} {count}" for name, count in counts)
 
 
+def unless_unsolved(otherwise: T, find: Callable[[Reference], T]) -> T:
+    """What is found by reference answers; `otherwise` where a problem has none."""
+    try:
+        return find(Reference())
+    except NoReference:
+        return otherwise
+
+
 def reference_answer(problem: FrictionProblem) -> Array | None:
     """The impulses (nc, d), if there is a reference answer."""
-    try:
-        return Reference()(problem)
-    except NoReference:
-        return None
+    return unless_unsolved(None, lambda solve: solve(problem))
 
 
 def _names(problem: FrictionProblem) -> tuple[str, ...]:

@@ -89,7 +89,7 @@ def finding_columns(
     disturbed: another process ran on the core meanwhile, which may be why the first call was slow.
     """
     findings = [(verify(problem, answer, info.model, tol, quiet=bool(info.needs)), answer) for answer in timing.answers]
-    finding, answer = _worst(findings)
+    finding, answer = max(findings, key=lambda found: (RANK[found[0].verdict], found[0].residual))
     row: Row = {
         "status": answer.status.name,
         "claimed": answer.status is Status.SOLVED,
@@ -122,10 +122,6 @@ def finding_columns(
     if median > limit:
         row |= {"verdict": Verdict.TIMEOUT, "reason": "its median time exceeds the limit"}
     return row
-
-
-def _worst(findings: list[tuple[Finding, Answer]]) -> tuple[Finding, Answer]:
-    return max(findings, key=lambda found: (RANK[found[0].verdict], found[0].residual))
 
 
 def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer, reference: Array | None) -> Row:
