@@ -27,7 +27,7 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import TABLES
-from frictionbench.results.store import Row, ShardWriter
+from frictionbench.results.store import Row, new_shard
 from frictionbench.solvers import find
 
 Rows = dict[str, dict[str, Row]]  # of each table, by their keys
@@ -99,12 +99,12 @@ def _run(
     tasks = [_task(cell, records, plan) for cell in left]
     writer, record = f"{os.getpid()}-{secrets.token_hex(4)}", dependencies.Record(folder)
     with ExitStack() as opened:
-        shards = {table: opened.enter_context(ShardWriter(folder, table, writer)) for table in TABLES}
+        shards = {table: opened.enter_context(new_shard(folder, table, writer)) for table in TABLES}
         for outcome in progress.follow("cells", engine, tasks, len(cells) - len(tasks)):
             cell, row = outcome.task.arguments[0], row_of(outcome, plan.plugins)
             if plugin := plugin_of(cell.variant, plan.plugins):
                 record.add(plugin.source, outcome.loaded)
-            shards[cell.table].write(row)
+            shards[cell.table](row)
             rows[cell.table][cell.key] = row
 
 

@@ -20,9 +20,10 @@ than the limits below are refused before they are read.
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Self
+from typing import Any
 
 import pandas as pd
 import pyarrow as pa
@@ -42,31 +43,26 @@ LARGEST_MANIFEST = 8 * 2**20  # bytes
 LONGEST_TEXT = 20_000  # characters of a text value; a longer text, such as an exception that prints an array, is cut
 
 
-class ShardWriter:
-    """Appends rows of one table to a new shard. Each row is handed to the operating system before `write` returns."""
+@contextmanager
+def new_shard(folder: Path, table: str, writer: str) -> Iterator[Callable[[Row], None]]:
+    """A new shard of one table, removed if it stays empty: a function that appends the part of a row that the table can hold,
+    see `fitted`, and hands it to the operating system before it returns. Errors: OSError naming the shard."""
+    schema, path = arrow_schema(table), subfolder(folder, "shards") / f"{table}-{writer}.jsonl"
 
-    def __init__(self, folder: Path, table: str, writer: str) -> None:
-        self._schema = arrow_schema(table)
-        self.path = subfolder(folder, "shards") / f"{table}-{writer}.jsonl"
-        self._file: BinaryIO = open(self.path, "ab", buffering=0, opener=_new)  # noqa: SIM115
-
-    def write(self, row: Row) -> None:
-        """Write the part of a row that the table can hold, see `fitted`. Errors: OSError naming the shard."""
-        line = json.dumps(fitted(row, self._schema)).encode() + b"\n"
+    def write(row: Row) -> None:
+        line = json.dumps(fitted(row, schema)).encode() + b"\n"
         try:
-            if self._file.write(line) != len(line):
+            if file.write(line) != len(line):
                 raise OSError(28, "No space left on device")
         except OSError as error:
-            raise OSError(error.errno, error.strerror, str(self.path)) from None
+            raise OSError(error.errno, error.strerror, str(path)) from None
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        empty = not self._file.tell()
-        self._file.close()
-        if empty:
-            self.path.unlink(missing_ok=True)
+    with open(path, "ab", buffering=0, opener=_new) as file:
+        try:
+            yield write
+        finally:
+            if not file.tell():
+                path.unlink(missing_ok=True)
 
 
 def _new(path: str, flags: int) -> int:

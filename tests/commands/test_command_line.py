@@ -14,7 +14,7 @@ from frictionbench.harness import process
 from frictionbench.harness.plans.choose import choose
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
-from frictionbench.results.store import ShardWriter
+from frictionbench.results.store import new_shard
 
 
 def output_of(*arguments: str) -> str:
@@ -65,9 +65,9 @@ def test_default_folder_depends_on_settings() -> None:
 
 def test_abbreviated_keys(tmp_path) -> None:
     for table, keys in (("solves", ("solve-12ab", "solve-12cd", "solve-12")), ("simulations", ("simulation-77",))):
-        with ShardWriter(tmp_path, table, "test") as writer:
+        with new_shard(tmp_path, table, "test") as write:
             for key in keys:
-                writer.write({"key": key})
+                write({"key": key})
     assert [store.find_row(tmp_path, given)[1]["key"] for given in ("12a", "solve-12c", "solve-12", "7")] == [
         *("solve-12ab", "solve-12cd", "solve-12", "simulation-77")
     ]

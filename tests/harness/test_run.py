@@ -1,6 +1,7 @@
 """Runs write one row with the right verdict for every planned cell and resume after interruptions."""
 
 import json
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from frictionbench.harness.run import cell_task, row_of, run
 from frictionbench.harness.workers.pool import Outcome
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
-from frictionbench.results.store import ShardWriter
+from frictionbench.results.store import new_shard
 from tests.helpers.command_line import frictionbench
 from tests.helpers.runs import quiet, small_plan, verdicts
 
@@ -134,14 +135,14 @@ def test_rows_that_another_process_writes_do_not_count(tmp_path, monkeypatch) ->
     run(plan, tmp_path / "honest", 1, quiet())
     honest, forged = verdicts(tmp_path / "honest"), row_text(tmp_path / "honest", verdict="wrong", residual=9.0)
 
-    class Forges(ShardWriter):
+    @contextmanager
+    def forging(folder, table, writer):
         """Before the first row is written a shard appears whose name comes first."""
+        with new_shard(folder, table, writer) as write:
+            (folder / "shards" / "solves-0.jsonl").write_text(forged, encoding="utf-8")
+            yield write
 
-        def write(self, row):
-            (self.path.parent / "solves-0.jsonl").write_text(forged, encoding="utf-8")
-            super().write(row)
-
-    monkeypatch.setattr(run_module, "ShardWriter", Forges)
+    monkeypatch.setattr(run_module, "new_shard", forging)
     run(plan, tmp_path / "beside", 1, quiet())
     assert verdicts(tmp_path / "beside") == honest
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.results.schema import SOLVES, TABLES
-from frictionbench.results.store import ShardWriter, write_manifest, write_table
+from frictionbench.results.store import new_shard, write_manifest, write_table
 
 SETTINGS = {"suite": "made", "tolerances": [1e-4, 1e-8], "time_limit": 10.0}
 MACHINE = {"host": "here", "processor": "some"}
@@ -66,9 +66,9 @@ def write_folder(
 ) -> Path:
     """A finished run with these rows."""
     for table, rows in zip(TABLES, (solves, simulations or [], batches or []), strict=True):
-        with ShardWriter(folder, table, "test") as writer:
+        with new_shard(folder, table, "test") as write:
             for row in rows:
-                writer.write(row)
+                write(row)
         write_table(folder, table, rows)
     write_manifest(folder, {"settings": SETTINGS, "machine": MACHINE, "finished": "now"} | manifest)
     return folder

@@ -19,7 +19,7 @@ from frictionbench.results.compare import compare
 from frictionbench.results.files import ResultsError
 from frictionbench.results.maps import maps_of
 from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
-from frictionbench.results.store import ShardWriter
+from frictionbench.results.store import new_shard
 from tests.helpers.command_line import frictionbench
 from tests.helpers.edits import CASES, mutated
 from tests.helpers.made_results import solve_row, write_folder
@@ -50,15 +50,15 @@ def test_report_replaces_links(tmp_path) -> None:
     assert precious.read_text(encoding="utf-8") == "mine"
     assert "<html" in (folder / "report.html").read_text(encoding="utf-8")
     (folder / "shards" / "solves-1.jsonl").symlink_to(precious)
-    with pytest.raises(OSError, match=r"solves-1\.jsonl"):
-        ShardWriter(folder, "solves", "1")
+    with pytest.raises(OSError, match=r"solves-1\.jsonl"), new_shard(folder, "solves", "1"):
+        pass
 
 
 def test_unrepresentable_values_are_dropped(tmp_path) -> None:
     strange = solve_row("a", "p", reason="\ud800" + "x" * 10**6, residual="small", contacts=2**70, solve_times=[None])
-    with ShardWriter(tmp_path, "solves", "1") as writer:
-        writer.write(strange | {"no such column": 1})
-        writer.write(solve_row("b", "p"))
+    with new_shard(tmp_path, "solves", "1") as write:
+        write(strange | {"no such column": 1})
+        write(solve_row("b", "p"))
     with open(tmp_path / "shards" / "solves-1.jsonl", "ab") as shard:
         shard.write(b"[" * 10**5 + b"\n\xff\xfe\n{}\n")
     store.write_table(tmp_path, "solves", list(store.rows(tmp_path, "solves").values()))

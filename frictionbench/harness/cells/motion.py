@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness.cells.reference import NoReference, Reference
-from frictionbench.harness.cells.simulation import DIVERGED
+from frictionbench.harness.cells.simulation import DIVERGED, energy_scale
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
@@ -57,9 +57,10 @@ def record_motion(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_S
     taken: list[Step] = []
     answer = solver if isinstance(solver, Reference) else partial(_usable, solver=solver)
     ended, start = "", stage.energy(stage.q0, stage.v0)
+    most = DIVERGED * energy_scale(stage, [start], [stage.kinetic(stage.q0, stage.v0)])
     try:
         for step in simulate(stage, answer, SCHEMES[scheme], steps):
-            if not abs(stage.energy(step.q, step.v) - start) <= DIVERGED * _energy_scale(stage):
+            if not abs(stage.energy(step.q, step.v) - start) <= most:
                 ended = f"diverged in step {len(taken)}"
                 break
             taken.append(step)
@@ -101,12 +102,6 @@ def _usable(problem: FrictionProblem, solver: str) -> Array:
     if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
         raise _NoAnswer(f"{solver} returned no usable answer: {answer.detail or answer.status.value}")
     return impulse
-
-
-def _energy_scale(stage: Scene) -> float:
-    """A scale of the scene's energy, J: the initial kinetic energy, and the work that lifts its bodies by the size of one."""
-    force = stage.force(stage.q0, stage.v0, 0.0)
-    return float(stage.kinetic(stage.q0, stage.v0) + np.abs(force).sum() * stage.reach)
 
 
 def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, float]:

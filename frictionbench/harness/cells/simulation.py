@@ -119,12 +119,12 @@ def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver
             penetrations.append(stage.deepest_overlap(step.q))
             loop.overhead += perf_counter() - start_time
             gained = energies[-1] - energies[0]  # a difference, since the potential's zero is arbitrary
-            if not np.isfinite(gained) or abs(gained) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
+            if not np.isfinite(gained) or abs(gained) > DIVERGED * energy_scale(stage, energies[:-1], kinetic[:-1]):
                 ended = "the motion diverged"
                 break
     except NoSolution as finding:
         ended = f"the scheme has no solution: {finding}"
-    scale = _scale(stage, energies, kinetic)
+    scale = energy_scale(stage, energies, kinetic)
     done = len(times) - 1
     verdict, reason = loop.verdict()
     if ended:
@@ -163,7 +163,7 @@ def refusal(cell: SimulationCell, stage: Scene, info: SolverInfo) -> str | None:
     return info.missing or other or SCHEMES[cell.scheme].refuses(stage)
 
 
-def _scale(stage: Scene, energies: list[float], kinetic: list[float]) -> float:
+def energy_scale(stage: Scene, energies: list[float], kinetic: list[float]) -> float:
     """The largest kinetic energy plus the range of the potential, J; at least the kinetic energy after one step of fall."""
     if not energies:
         return np.inf
