@@ -50,8 +50,8 @@ from frictionbench.solvers.interior.point import Point, centred_point, start_poi
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 from frictionbench.solvers.interior.system import System, space_of
 
-# All of these were tuned by experiment: tests/benchmarks/test_interior_point_starts.py counts, for each start left out and each
-# limit changed, the problems solved and the factorisations. Impulses and speeds are relative to a contact's own.
+# All of these were tuned by experiment, by the problems solved and the factorisations with a start left out or a limit changed.
+# Impulses and speeds are relative to a contact's own.
 # In the plane the relaxation and semismooth Newton come before paths from so many contacts on: in smaller problems paths are as
 # short, and where there are several solutions they find neighbouring ones in neighbouring problems.
 LARGE = 40

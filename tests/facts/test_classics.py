@@ -89,15 +89,6 @@ def test_a_method_returns_a_solution_or_says_that_it_has_none(spec, name) -> Non
         assert not known or (spec not in PATH and name not in P_MATRICES)
 
 
-def test_three_collinear_isolated_solutions() -> None:
-    """(1, 0), (1/2, 1/2), (0, 1): the midpoint of the outer two is a solution, those of neighbours are not."""
-    found = lcp_census(LCP([[1, 1], [1, 1]], [-1, -1]))
-    assert (found.shape, found.count, found.velocity_count) == (Shape.CONVEX, None, 1)
-    line = lcp_census(LCP([[1, 2], [2, 1]], [-1.5, -1.5]))
-    assert sorted(p.vertices[0].tolist() for p in line.pieces) == pytest.approx(np.array([[0, 1.5], [0.5, 0.5], [1.5, 0]]))
-    assert line.shape is Shape.ISOLATED
-
-
 @pytest.mark.parametrize("n", [2, 5, 10])
 def test_pivot_counts(n) -> None:
     """2^n of Lemke's method with d = 1; 2^n - 1 of Murty's, on the transpose and q = -1 (Murty 1988, chapter 6). Of Fathi's
@@ -106,28 +97,3 @@ def test_pivot_counts(n) -> None:
     assert solve(lcp, "lemke[restarts=0]").work["pivots"] == 2**n
     assert solve(LCP(lcp.dense.T, -np.ones(n)), "murty").work["pivots"] == 2**n - 1
     assert solve(fathi(n), "lemke").work["pivots"] <= n
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_p_matrix_uniqueness(seed) -> None:
-    """Samelson, Thrall and Wesler 1958; here row diagonally dominant ones."""
-    random = np.random.default_rng(seed)
-    M = random.uniform(-1, 1, (6, 6))
-    np.fill_diagonal(M, np.abs(M).sum(axis=1) + 0.1)
-    lcp = LCP(M, random.standard_normal(6))
-    found = lcp_census(lcp)
-    assert found.count == 1
-    for spec in ("lemke", "path_search", *PRINCIPAL):
-        assert solve(lcp, spec, tol=1e-10).z == pytest.approx(found.pieces[0].vertices[0], abs=1e-9)
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_positive_semidefinite_convexity(seed) -> None:
-    """... and one w where M is symmetric; rank 2 of 5, q in its range so that there is a solution."""
-    random = np.random.default_rng(seed)
-    A = random.standard_normal((5, 2))
-    z, free = random.random(5), random.random(5) < 0.4
-    lcp = LCP(A @ A.T, np.where(free, random.random(5), 0) - A @ (A.T @ (z * ~free)))
-    found = lcp_census(lcp)
-    assert found.shape in (Shape.ONE, Shape.CONVEX)
-    assert found.velocity_count == 1

@@ -44,22 +44,6 @@ def impulse_level(angle, mu, spin, h=1e-4, speed=-1.0) -> FrictionProblem:
 STEEP = np.arctan(2.0)
 
 
-def test_p_is_normal_acceleration_per_force() -> None:
-    for angle in (0.3, STEEP, 1.4):
-        for mu in (0.2, 1.5):
-            assert force_level(angle, mu, 0.0).dense == pytest.approx(np.array([[p(angle, mu)]]))
-
-
-def test_minimal_friction_of_paradox() -> None:
-    """p < 0 is possible iff mu > (4 + t^2)/(3 t), t = tan(angle), which is least at t = 2."""
-    t = np.tan(np.linspace(0.01, 1.56, 4000))
-    threshold = (4 + t**2) / (3 * t)
-    assert threshold.min() == pytest.approx(4 / 3, abs=1e-6)
-    assert t[threshold.argmin()] == pytest.approx(2, abs=5e-3)
-    for factor, sign in ((0.999, 1), (1.001, -1)):
-        assert np.all(np.sign([p(np.arctan(x), factor * (4 + x * x) / (3 * x)) for x in t]) == sign)
-
-
 @pytest.mark.parametrize(
     ("mu", "spin", "forces", "modes"),
     [
@@ -98,16 +82,6 @@ def test_sticking_impulse_is_independent_of_step(angle, mu, spin) -> None:
     free, v = problem.free_velocity, problem.velocity(r.reshape(1, 2))
     loss = (free @ (problem.mass @ free) - v @ (problem.mass @ v)) / 2
     assert loss == pytest.approx((1 + 3 * c * c) / 8, abs=1e-6)
-
-
-def test_first_step_is_unique() -> None:
-    problem = scene("painleve_rod").problem()
-    assert problem.q == pytest.approx([-0.0981, -1])
-    found = census(problem)
-    assert found.count == 1
-    assert found.pieces[0].mode == "s"
-    assert found.pieces[0].vertices == pytest.approx(np.array([[0.383, 0.429]]), abs=5e-4)
-    assert found.velocities[0].vertices == pytest.approx(np.zeros((1, 2)), abs=1e-12)
 
 
 @pytest.mark.parametrize(("spec", "letter"), [("lemke", "o"), ("nsgs", "o"), ("clarabel", "s")])

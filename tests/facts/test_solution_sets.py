@@ -19,11 +19,6 @@ def jam(mu=0.5, bias=(0.0, 0.0)) -> FrictionProblem:
     return contacts_of([[1, 0], [-1, 0]], [[0, 1], [0, 1]], mu, [0, 1], bias=bias)
 
 
-def two_corner_block(mu, free_velocity) -> FrictionProblem:
-    """A square block that stands on its two lower corners."""
-    return contacts_of([[0, 1, -0.5], [0, 1, 0.5]], [[1, 0, 0.5]] * 2, mu, free_velocity, mass=np.diag([1, 1, 1 / 6]))
-
-
 def wedge(angle, mu) -> FrictionProblem:
     """A particle pressed into a wedge of two walls, each at `angle` from its axis."""
     normal = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), np.sin(angle)]])
@@ -62,20 +57,6 @@ def test_jam_solutions_are_arc_and_ray(mu) -> None:
     assert found.velocity_count is None
 
 
-def test_jam_midpoint_violates_complementarity() -> None:
-    """z = (c, beta+, beta-, lambda): the start of the arc and a point of the ray; lambda (mu c - e'beta) = 1/2 * 1/2 there."""
-    mu = 0.5
-    lcp = jam(mu).lcp()
-    start = np.array([0, 0, 0, 0, 0, 0, 1, 1.0])
-    stuck = np.array([3, 3, 0, 0.5, 0, 0.5, 0, 0.0])
-    for z in (start, stuck):
-        assert lcp.residual(z) <= 1e-15
-    z = (start + stuck) / 2
-    w = lcp.M @ z + lcp.q
-    assert min(z.min(), w.min()) >= 0
-    assert np.max(z * w) == pytest.approx(0.25)
-
-
 def test_jam_overlap_solvability() -> None:
     for bias, solvable in (((-0.1, -0.1), False), ((-0.1, 0.1), True), ((0.1, 0.1), True)):
         problem = jam(bias=bias)
@@ -101,41 +82,6 @@ def test_pointed_cone_is_solvable() -> None:
     assert seen[False] >= 5
 
 
-def test_one_contact_with_three_solutions() -> None:
-    W, mu = np.array([[8 / 5, -6 / 5], [-6 / 5, 17 / 5]]), 3 / 2
-    problem = FrictionProblem.from_delassus(W, [1 / 50, -1], [mu], 2)
-    found = census(problem)
-    assert found.shape is found.velocity_shape is Shape.ISOLATED
-    assert found.count == found.velocity_count == 3
-    want = {"o": [0, 0], "l": [1 / 10, 3 / 20], "s": [283 / 1000, 197 / 500]}
-    assert {p.mode: p.vertices[0].tolist() for p in found.pieces} == {m: pytest.approx(r, abs=1e-14) for m, r in want.items()}
-    assert W[0, 0] < mu * abs(W[0, 1])
-    other = census(FrictionProblem.from_delassus(W, [1 / 50, 1], [mu], 2))
-    assert other.count == 1
-    assert other.pieces[0].mode == "o"
-    assert other.pieces[0].vertices == pytest.approx(np.zeros((1, 2)))
-
-
-@pytest.mark.parametrize(("mu", "least", "most"), [(1.5, 0, 0), (3.0, 0.04, 0.09)])
-def test_fraction_of_impacts_with_three_solutions(mu, least, most) -> None:
-    """Square block, normally distributed v*: none of 300 for mu <= 1.5, and about 6 % for mu = 3 (2 % for mu = 2)."""
-    draws = np.random.default_rng(1).standard_normal((300, 3))
-    counts = np.array([census(two_corner_block(mu, v)).velocity_count for v in draws])
-    assert set(counts) <= {1, 3}
-    assert least <= np.mean(counts == 3) <= most
-
-
-@pytest.mark.parametrize("mu", [0.1, 0.9])
-def test_hyperstatic_velocity_is_unique(mu) -> None:
-    found = census(two_corner_block(mu, [0.0, -1.0, 0.0]))
-    assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
-    (piece,) = found.pieces
-    assert piece.mode == "ss"
-    assert piece.vertices.sum(axis=0) / 2 == pytest.approx([0.5, 0, 0.5, 0])
-    assert piece.vertices[:, 1] == pytest.approx(-piece.vertices[:, 3])
-    assert sorted(piece.vertices[:, 1]) == pytest.approx([-mu / 2, mu / 2])
-
-
 @pytest.mark.parametrize("angle", [0.3, 1.0])
 @pytest.mark.parametrize("factor", [0.5, 0.99, 1.0, 1.01, 3.0])
 def test_wedge_impulses_are_unbounded_above_threshold(angle, factor) -> None:
@@ -144,26 +90,6 @@ def test_wedge_impulses_are_unbounded_above_threshold(angle, factor) -> None:
     assert any(len(piece.rays) for piece in found.pieces) is (factor >= 1)
     assert found.velocity_count == 1
     assert found.velocities[0].vertices == pytest.approx(np.zeros((1, 4)), abs=1e-10)
-
-
-def test_a_table_on_four_legs() -> None:
-    """N = m g h/4 + s (+, -, +, -) for any s: only the resultant and the velocity are determined."""
-    m, corners = 8.0, np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
-    normal = np.column_stack([np.zeros((4, 2)), np.ones(4), corners[:, 1], -corners[:, 0], np.zeros(4)])
-    tangent = np.zeros((8, 6))
-    tangent[::2, 0], tangent[1::2, 1] = 1, 1
-    tangent[::2, 5], tangent[1::2, 5] = -corners[:, 1], corners[:, 0]
-    table = contacts_of(normal, tangent, [0.5] * 4, [0, 0, -9.81 * 0.01, 0, 0, 0], mass=np.diag([m, m, m, 2, 2, 3]))
-    weight = m * 9.81 * 0.01
-    for s in (0.0, 0.1, -0.24):
-        r = np.zeros((4, 3))
-        r[:, 0] = weight * (0.25 + s * np.array([1, -1, 1, -1]))
-        assert residual(table, r) <= 1e-12
-    for spec in ("nsgs", "lemke"):
-        answer = solve(table, spec, tol=1e-10)
-        assert answer.status is Status.SOLVED
-        assert answer.impulse[:, 0].sum() == pytest.approx(weight)
-        assert table.contact_velocity(answer.impulse) == pytest.approx(np.zeros((4, 3)), abs=1e-10)
 
 
 @pytest.mark.slow  # the set of solutions near the jam by many solves

@@ -3,9 +3,9 @@
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers import proximal_newton
 from frictionbench.solvers.interior import newton, point
-from frictionbench.solvers.pivots import lemke_path, lu_basis
+from frictionbench.solvers.pivots import lu_basis
 from frictionbench.solvers.sparse_lu import multifrontal
-from frictionbench.solvers.sweeps import gauss_seidel, laws
+from frictionbench.solvers.sweeps import laws
 
 
 @kernel
@@ -54,11 +54,6 @@ def newton_step(*arguments):
 
 
 @kernel
-def exchange(*arguments):
-    return lemke_path.exchange(*arguments)
-
-
-@kernel
 def factorise_basis(*arguments):
     return lu_basis.factorise_basis(*arguments)
 
@@ -71,11 +66,6 @@ def set_complementary_basis(*arguments):
 @kernel
 def basic_z(*arguments):
     return lu_basis.basic_z(*arguments)
-
-
-@kernel
-def replace_column(*arguments):
-    return lu_basis.replace_column(*arguments)
 
 
 @kernel
@@ -96,16 +86,6 @@ def determinant_sign(*arguments):
 @kernel
 def solve_factorised(*arguments):
     return multifrontal.solve_factorised(*arguments)
-
-
-@kernel
-def planar_sweeps(*arguments):
-    return gauss_seidel.planar_sweeps(*arguments)
-
-
-@kernel
-def spatial_sweeps(*arguments):
-    return gauss_seidel.spatial_sweeps(*arguments)
 
 
 @kernel

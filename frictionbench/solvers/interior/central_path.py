@@ -42,8 +42,8 @@ from frictionbench.solvers.interior.predictor_corrector import Best, evaluate_an
 from frictionbench.solvers.interior.system import SOFTNESS, Space, System
 from frictionbench.solvers.sparse_lu.multifrontal import determinant_sign
 
-# Chosen by experiment: tests/benchmarks/test_interior_point_starts.py counts what a change costs in solved problems and
-# factorisations. Steps are measured by their largest component in logarithms.
+# Chosen by experiment, by what a change costs in solved problems and factorisations. Steps are measured by their largest
+# component in logarithms.
 TERM = 0.08  # the last term of a prediction: larger steps need corrections, smaller ones more predictions
 NEAR, FAR = 0.1, 0.2  # a correction up to NEAR lets the next step be predicted; a first one beyond FAR shortens the last step
 TOO_LARGE = 1.0  # and a later one beyond this
