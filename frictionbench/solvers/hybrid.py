@@ -32,7 +32,7 @@ from frictionbench.problems.compiled import kernel, loop
 from frictionbench.problems.packed import CONTACT, Packed, Q, mechanical, mechanics_of, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers.clock import is_over, left, within
-from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_each, few_each, is_few
+from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_each, few_each, few_steps
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import first_phase_of
 
@@ -49,7 +49,8 @@ LINKS = 4  # contacts of a body in a chain: two with each neighbour
 STICKING = 0.75  # of the contacts in a chain
 AT_REST = 1e-6  # speeds below, relative to the fastest, are rounding
 
-Prepared = tuple[FrictionProblem, tuple[str, ...], Any]  # the problem, its members in order, the first one's form or setup
+# The problem, its members in order, and the first one's form or setup, or the steps that it may take.
+Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
 
 
 @solver(
@@ -74,8 +75,8 @@ class Hybrid:
 
     def form(self, problem: FrictionProblem) -> Prepared:
         simple, other, *others = PLANAR if problem.dimension == 2 else SPATIAL
-        if is_few(problem):
-            return problem, (NEWTON, other, simple, *others), None
+        if steps := few_steps(problem):
+            return problem, (NEWTON, other, simple, *others), steps
         members = (simple, other, *others) if simple_first(problem) else (other, simple, *others)
         return problem, members, find(members[0])[1].form(problem)
 
@@ -89,7 +90,7 @@ class Hybrid:
         work: dict[str, int] = {}
         tried, rounded, late = 0, False, False
         if members[0] == NEWTON:
-            impulse, least, floor, sweeps, steps = few_contacts(problem, tol, limit, start)
+            impulse, least, floor, sweeps, steps = few_contacts(problem, stage, tol, limit, start)
             tried, work = 1, {"newton sweeps": sweeps, "newton steps": steps, "members": 1}
             if least <= tol:
                 status = Status.SOLVED if floor <= tol else Status.ROUNDING

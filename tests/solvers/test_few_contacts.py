@@ -7,7 +7,7 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.problems.subproblems import side_by_side
-from frictionbench.solvers.dense.few_contacts import few_contacts
+from frictionbench.solvers.dense.few_contacts import few_contacts, few_steps
 
 
 def robot(seed: int, joints: int = 2) -> FrictionProblem:
@@ -35,7 +35,7 @@ def test_the_residual_is_the_verifiers(seed: int, joints: int) -> None:
     """Of impulses that are no solution, also where joints lock a contact: scale, units, velocities and floor are the same."""
     problem = robot(seed, joints)
     guess = np.random.default_rng(seed).uniform(0, 1, (6, 3))
-    impulse, found, floor, _, steps = few_contacts(problem, 1e300, None, guess)
+    impulse, found, floor, _, steps = few_contacts(problem, few_steps(problem), 1e300, None, guess)
     assert steps == 0
     assert (found, floor) == pytest.approx(residual_with_floor(problem, impulse), rel=1e-9)
 

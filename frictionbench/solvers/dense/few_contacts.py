@@ -42,12 +42,11 @@ MARGIN = 0.5  # of tol: the residual computed from W, and that from velocities, 
 NO_GUESS = np.zeros((0, 3))
 
 
-def is_few(problem: FrictionProblem) -> bool:
-    """Whether a problem is taken: of few contacts in space with given mechanics."""
-    return problem.dimension == 3 and problem.mechanical and _steps_of(problem) > 0
-
-
-def _steps_of(problem: FrictionProblem) -> int:
+def few_steps(problem: FrictionProblem) -> int:
+    """The steps after which a problem is left to other methods; 0 where it is not taken: of many contacts, in the plane, or
+    known by W."""
+    if problem.dimension != 3 or not problem.mechanical:
+        return 0
     rows = problem.contacts + 2 * np.count_nonzero(problem.friction)
     steps: int = most_steps(rows, len(problem.free_velocity), len(problem.inverse_rows.value), len(problem.joint_bias))
     return steps
@@ -64,10 +63,10 @@ def most_steps(rows, nv, entries, nj):  # type: ignore[no-untyped-def]
 
 
 def few_contacts(
-    problem: FrictionProblem, tol: float, limit: int | None, start: Array | None
+    problem: FrictionProblem, steps: int, tol: float, limit: int | None, start: Array | None
 ) -> tuple[Array, float, float, int, int]:
-    """The impulses (nc, 3), their residual and its floor, the sweeps and Newton's steps taken. limit: of steps."""
-    steps = _steps_of(problem)
+    """The impulses (nc, 3), their residual and its floor, the sweeps and Newton's steps taken. steps: few_steps; limit: of
+    them."""
     found: tuple[Array, float, float, int, int] = _one(
         *problem.contact_rows, *problem.inverse_rows, *problem.joint_rows, problem.joint_bias, problem.free_velocity,
         problem.bias, problem.friction, problem.friction_bias, NO_GUESS if start is None else start, tol,
