@@ -15,7 +15,7 @@ from frictionbench.problems.forms.cone import project_cone
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import load, save
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual
-from frictionbench.solvers import Status, solve
+from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block, contacts_of, nothing, spatial
 
 H = 0.1 / 9.81  # a block of 2 kg falls at .1 m/s in that time
@@ -41,12 +41,6 @@ def test_inputs_are_copied_and_read_only() -> None:
         problem.mass.data[0] = 1
     with pytest.raises(ValueError, match="read-only"):
         problem.W.data[0] = 1
-
-
-def test_no_contacts_known_by_W() -> None:
-    problem = FrictionProblem.from_delassus(np.zeros((0, 0)), np.zeros(0), np.zeros(0), d=3)
-    assert problem.normal.shape == problem.tangent.shape == (0, 0)
-    assert all(solve(problem, name).status is Status.SOLVED for name in ("hybrid", "clarabel", "proximal_newton"))
 
 
 def jointed(seed: int, redundant: bool) -> FrictionProblem:

@@ -130,10 +130,3 @@ def test_duplicated_contact_invariance(seed):
     for r in (off, garbage):
         alone = np.vstack([r, 0 * r[:1]])
         assert residual(other, alone) >= residual(problem, r) * (1 - 1e-9) - residual_floor(problem, r)
-
-
-def test_random_answers_cover_three_verdicts():
-    """The answers above are of three kinds, so that equal verdicts mean something."""
-    kinds = [[verify(met(seed)[0], Answer(r, Status.SOLVED), "lcp", 1e-5).verdict for r in met(seed)[1]] for seed in SEEDS]
-    assert sum(first == "solved" for first, _, _ in kinds) > 27
-    assert sum(last == "wrong" for _, _, last in kinds) > 27

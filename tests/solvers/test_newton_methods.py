@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
@@ -33,17 +33,6 @@ def test_fischer_solves_every_contact_that_is_p0(spec) -> None:
         assert solve(problem, spec).status is Status.SOLVED
 
 
-@pytest.mark.parametrize("spec", ["fischer_newton", "fischer_newton[regularisation=0]"])
-def test_fischer_local_minimum_beyond_p0(spec) -> None:
-    problem = FrictionProblem.from_delassus([[0.4, 0.34], [0.34, 5.05]], [-1.2, 0.7], [3.9], 2)
-    assert index(problem) < 0
-    answer = solve(problem, spec)
-    assert answer.status in (Status.STALLED, Status.WORK_LIMIT)
-    assert residual(problem, answer.impulse) > 1e-3
-    sticking = np.linalg.solve(problem.W.toarray(), -problem.q)
-    assert residual(problem, sticking[None]) < 1e-12
-
-
 @pytest.mark.parametrize("a", [1.1, 2.0, 10.0])
 def test_line_search_avoids_min_map_cycle(a) -> None:
     M, q = np.array([[1, 0, a], [a, 1, 0], [0, a, 1]]), np.ones(3)
@@ -53,12 +42,6 @@ def test_line_search_avoids_min_map_cycle(a) -> None:
     assert end == SOLVED
     assert descent.history[k] <= 1e-10
     assert descent.best == pytest.approx(np.zeros(3), abs=1e-9)
-
-
-def test_line_search_avoids_min_map_cycle_of_a_p0_contact() -> None:
-    problem = FrictionProblem.from_delassus([[0.983, 0.768], [0.768, 2.206]], [-0.106, -1.186], [0.238], 2)
-    assert index(problem) > 0
-    assert solve(problem, "minmap_newton").status is Status.SOLVED
 
 
 def solved(spec) -> int:
@@ -92,16 +75,6 @@ def test_history_and_work_count_the_iterations_and_repeat(spec) -> None:
     limited = solve(problem, spec, limit=2)
     assert limited.status is Status.WORK_LIMIT
     assert len(limited.history) == 3
-
-
-def test_fischer_converges_quadratically_to_a_regular_solution() -> None:
-    random = np.random.default_rng(3)
-    root = random.standard_normal((20, 20))
-    lcp = LCP(root @ root.T + np.eye(20), random.standard_normal(20))
-    history = np.array(solve(lcp, "fischer_newton[regularisation=0]", tol=1e-13).history)
-    near = np.flatnonzero((history[:-1] < 1e-2) & (history[:-1] > 1e-7))
-    assert len(near) >= 2
-    assert (history[near + 1] < 100 * history[near] ** 2).all()
 
 
 def test_fischer_function_accuracy() -> None:

@@ -1,35 +1,11 @@
-"""Proximal Newton in space: the equations are exact, and problems on which interior points stagnate are solved."""
+"""Proximal Newton in space: problems on which interior points stagnate are solved, and its last digits take a few steps."""
 
-import numpy as np
 import pytest
 
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
-from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.system import build_system
-from frictionbench.solvers.proximal_newton import new_state
-from tests.helpers.friction_problems import spatial
-from tests.helpers.kernels import equations, newton_step
-
-
-@pytest.mark.parametrize("rho", [1e-3, 1.0])
-@pytest.mark.parametrize("seed", range(2))
-def test_newton_step_to_first_order(seed, rho) -> None:
-    """At impulses of every kind: open, sticking and sliding contacts, with a friction bias."""
-    problem = spatial(seed, contacts=12, nv=24, friction=0.7, friction_bias=True)
-    system, random = build_system(problem), np.random.default_rng(seed)
-    work, step = new_work(system, np.inf), np.zeros((12, 3))
-    state, ahead = new_state(system), new_state(system)
-    anchor = random.standard_normal((12, 3))
-    state.r[:] = random.standard_normal((12, 3))
-    equations(system, state, anchor, rho, work)
-    newton_step(system, state, anchor, rho, step, work)
-    h = 1e-7
-    ahead.r[:] = state.r + h * step
-    equations(system, ahead, anchor, rho, work)
-    change = (ahead.F - state.F) / h
-    assert np.allclose(change, -state.F, atol=1e-5 * (1 + abs(step).max() ** 2))
 
 
 @pytest.mark.parametrize("seed", [0, 11])

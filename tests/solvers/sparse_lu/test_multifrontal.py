@@ -68,12 +68,6 @@ def test_determinant_sign(name, shift) -> None:
     assert determinant_sign(fronts, storage, swap) == np.linalg.slogdet(A.toarray()).sign
 
 
-def test_stack_has_no_fill() -> None:
-    fronts, _ = analysed(pattern("stack", blocks=50))
-    assert set((fronts.pivots % 3).tolist()) == {0}
-    assert np.diff(fronts.first).max() == 6  # a box and the one box left beside it
-
-
 def test_a_pivot_of_zero_is_exchanged_within_its_front() -> None:
     fronts, _ = analysed(sparse.csr_array(np.ones((1, 2))))
     storage, swap, x = np.array([0.0, 2.0, 4.0, 0.0]), np.zeros(2, dtype=np.int64), np.array([6.0, 8.0])
