@@ -41,25 +41,6 @@ def test_two_blocks_closed_form() -> None:
         assert max(error["short"], error["far"]) <= 2 * 3.0 * 0.01
 
 
-@pytest.mark.parametrize(("friction", "slides"), [(0.05, True), (0.2, False)])
-def test_long_bar(friction: float, slides: bool) -> None:
-    """Examples 1 and 2: still sliding after 3 s, or at rest."""
-    *_, final = simulate(scene("long_bar", friction=friction), lemke)
-    assert abs(final.q[2]) < 0.01
-    assert bool(final.v[0] > 0.3) is slides
-    if not slides:
-        assert final.v == pytest.approx(np.zeros(3), abs=1e-6)
-
-
-def test_three_blocks_lower_block_moves() -> None:
-    *_, final = simulate(scene("example_6"), lemke)
-    first, lower, upper = final.q.reshape(3, 3)
-    assert lower[0] > 3
-    assert lower[1] == pytest.approx(0.5, abs=0.01)
-    assert first[0] < upper[0] < lower[0] - 1
-    assert upper[1] < 0.75
-
-
 EXAMPLES = {f"example_{number}": ({}, None) for number in range(1, 8)}
 BOUNCING = {f"example_{number}": ({"restitution": 1.0}, 120) for number in range(1, 8)}
 OTHERS = {

@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from functools import cache, wraps
 
@@ -110,18 +109,6 @@ def nan_impulse(problem):
 
 
 @bad
-def wrong_shape(problem):
-    """Returns impulses for one contact too many."""
-    return answer(problem, np.zeros((problem.contacts + 1, 2)))
-
-
-@bad
-def returns_none(problem):
-    """Returns None."""
-    return
-
-
-@bad
 def modifies_friction(problem):
     """Sets the friction coefficients of its input to zero."""
     problem.friction.setflags(write=True)
@@ -133,15 +120,6 @@ def modifies_friction(problem):
 def raises(problem):
     """Raises an exception."""
     raise RuntimeError("no idea")
-
-
-@bad
-def prints(problem):
-    """Prints megabytes to standard output, from Python and through the file descriptor."""
-    for _ in range(50):
-        print("x" * 100_000)
-        os.write(1, b"y" * 100_000)
-    return answer(problem)
 
 
 @bad
@@ -157,13 +135,6 @@ def blocks_signals(problem):
     for timer in (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF):
         signal.setitimer(timer, 0)
     spin()
-
-
-@bad
-def replaces_alarm(problem):
-    """Replaces the handler of SIGALRM and sleeps for an hour."""
-    signal.signal(signal.SIGALRM, lambda number, frame: None)
-    time.sleep(3600)
 
 
 @solver("hangs_in_warm_up", family="bad", model="coulomb")
@@ -189,20 +160,6 @@ def daemonises_child(problem):
         if os.fork() == 0:
             spin()
         os._exit(0)
-    return answer(problem)
-
-
-@bad
-def leaves_thread(problem):
-    """Leaves a thread running that loops for ever."""
-    threading.Thread(target=lambda: all(iter(int, 1)), daemon=True).start()
-    return answer(problem)
-
-
-@bad
-def changes_directory(problem):
-    """Changes the working directory."""
-    os.chdir("/")
     return answer(problem)
 
 
@@ -259,21 +216,9 @@ def hangs_on_repeat(problem):
 
 
 @changed
-def complex_impulse(answer):
-    """Returns complex impulses."""
-    answer.impulse = answer.impulse + 0j
-
-
-@changed
 def slow_impulse(answer):
     """Returns an object whose conversion to an array never ends."""
     answer.impulse = type("Slow", (), {"__array__": lambda self, *_, **__: spin()})()
-
-
-@changed(family="good")
-def numpy_integer_work(answer):
-    """Returns a work counter as a numpy integer, which is accepted."""
-    answer.work = {"pivots": np.int64(7)}
 
 
 @changed(family="good")

@@ -123,13 +123,6 @@ def test_a_slot_jams_where_the_cones_of_its_two_contacts_overlap(tilt) -> None:
     assert pointedness(make_instance("slots", points=1, tilt=tilt, excess=1e-2)) == pytest.approx(2)
 
 
-def test_the_normals_of_a_slot_are_opposite_but_for_its_tilt() -> None:
-    problem = make_instance("slots", points=3, tilt=0.2)
-    first, second = problem.normal.toarray()[:3], problem.normal.toarray()[3:]
-    side = problem.tangent.toarray()[:3]
-    assert np.allclose(second, np.sin(0.2) * side - np.cos(0.2) * first)
-
-
 @pytest.mark.parametrize("name", ["local_graph", "random_graph"])
 def test_contacts_of_graphs_are_between_two_bodies(name) -> None:
     problem = make_instance(name, bodies=60)

@@ -7,7 +7,6 @@ import pytest
 
 from frictionbench import problem
 from frictionbench.problems import InputError
-from frictionbench.problems.instances import instances
 from frictionbench.problems.planar.bodies import Geometry, hollow, rigid_box
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
@@ -60,14 +59,6 @@ def test_unknown_names_and_values() -> None:
     ):
         with pytest.raises(InputError, match=rf"^{parameter}: "):
             problem(name, **{parameter: value})
-
-
-@pytest.mark.parametrize("name", sorted({*scenes(), *instances()} - {"random"}))
-def test_no_parameter_takes_what_is_no_number(name: str) -> None:
-    for parameter in (scenes() | instances())[name].parameters.keys() - {"seed", "case"}:
-        for value in (float("nan"), "rough", [1.0]):
-            with pytest.raises(InputError, match=rf"^{parameter}: "):
-                problem(name, **{parameter: value})
 
 
 def test_fields_of_a_scene_are_checked() -> None:

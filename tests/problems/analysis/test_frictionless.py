@@ -18,42 +18,10 @@ def _solve(problem):
     return solve(problem, "hybrid", tol=1e-12).impulse
 
 
-def _shared(problem):
-    """Of contacts across one body that stop 1 N s together, each takes an equal part."""
-    return np.array([[1.0 / problem.contacts, 0.0]] * problem.contacts)
-
-
-@pytest.mark.parametrize("name", ["stack", "pyramid", "wall"])
-def test_what_rests_on_level_ground_is_idle_and_what_is_pushed_is_not(name):
-    assert idle(scene(name, push=0.0).problem(), _solve)
-    assert not idle(scene(name, push=1.0).problem(), _solve)
-
-
 def test_in_space_and_given_by_the_delassus_matrix():
     for push in (0.0, 1.0):
         cubes = make_instance("cubes", boxes=2, push=push)
         assert idle(cubes, _solve) == idle(known_by_W(cubes), _solve) == (push == 0)
-
-
-def test_an_arch_needs_friction_at_rest_and_an_upright_wedge_does_not():
-    assert not idle(scene("arch").problem(), _solve)
-    assert idle(scene("wedge", spin=0.0).problem(), _solve)
-
-
-def test_another_frictionless_answer_is_tried_where_the_impulses_are_not_unique():
-    """A body with one free velocity across two equal contacts, of which one slides: the other can bear alone."""
-    twice = contacts_of([[0.0, 1.0], [0.0, 1.0]], [[1.0, 0.0], [0.0, 0.0]], 0.5, [1.0, -1.0])
-
-    assert idle(twice, _shared)
-    assert not idle(twice.replace(tangent=[[1.0, 0.0], [1.0, 0.0]]), _shared)
-
-
-def test_smooth_contacts_that_slide_may_bear():
-    """A body across three equal contacts that all slide, one of them smooth: that one can bear alone."""
-    problem = contacts_of([[0.0, 1.0]] * 3, [[1.0, 0.0]] * 3, [0.5, 0.0, 0.5], [1.0, -1.0])
-    assert idle(problem, _shared)
-    assert not idle(problem.replace(friction=[0.5, 0.1, 0.5]), _shared)
-    assert not idle(problem.replace(friction_bias=[0.0, 0.1, 0.0]), _shared)
 
 
 @pytest.mark.parametrize("seed", range(30))

@@ -10,8 +10,6 @@ from frictionbench.problems.simulate import simulate
 from frictionbench.problems.spatial import rotation
 from frictionbench.problems.spatial.bodies import solid_box
 
-INERTIA = np.array([1.0, 2.0, 2.5])
-
 
 def test_matrices_and_turns_are_those_of_scipy() -> None:
     random = np.random.default_rng(0)
@@ -52,10 +50,3 @@ def test_free_rotation_conserves_energy_and_angular_momentum(scheme: str) -> Non
     order = 2 if scheme == "moreau" else 1
     assert turned[0] / turned[1] == pytest.approx(2**order, rel=0.2)
     assert turned[1] / turned[2] == pytest.approx(2**order, rel=0.1)
-
-
-def test_gyroscopic_torque_is_eulers_for_small_steps() -> None:
-    spin = np.array([[3.0, 2.0, 1.0], [0.0, 0.0, 0.0]])
-    torque = rotation.gyroscopic(np.tile(INERTIA, (2, 1)), spin, 1e-8)
-    assert torque[0] == pytest.approx(-np.cross(spin[0], INERTIA * spin[0]), rel=1e-6)
-    assert torque[1].tolist() == [0, 0, 0]
