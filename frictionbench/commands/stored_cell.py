@@ -2,12 +2,12 @@
 our own or that of plug-ins that the user names in this command. The file named in the manifest is shown and never run.
 """
 
+import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from frictionbench.harness.cells.collect import is_object
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
@@ -45,7 +45,7 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
     require(type(memory) is int and LEAST_MEMORY <= memory < 2**60, "settings.memory_limit", f"cannot be {memory!r:.100}")
     texts = ("variant", "scene", "verdict", "parameters", *(["scheme"] if table == "simulations" else ["start"]))
     usable = {name: isinstance(row[name], str) for name in texts}
-    usable["parameters"] = usable["parameters"] and is_object(row["parameters"])
+    usable["parameters"] = usable["parameters"] and _is_object(row["parameters"])
     usable |= {"tol": _between(row["tol"], 0.0, 1e300), "time_limit": _between(row["time_limit"], LEAST_SECONDS, MOST_SECONDS)}
     if table == "simulations":
         usable["after_failure"] = row["after_failure"] in (KEEP_ANSWER, KEEP_VELOCITY, RELAX)
@@ -61,6 +61,14 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
     for name, can in usable.items():
         require(can, name, f"cannot be {row[name]!r:.100}")
     return StoredCell(table, row, settings, memory)
+
+
+def _is_object(text: str) -> bool:
+    """Whether a text is a JSON object."""
+    try:
+        return isinstance(json.loads(text), dict)
+    except (ValueError, RecursionError):
+        return False
 
 
 def _between(value: float | None, least: float, most: float) -> bool:

@@ -38,12 +38,7 @@ def versions() -> dict[str, str]:
 @cache
 def revision() -> str:
     """The commit, with a hash of the code if it was changed; outside a checkout of this project the version, with that hash."""
-    git = [
-        "git",
-        "--no-optional-locks",
-        "-C",
-        str(PACKAGE.parent),
-    ]  # without locks, which would remain if this process were killed
+    git = ["git", "--no-optional-locks", "-C", str(PACKAGE.parent)]  # a lock would remain if this process were killed
     try:
         if not (PACKAGE.parent / ".git").exists():  # the environment may lie in another repository
             raise FileNotFoundError

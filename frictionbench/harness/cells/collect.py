@@ -11,13 +11,14 @@ The list of a source's problems is stored too. A folder may come from someone el
 """
 
 import json
-import re
 from contextlib import suppress
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+from pydantic import Field, Json
 
 from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference, reference_answer, unless_unsolved
 from frictionbench.harness.cells.rows import PROBLEM_FACTS, blank_facts
@@ -43,44 +44,31 @@ from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import first_problem_of, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
-from frictionbench.results.files import ResultsError, read_json, replaced, subfolder, write_text
+from frictionbench.results.files import ResultsError, parsed, read_json, replaced, subfolder, write_text
 
 Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, its starts and repeats
+
+
+@dataclass
+class _Stored:
+    """What a stored record is checked for: it names files, and its facts are columns."""
+
+    problem: Annotated[str, Field(pattern="^[0-9a-f]{8,64}$")]
+    scene: str
+    parameters: Json[dict[str, Any]]
+    step: Annotated[int, Field(ge=0, lt=10**9)]
+    phase: str
+    contacts: int | None
+    starts: dict[Literal["cold", "warm", "shuffled"], str]
 
 
 def read_records(path: Path) -> list[Record]:
     """The records in a file that collect wrote. Errors: ResultsError naming the file, where it is none or is damaged."""
     records = read_json(path)
-    if not isinstance(records, list) or not records or not all(map(_is_record, records)):
+    parsed(records, Annotated[list[_Stored], Field(min_length=1)], path)  # type: ignore[arg-type]
+    if not all(record.keys() >= {*PROBLEM_FACTS} and list(record["starts"])[:1] == [COLD] for record in records):
         raise ResultsError(f"{path}: not a list of problems")
     return records
-
-
-def _is_record(given: Any) -> bool:
-    if not isinstance(given, dict) or not given.keys() >= {*PROBLEM_FACTS, "starts"}:
-        return False
-    texts = all(isinstance(given[name], str) for name in ("problem", "scene", "parameters", "phase"))
-    starts = given["starts"]
-    return (
-        texts
-        and re.fullmatch("[0-9a-f]{8,64}", given["problem"]) is not None
-        and is_object(given["parameters"])
-        and type(given["step"]) is int
-        and 0 <= given["step"] < 10**9
-        and (given["contacts"] is None or type(given["contacts"]) is int)
-        and isinstance(starts, dict)
-        and list(starts)[:1] == [COLD]
-        and starts.keys() <= {COLD, WARM, SHUFFLED}
-        and all(isinstance(digest, str) for digest in starts.values())
-    )
-
-
-def is_object(text: str) -> bool:
-    """Whether a text is a JSON object."""
-    try:
-        return isinstance(json.loads(text), dict)
-    except (ValueError, RecursionError):
-        return False
 
 
 MAX_PERTURBED = 30  # contacts: the sensitivity takes several solves for each, too long for larger problems

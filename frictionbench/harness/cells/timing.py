@@ -171,10 +171,8 @@ def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[
     from numba.core import event
 
     fresh, modules = problem.fresh(), len(sys.modules)
-    with (
-        event.install_recorder("numba:compiler_lock") as loads,  # numba holds this lock to compile and to read its cache
-        no_forked_child(),
-    ):
+    # numba holds this lock to compile and to read its cache
+    with event.install_recorder("numba:compiler_lock") as loads, no_forked_child():
         before = waited()
         start = perf_counter()
         formed = solver.form(fresh)

@@ -18,9 +18,7 @@ from frictionbench.solvers import find
 
 NO_SETTINGS = ("expects", "options", "map_sources", "map_simulations")
 MOST_SHOWN = 100  # steps of a motion that is recorded only for the report's animation
-MEMORY_LIMIT = (
-    4 * 2**30
-)  # bytes that a worker may allocate: far above what the suites need, and small enough for one worker per core
+MEMORY_LIMIT = 4 * 2**30  # bytes that a worker may allocate: more than the suites need, less than a machine has for each core
 
 
 @dataclass(frozen=True)

@@ -23,20 +23,13 @@ OTHERS = (
 SPATIAL = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "lemke[facets=16]", RELAXED[0])
 # The fastest of our methods for each kind of problem, and simple ones as a reference beside outside libraries.
 OURS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg", "apgd_coulomb", "relaxation_ip", "apgd")
-STACKS = {
-    2: 500,
-    4: 300,
-    10: 150,
-    20: 60,
-    40: 20,
-}  # stacks of boxes by contacts: some hundredths of a second together
-CUBES = {4: 100, 12: 30, 40: 10}  # stacks of cubes
+# Stacks of boxes by contacts, some hundredths of a second together; and of cubes.
+STACKS = {2: 500, 4: 300, 10: 150, 20: 60, 40: 20}
+CUBES = {4: 100, 12: 30, 40: 10}
 BATCHED = ("nsgs", "interior_point", "hybrid")
 ONE_BY_ONE = ("osqp", "daqp", "mujoco[method=newton,settings=tuned]")  # they take no batches of given problems
-MAPPED = (
-    *EXACT,
-    *(name for name in OTHERS if name not in ("apgd", "admm")),
-)  # of the exact law; these two solve the relaxation
+# Of the exact law; apgd and admm solve the relaxation.
+MAPPED = (*EXACT, *(name for name in OTHERS if name not in ("apgd", "admm")))
 MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED)
 FAILING = (  # simulations in which some methods fail to solve steps
     Source("stack", {"blocks": 5, "mass_ratio": 1e3, "push": 1.0}, steps=60),
@@ -229,18 +222,5 @@ def peers() -> Plan:
     )
 
 
-SUITES = {
-    "smoke": smoke,
-    "standard": standard,
-    "sealed": sealed,
-    "seeds": seeds,
-    "replay": replay,
-    "robots": robots,
-    "scaling": scaling,
-    "hard": hard,
-    "batch": batch,
-    "maps": maps,
-    "recorded": recorded,
-    "spatial": spatial,
-    "peers": peers,
-}
+_MAKERS = (smoke, standard, sealed, seeds, replay, robots, scaling, hard, batch, maps, recorded, spatial, peers)
+SUITES = {make.__name__: make for make in _MAKERS}
