@@ -50,10 +50,11 @@ def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[
     impulse = np.zeros((problem.contacts, problem.dimension))
     for limit in _limits():
         answer = checked_copy(solver.solve(solver.prepare(duplicate(problem)), tol, limit))
-        if answer.impulse.shape == impulse.shape and np.isfinite(answer.impulse).all():
+        usable = answer.impulse.shape == impulse.shape and np.isfinite(answer.impulse).all()
+        if usable and np.isfinite(reached := residual(problem, answer.impulse)):
             impulse = answer.impulse
             units.append(limit)
-            residuals.append(residual(problem, impulse))
+            residuals.append(reached)
         if answer.status is Status.SOLVED or perf_counter() - start_time > BUDGET:
             break
     return units, residuals, impulse
@@ -70,9 +71,7 @@ def _limits() -> list[int]:
 def run_history(name: str, variant: str, tol: float) -> dict[str, Any]:
     """In a worker: a solver's history on a stored problem, as units of work, verified residuals and the last impulses."""
     units, residuals, impulse = history(*worker.prepared(name, variant, LIMIT), tol)
-    finite = np.isfinite(residuals)
-    curve = {"units": np.array(units)[finite].tolist(), "residuals": np.array(residuals)[finite].tolist()}
-    return curve | {"impulse": impulse.tolist()}
+    return {"units": units, "residuals": residuals, "impulse": impulse.tolist()}
 
 
 def record_histories(

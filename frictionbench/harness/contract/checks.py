@@ -22,7 +22,6 @@ from frictionbench.harness.contract.check import (
     rotated,
 )
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.scenes import scene
@@ -246,10 +245,7 @@ def _same(
         if not is_solved(found):
             yield f"{problem.contacts} contacts of dimension {problem.dimension}: solved before, {found.verdict} after"
             continue
-        gap = _gap(problem.velocity(answer.impulse), other.velocity(again.impulse) / times) / (problem.velocity_scale or 1.0)
+        off = np.abs(problem.velocity(answer.impulse) - other.velocity(again.impulse) / times).max(initial=0.0)
+        gap = off / (problem.velocity_scale or 1.0)
         if gap > NEAR:
             yield f"{problem.contacts} contacts of dimension {problem.dimension}: velocities differ by {gap:.1e}"
-
-
-def _gap(one: Array, other: Array) -> float:
-    return float(np.abs(one - other).max(initial=0.0))
