@@ -6,7 +6,7 @@ the thresholds of theory are traced over each map, along lines, by bisection, wi
 """
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -86,26 +86,6 @@ def plan_map(
 def corners(spec: Map) -> list[GridPoint]:
     """The four corners of the grid."""
     return [(x, y) for x in (0.0, spec.x.count - 1.0) for y in (0.0, spec.y.count - 1.0)]
-
-
-def sources(spec: Map, points: Iterable[GridPoint]) -> list[Source]:
-    """The problems at these grid points; none for a map of simulations."""
-    if spec.steps:
-        return []
-    return [Source(spec.scene, spec.at(point), scheme=spec.scheme, repeats=REPEATS) for point in points]
-
-
-def simulation_cells(spec: Map, points: Iterable[GridPoint], plan: Plan) -> list[SimulationCell]:
-    """The simulations at these grid points, no longer than the scene's duration; none for a map of first problems."""
-    cells = []
-    for point in points if spec.steps else ():
-        parameters = spec.at(point)
-        steps = min(spec.steps, scene(spec.scene, **parameters).steps)
-        cells += [
-            SimulationCell(spec.scene, parameters, variant, plan.simulation_tol, spec.scheme, steps)
-            for variant in plan.simulation_solvers
-        ]
-    return cells
 
 
 def finer(spec: Map, known: set[GridPoint], level: int, found: Verdicts) -> list[GridPoint]:
@@ -194,7 +174,16 @@ def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: 
 
 
 def _with_points(plan: Plan, points: list[dict[GridPoint, None]]) -> Plan:
-    both = list(zip(plan.maps, points, strict=True))
-    found = {source.key: source for spec, known in both for source in sources(spec, known)}
-    simulated = tuple(cell for spec, known in both for cell in simulation_cells(spec, known, plan))
-    return replace(plan, map_sources=tuple(found.values()), map_simulations=simulated)
+    """The plan with the problems at these grid points or, on a map of simulations, the simulations there, no longer than the
+    scene's duration."""
+    sources: dict[str, Source] = {}
+    cells: list[SimulationCell] = []
+    for spec, parameters in ((spec, spec.at(point)) for spec, own in zip(plan.maps, points, strict=True) for point in own):
+        if spec.steps:
+            steps = min(spec.steps, scene(spec.scene, **parameters).steps)
+            given = spec.scene, parameters
+            cells += [SimulationCell(*given, v, plan.simulation_tol, spec.scheme, steps) for v in plan.simulation_solvers]
+        else:
+            source = Source(spec.scene, parameters, scheme=spec.scheme, repeats=REPEATS)
+            sources[source.key] = source
+    return replace(plan, map_sources=tuple(sources.values()), map_simulations=tuple(cells))

@@ -15,6 +15,7 @@ from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import split
 from frictionbench.results.conventions import scene_title
+from frictionbench.results.files import ResultsError, parsed
 from frictionbench.solvers import find, plugins
 
 COLUMNS = {"solver", "family", "model", "members", "version"}  # that describe a solver, see harness.cells.rows.solver_facts
@@ -55,14 +56,14 @@ def _load(sources: list[str], named: list[str]) -> list[Plugin]:
 
 def _described(source: str, value: Any) -> Plugin:
     """The plug-in as its worker describes it. Errors: InputError where the reply is another: a plug-in may write anything."""
-    solvers: Any = value.get("solvers") if isinstance(value, dict) else None
-    valid = isinstance(solvers, dict) and all(
-        isinstance(facts, dict) and facts.keys() == COLUMNS and all(isinstance(fact, str) for fact in facts.values())
-        for facts in solvers.values()
-    )
-    if not valid or value.get("source") != source or value.get("content") != plugins.content(source):
+    try:
+        found = parsed(value, Plugin, source)
+    except ResultsError:
+        found = None
+    described = found is not None and all(facts.keys() == COLUMNS for facts in found.solvers.values())
+    if not found or not described or (found.source, found.content) != (source, plugins.content(source)):
         raise InputError(f"solver: {source} cannot be imported (its worker returned a malformed description)")
-    return Plugin(source, value["content"], solvers)
+    return found
 
 
 BUILD_SECONDS = 60.0  # seconds to build a scene and its first problem: the largest of the suites takes one
