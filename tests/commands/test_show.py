@@ -88,20 +88,6 @@ def test_recorded_contacts_in_space(name: str) -> None:
     assert held == pytest.approx(momentum.sum(axis=0) - weight, abs=1e-6)
 
 
-def test_energy_balance_by_hand() -> None:
-    block = record_motion(scene("stopping_block"), "lemke")
-    assert (block.friction[-1], block.normal[-1], block.defect[-1]) == pytest.approx((-1, 0, 0), abs=1e-12)  # 2 kg at 1 m/s
-    blocks = record_motion(scene("two_blocks"), "lemke", steps=100)
-    meeting = 3**2 - 2 * 0.02 * 9.81 * 2
-    assert blocks.normal[-1] == pytest.approx(-(1 - 0.2**2) / 4 * meeting, rel=0.01)
-    ball = scene("bouncing_ball")
-    fall = record_motion(ball, "lemke", steps=20)
-    assert fall.defect[-1] == pytest.approx(-20 * ball.weights[0] * (9.81 * ball.step) ** 2 / 2)
-    bounce = record_motion(ball, "lemke", steps=500)
-    hit = np.sqrt(2 * 9.81)
-    assert bounce.normal[-1] == pytest.approx(-(1 - 0.8**2) / 2 * ball.weights[0] * hit**2, rel=0.01)
-
-
 def test_failing_scheme_is_reported() -> None:
     motion = recorded("painleve_rod", "lemke", "acceleration", None)
     assert "no bounded force" in motion.ended

@@ -15,7 +15,6 @@ from frictionbench.harness.maps import crossings, finer, run_maps
 from frictionbench.harness.plans import atlas as of_suite
 from frictionbench.harness.plans.atlas import axis
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
-from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.harness.run import run
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
@@ -113,16 +112,6 @@ def test_thresholds_agree_with_theory(name, threshold, curve) -> None:
     assert max(abs(curve(spec.x.value(i), spec.y.value(j))) for i, j in places) < 0.05
 
 
-def test_rod_map_sticks_without_sliding_solution(atlas) -> None:
-    rows = cells(atlas, "painleve_rod")
-    p = 1 + 3 * np.cos(rows["angle"]) ** 2 - 3 * rows["friction"] * np.sin(rows["angle"]) * np.cos(rows["angle"])
-    clear = p.abs() > 0.05
-    assert clear.sum() > 30
-    assert ((rows["mode"] == "s") == (p < 0))[clear].all()
-    assert (rows["verdict"] == "solved").all()
-    assert (rows["outcomes"] == 1).all()
-
-
 def test_overlap_map_has_no_solution(atlas) -> None:
     rows = cells(atlas, "jam", "hybrid")
     assert set(rows["overlap"]) == {-0.1, -1e-12, 0.0, 1e-12, 0.1}
@@ -189,17 +178,6 @@ def test_failures_are_listed_smallest_first(tmp_path) -> None:
     assert (row["label"], json.loads(row["parameters"])["blocks"], row["contacts"]) == ("nsgs", 2, 4)
     assert row["key"] in write_report(tmp_path / "run").read_text(encoding="utf-8")
     assert row["key"] in (tmp_path / "run" / "failures.txt").read_text(encoding="utf-8")
-
-
-def test_unit_invariance(tmp_path) -> None:
-    maps = [small(name, 2, 2, levels=0) for name in MAPS if name.startswith("units_")]
-    run_maps(plan(*maps, solvers=MAPPED), tmp_path / "run", 2, quiet())
-    for part in map_cells(read_run(tmp_path / "run")):
-        for entry, rows in part.rows.groupby("label"):
-            assert len(rows) == 4
-            assert len(set(rows["verdict"])) == 1, (part.spec.name, entry)
-            assert len(set(rows["mode"])) == 1, (part.spec.name, entry)
-            assert len(set(rows["work"])) == 1, (part.spec.name, entry)
 
 
 def test_custom_map(tmp_path) -> None:

@@ -113,23 +113,6 @@ def test_rest_is_preserved_by_every_scheme(name: str, example: str) -> None:
     assert end.solved[-1].impulse[end.contacts.bodies[:, 1] == -1, 0].sum() == pytest.approx(weight)
 
 
-def test_gap_scheme_stops_ball_at_contact() -> None:
-    run = list(simulate(ball(height=0.515, speed=-2.0), lemke, SCHEMES["stewart_trinkle"], steps=20))
-    assert max(ball().deepest_overlap(step.q) for step in run) < 1e-12
-    assert run[1].q[1] == pytest.approx(0.5)
-    assert run[-1].q[1] == pytest.approx(0.5)
-
-
-def test_friction_from_previous_step() -> None:
-    """Without a step before there is none; then it is limited by that step's normal impulse."""
-    made = scene("stopping_block", friction=0.5)
-    run = list(simulate(made, lemke, SCHEMES["lotstedt"], steps=3))
-    weight = 9.81 * made.step
-    assert [step.v[0] for step in run] == pytest.approx([1, 1, 1 - 0.5 * weight, 1 - weight])
-    assert not run[1].solved[-1].problem.friction_bias.any()
-    assert run[2].solved[-1].problem.friction_bias == pytest.approx(0.5 * run[1].solved[-1].impulse[:, 0])
-
-
 @pytest.mark.parametrize("name", ["anitescu_potra", "stewart_trinkle", "acceleration"])
 def test_mirror_invariance(name: str) -> None:
     """A tilted block thrown to the right or to the left falls, rebounds and slides on a slope that falls that way."""

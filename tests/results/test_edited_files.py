@@ -15,6 +15,8 @@ from tests.helpers.command_line import Done
 from tests.helpers.edits import CASES, edited, little_memory, little_time
 from tests.helpers.made_results import SETTINGS, simulation_row, solve_row, write_folder
 
+pytestmark = pytest.mark.slow  # edits at random; the quick tests see those that are listed by name
+
 
 def frictionbench(*arguments: str) -> Done:
     """Run a command; it must take little time."""

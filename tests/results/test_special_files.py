@@ -45,7 +45,7 @@ FILES = {
 }
 
 
-@pytest.mark.parametrize("kind", SPECIAL)
+@pytest.mark.parametrize("kind", ["pipe", "zeros"])
 @pytest.mark.parametrize(("name", "commands"), FILES.items())
 def test_special_files_in_a_folder(tmp_path, kind, name, commands) -> None:
     folder = write_folder(tmp_path / "run", ROWS, settings=SETTINGS | {"memory_limit": 2**32})

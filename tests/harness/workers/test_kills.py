@@ -14,9 +14,12 @@ from pathlib import Path
 
 import numpy as np
 import psutil
+import pytest
 
 from tests.helpers.plugin import write
 from tests.helpers.runs import soon, verdicts
+
+pytestmark = pytest.mark.slow  # the quick tests kill no process of a run
 
 KILLS = int(os.environ.get("FRICTIONBENCH_KILLS", "6"))
 WHO = {"main": 0, "server": 1, "supervisor": 2, "worker": 3}  # generations below the main process; of a plug-in, the keeper

@@ -51,32 +51,11 @@ def rescaled(problem: FrictionProblem, piece: Polyhedron) -> Polyhedron:
     return Polyhedron(piece.vertices * unit(problem), piece.rays * unit(problem), piece.mode)
 
 
-def test_a_sliding_block_has_one_solution() -> None:
-    found = census(block(speed=1.0, friction=0.5, mass=2.0, h=0.01))
-    assert found.shape is found.velocity_shape is Shape.ONE
-    assert found.pieces[0].mode == "r"
-    assert found.pieces[0].vertices == pytest.approx(2 * 9.81 * 0.01 * np.array([[1, -0.5]]))
-    assert found.velocities[0].vertices == pytest.approx(np.array([[0, 1 - 0.5 * 9.81 * 0.01]]))
-
-
 def test_no_contact_has_one_empty_solution() -> None:
     found = census(nothing())
     assert found.shape is Shape.ONE
     assert found.count == 1
     assert found.pieces[0].vertices.shape == (1, 0)
-
-
-def test_frictionless_supports() -> None:
-    """Two frictionless supports and a third in their middle: one velocity, a segment of impulses."""
-    problem = contacts_of([[1, -1], [1, 0], [1, 1]], np.zeros((3, 2)), np.zeros(3), [-1, 0])
-    found = census(problem)
-    assert found.shape is Shape.CONVEX
-    assert found.velocity_count == 1
-    (piece,) = found.pieces
-    assert piece.mode == "ccc"
-    assert piece.dimension == 1
-    ends = sorted(map(tuple, np.round(piece.vertices[:, ::2], 12) + 0.0))
-    assert ends == [(0, 1, 0), (0.5, 0, 0.5)]
 
 
 def test_friction_bias_on_opening_contact() -> None:

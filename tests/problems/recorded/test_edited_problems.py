@@ -18,6 +18,8 @@ from tests.helpers.edits import CASES, edited_array, little_memory, little_time,
 from tests.helpers.friction_problems import known_by_W, spatial, with_joints
 from tests.helpers.recorded import blocks, columns, dense, global_text, local_text, numbers, triplets
 
+pytestmark = pytest.mark.slow  # edits at random; the quick tests see those that are listed by name
+
 PLANAR, SPATIAL = random_problem(3, contacts=4, bodies=2), spatial(5, contacts=3)
 BARE = LCP(np.eye(3) + 0.1, [-1.0, 2.0, -3.0])
 BY_W = known_by_W(SPATIAL)
