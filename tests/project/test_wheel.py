@@ -1,4 +1,4 @@
-"""Whatever the package is built from, it is whole: a checkout, an sdist, a ZIP archive without links, an editable install.
+"""Whatever the package is built from, it is whole: a checkout, an sdist, a ZIP archive without links.
 
 The wheel is used in an environment of its own, from elsewhere, where nothing but a scratch folder can be written.
 """
@@ -73,22 +73,6 @@ def test_wheel_holds_all_modules(origin: str, tmp_path: Path) -> None:
     assert data - published <= set(names)
 
 
-def test_editable_install_imports_all_modules(tmp_path: Path) -> None:
-    source = source_tree(tmp_path)
-    wheel = build("editable", source, tmp_path / "wheels")
-    shutil.unpack_archive(wheel, tmp_path / "site", "zip")
-    found = (
-        "import sys, site; site.addsitedir(sys.argv[1]); import frictionbench, pkgutil; "
-        "print(*['frictionbench', *(m.name for m in pkgutil.walk_packages(frictionbench.__path__, 'frictionbench.'))])"
-    )
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", found, str(tmp_path / "site")], cwd=tmp_path, check=True, capture_output=True, text=True
-    )
-    assert set(done.stdout.split()) == {module.removesuffix(".__init__") for module in MODULES}
-    (origin,) = (tmp_path / "site").glob("*.pth")
-    assert str(source) in origin.read_text(encoding="utf-8")
-
-
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory) -> Path:
     """An environment with the wheel and the dependencies of this one, but not this checkout. Its path has spaces."""
@@ -142,15 +126,6 @@ def frictionbench(environment: Path, *commands: list[str]) -> list[str]:
     return done.stdout.split("\0")[:-1]
 
 
-def test_one_top_level_package(installed) -> None:
-    (site,) = installed.glob("lib/python*/site-packages")
-    ours = {path.name for path in site.iterdir()} - {"dependencies.pth"}
-    assert {name for name in ours if not name.endswith(".dist-info")} == {"frictionbench"}
-    (listed,) = site.glob("frictionbench-*.dist-info/top_level.txt")
-    assert listed.read_text(encoding="utf-8").split() == ["frictionbench"]
-    assert (site / "frictionbench" / "py.typed").is_file()
-
-
 def test_install_works_without_home(installed) -> None:
     baseline = next(installed.glob("lib/python*/site-packages/frictionbench/results/baselines/smoke.tsv"))
     assert "lemke\tsolve\t" in baseline.read_text(encoding="utf-8")
@@ -168,10 +143,3 @@ def test_install_works_without_home(installed) -> None:
     for (arguments, told), text in zip(commands, printed, strict=True):
         assert told in text, arguments
     assert next(results.glob("*.html")).stat().st_size > 5 * 10**4
-
-
-def test_kernel_cache_in_temporary_folder(installed) -> None:
-    done = python(installed, "import frictionbench as fb; print(len(fb.scene('stack').problem().friction))")
-    assert done.returncode == 0, done.stderr
-    assert list((installed.parent / "else where").rglob("*.nbi"))
-    assert not [path for path in installed.rglob("__pycache__/*") if "site-packages/frictionbench" in str(path)]

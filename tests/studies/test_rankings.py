@@ -3,13 +3,10 @@
 import pandas as pd
 import pytest
 
-from frictionbench import InputError
 from frictionbench.harness import families
 from frictionbench.results import ResultsError
-from studies.rankings import recorded, summary
-from studies.running import compute
-from studies.study import RECORDED, Tables
-from tests.helpers.paths import ROOT
+from studies.rankings import summary
+from studies.study import Tables
 from tests.helpers.studies import reduced, text
 
 pytestmark = pytest.mark.slow  # sentences on rankings: half a minute of solvers by every method
@@ -62,26 +59,7 @@ def test_each_finding_has_its_verdict(found) -> None:
     assert "needs a folder of them (--data)" in text("rankings", found).body
 
 
-def test_recorded_problems_stand_beside_the_generated_ones(found) -> None:
-    account = text("rankings", {**found, RECORDED: runs("solved")})
-    assert "3 generated problems in space and 3 recorded ones, without 1 that need no friction, are compared" in account.body
-    rows = summary({**found, RECORDED: runs("solved")}).numbers["rows"]
-    row = next(row for row in rows if row[0].startswith("It does not solve all"))
-    assert row[1:] == ("nsgs solves 0 of 3", "nsgs solves 3 of 3", "in part")
-
-
 def test_sentences_that_the_tables_do_not_hold_are_refused(found) -> None:
     working = found["evidence"].assign(iterations=0)
     with pytest.raises(ResultsError, match="no method is without iterations where friction is at work"):
         text("rankings", {**found, "evidence": working})
-
-
-def test_recorded_problems_are_located_or_refused(tmp_path) -> None:
-    plan = recorded([str(ROOT / "tests" / "data")])
-    assert plan.sources
-    assert all(source.file for source in plan.sources)
-    with pytest.raises(InputError, match="data: no problems in"):
-        recorded([str(tmp_path)])
-    with pytest.raises(InputError, match="data: no problems in"):
-        compute(["rankings"], tmp_path, 1, [str(tmp_path)])
-    assert not list(tmp_path.iterdir())
