@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     from frictionbench.reports.robustness import map_cells as map_cells
     from frictionbench.reports.run import Run as Run
     from frictionbench.reports.run import read_run as read_run
-    from frictionbench.reports.settings import workers_on_all_cores as workers_on_all_cores
     from frictionbench.reports.tables import disturbed as disturbed
     from frictionbench.reports.tables import reliabilities as reliabilities
+    from frictionbench.reports.tables import workers_on_all_cores as workers_on_all_cores
     from frictionbench.reports.templates import environment as environment
     from frictionbench.reports.templates import script as script
 

@@ -201,21 +201,6 @@ def shown_levels(table: pd.DataFrame) -> list[str]:
     return [name for name in LEVELS if name != "p99" or table["p99"].notna().any()]
 
 
-def by_charge(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per label: for each of CHARGES its mean (s) over all problems, PAR1 and so on, and its rank; failed: problems not
-    solved.
-
-    times: one of `overall`.
-    """
-    columns = {}
-    for charge in CHARGES:
-        charged = times["charged"].where(times["reached"], charge * times["limit"])
-        columns[f"mean {charge}"] = _means(times.assign(charged=charged, weight=weights(times, ["label"])), ["label"])
-        columns[f"rank {charge}"] = columns[f"mean {charge}"].rank(method="min")
-    failed = (~times["reached"]).groupby(times["label"], sort=False).sum()
-    return pd.DataFrame(columns).assign(failed=failed).sort_values("mean 1", kind="stable").rename_axis("label").reset_index()
-
-
 def _means(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":
     """The weighted shifted geometric mean of `charged` in each group. times: with the column weight."""
     logs = times["weight"] * np.log(times["charged"] + SHIFT)

@@ -29,7 +29,6 @@ from frictionbench.reports.accuracy import (
     OVERALL,
     SHIFT,
     effective,
-    overall,
     percentiles,
     share_of_form,
     shifted_geometric_mean,
@@ -209,24 +208,6 @@ def choose(
         interval,
         {charge: list(mean[ranked].sort_values(kind="stable").index[:3]) for charge, mean in means.items()},
     )
-
-
-def partial_rankings(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per label that was skipped on whole classes: the number of problems that it ran on (ran_on), of all; and on these
-    its rank among the solvers that ran on all of them (others, itself included), its mean (s), and the best label with its own.
-    The class is one of OVERALL.
-    """
-    found = []
-    for name, complete in overall(times).items():
-        count, there = complete["label"].value_counts(), times[times["dimension"].map(OVERALL) == name]
-        for label, own in there.groupby("label", sort=False):
-            if len(own) < count[label] and (choice := choose(there, set(own["problem_id"]), set(there["label"]))):
-                at = [place.label for place in choice.places].index(str(label))
-                place, best = choice.places[at], choice.places[0]
-                row = {"problem_class": name, "label": label, "ran_on": len(own), "of": int(count[label]), "rank": at + 1}
-                row |= {"others": len(choice.places), "reached": place.reached, "mean": place.mean}
-                found.append(row | {"best": best.label, "best_mean": best.mean})
-    return pd.DataFrame(found)
 
 
 def _table(times: pd.DataFrame, column: str) -> pd.DataFrame:

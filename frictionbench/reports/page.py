@@ -4,6 +4,7 @@ Names and reasons in a results folder may come from an untrusted source: the tem
 the only script that it runs is templates/page.js with filter.js, by its hash, and figures are drawn without interpreting names.
 """
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,18 +14,17 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports import robustness, tables
-from frictionbench.reports.accuracy import CHARGES, OVERALL, by_charge, overall, percentiles
+from frictionbench.reports.accuracy import OVERALL, overall, percentiles
 from frictionbench.reports.animation import Animation, write_animations
 from frictionbench.reports.batches import has_batches, write_batches
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.choice import GLOSS, LISTED, choices, differs, headline, partial_rankings
+from frictionbench.reports.choice import GLOSS, LISTED, choices, differs, headline
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.recorded import motions, recorded_problems
 from frictionbench.reports.run import EXCLUSIONS, Run, read_run
-from frictionbench.reports.settings import settings, workers_on_all_cores
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.templates import environment, script
 from frictionbench.results.commands import Sources, rerun
@@ -87,7 +87,6 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
         "run": run,
         "head": _head(run, rankings),
         "marks": {
-            "families": _families(run),
             "faded": _but_the_best(run, FEW, FEW + 2),
             "unbanded": _but_the_best(run, BANDS, BANDS),
         },
@@ -113,10 +112,9 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
         "sheets": sheets(run),
         "claims": claims.head(MOST_CLAIMS),
         "claims_count": len(claims),
-        "settings": settings(run.manifest),
+        "settings": {part: json.dumps(value, indent=1) for part, value in run.manifest.items() if part != "solvers"},
         "cells": cells(run),
         "much_form": MUCH_FORM,
-        "charges": CHARGES,
         "first_screen": LISTED,
         "gloss": GLOSS,
         "exclusions": EXCLUSIONS,
@@ -136,7 +134,7 @@ def _head(run: Run, rankings: Records) -> Values:
         "classes": run.rows["problem_class"].nunique(),
         "disturbed": tables.disturbed(run),
         "exclusions": tables.exclusions(run),
-        "oversubscribed": workers_on_all_cores(run.manifest),
+        "oversubscribed": tables.workers_on_all_cores(run.manifest),
         "gaps": tables.gaps(run),
         "other_law": int((run.rows["claimed"] & (run.rows["verdict"] == Verdict.RELAXED)).sum()),
         "overhead": tables.overhead(run),
@@ -147,8 +145,8 @@ def _head(run: Run, rankings: Records) -> Values:
 
 
 def _ranked(run: Run) -> Values:
-    """All that depends on the time by which the run ranks. matrices, overall, percentiles, charged: by target, then by the
-    classes of all problems of a dimension; classes: the ranking of each class of problems."""
+    """All that depends on the time by which the run ranks. matrices, overall, percentiles: by target, then by the classes
+    of all problems of a dimension; classes: the ranking of each class of problems."""
     wholes = {target: overall(times) for target, times in run.times.items() if target in run.outer_targets}
     scenes = _scenes(run)
     return {
@@ -163,8 +161,6 @@ def _ranked(run: Run) -> Values:
             target: {where: percentiles(times, run.budget) for where, times in parts.items()}
             for target, parts in wholes.items()
         },
-        "charged": {target: {where: by_charge(times) for where, times in parts.items()} for target, parts in wholes.items()},
-        "parts": partial_rankings(run.times[run.outer_targets[-1]]),
         "classes": {name: tables.ranking(run.summaries, name) for names in scenes.values() for name in names},
         "sequences": motions(run),
     }
@@ -186,17 +182,6 @@ def _setup(manifest: dict[str, Any]) -> str:
         values = manifest.get(part, {})
         parts += [f"{name} {values[name]}"[:80] for name in names if name in values]
     return " · ".join(parts)
-
-
-def _families(run: Run) -> dict[str, str]:
-    """The tags of the labels of each family that has several."""
-    rows = pd.concat([run.rows[["family", "label"]], run.simulations[["family", "label"]]]).drop_duplicates()
-    rows = rows[rows["label"].isin(run.looks)].fillna("")
-    return {
-        str(family): " ".join(run.looks[label].tag for label in own["label"])
-        for family, own in rows.groupby("family")
-        if family and len(own) > 1
-    }
 
 
 def _but_the_best(run: Run, few: int, limit: int) -> list[str]:
@@ -222,8 +207,8 @@ def _maps(run: Run) -> Values:
     failed = robustness.failures(cells)
     smallest = robustness.smallest(failed).to_dict("records")
     changes = {one.spec.name: robustness.changes(one) for one in cells if one.spec.constant}
-    tables = {"robustness": robustness.robustness(cells), "costs": robustness.costs(run)}
-    return tables | {"changes": changes, "failed": failed, "smallest": smallest}
+    tables = {"robustness": robustness.robustness(cells), "changes": changes}
+    return tables | {"failed": failed, "smallest": smallest}
 
 
 def _simulated(run: Run) -> dict[str, Records]:
@@ -236,13 +221,11 @@ def _simulated(run: Run) -> dict[str, Records]:
 
 def _classes(run: Run, simulated: dict[str, Records], animations: Sequence[Animation]) -> Records:
     """The classes of problems. facts: the row of tables.problem_classes; example: the smallest scene for the command line."""
-    by_tolerance = {name: table.to_dict("records") for name, table in tables.by_class(run).groupby("problem_class")}
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
     examples = _examples(run)
     return [
         {
             "facts": facts,
-            "by_tolerance": by_tolerance.get(name, []),
             "simulations": simulated.get(scene_of[name], []),
             "animations": [one for one in animations if one.scene == scene_of[name]],
             "example": examples.get(name, ""),

@@ -69,23 +69,6 @@ def smallest(failed: pd.DataFrame) -> pd.DataFrame:
     return failed.drop_duplicates(["map", "label"]).join(counts, on=["map", "label"])
 
 
-def costs(run: Run) -> pd.DataFrame:
-    """A row per simulation with failed steps that was continued in several ways, with the consequences of each way.
-
-    The rows of a scene follow a simulation without failed steps (first: 0), if there is one.
-    """
-    simulations = run.simulations.assign(
-        way=run.simulations["after_failure"].map({"answer": 0, "velocity": 1, "relaxation": 2})
-    )
-    same = ["scene", "parameters", "scheme"]
-    failed = simulations[simulations["unsolved"] > 0]
-    several = failed[failed.groupby([*same, "variant"])["after_failure"].transform("nunique") > 1]
-    clean = simulations[(simulations["unsolved"] == 0) & (simulations["verdict"] == Verdict.SOLVED)].drop_duplicates(same)
-    clean = clean.merge(several[same].drop_duplicates()).assign(way=-1)
-    found = pd.concat([clean.assign(first=0), several.assign(first=1)])
-    return found.sort_values([*same, "first", "variant", "way"], kind="stable")
-
-
 def changes(cells: MapCells) -> list[str]:
     """The labels whose verdict or work changes over a map on which both must be constant."""
     kinds = cells.rows.groupby("label", sort=False)[["verdict", "work"]].nunique().max(axis=1)

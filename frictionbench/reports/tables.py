@@ -57,32 +57,6 @@ def reasons(run: Run) -> pd.DataFrame:
     return given.groupby(["label", "verdict", "reason"], sort=False).size().rename("cells").reset_index()
 
 
-def by_class(run: Run) -> pd.DataFrame:
-    """A row per class, label and tolerance: cells, solved, medians of residuals (1) and times (s), worst (largest residual)."""
-    rows = run.ranked
-    answers = rows.assign(
-        solved=rows["verdict"] == Verdict.SOLVED,
-        ran=measured(rows),
-        residual=rows["residual"].where(rows["answered"]),
-        model_residual=rows["model_residual"].where(rows["answered"]),
-    )
-    return (
-        answers.groupby(["problem_class", "label", "tol"], sort=False)
-        .agg(
-            cells=("ran", "sum"),
-            solved=("solved", "sum"),
-            residual=("residual", "median"),
-            worst=("residual", "max"),
-            model_residual=("model_residual", "median"),
-            fclib_error=("fclib_error", "median"),
-            form=("form_time", "median"),
-            setup=("setup_time", "median"),
-            solve=("solve_time", "median"),
-        )
-        .reset_index()
-    )
-
-
 def problem_classes(run: Run) -> pd.DataFrame:
     """A row per class, grouped by scene and ordered by size: problems, how many are trivial and how many idle, the ranges of
     contacts and unknowns, and the largest condition."""
@@ -317,3 +291,10 @@ def disturbed(run: Run) -> str:
         told += f": their medians are longer than their fastest repeats by {percent(np.median(ratio) - 1)}, at most by "
         told += percent(max(ratio) - 1)
     return told + ". The intervals resample the repeats; frictionbench run --retake times these cells again."
+
+
+def workers_on_all_cores(manifest: dict[str, Any]) -> int:
+    """The number of workers if they left no core to the main process; 0 if one was left or the manifest does not state it."""
+    machine = manifest.get("machine")
+    workers, cores = manifest.get("workers"), machine.get("cores") if isinstance(machine, dict) else None
+    return workers if isinstance(workers, int) and isinstance(cores, int) and workers >= cores else 0

@@ -16,11 +16,10 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
 from frictionbench.reports.drawing.style import INK, WORST, ZERO, Look, log_ticks, name_axes, residual_axis
 from frictionbench.reports.run import Run
-from frictionbench.results.conventions import scene_title
 
 SENSITIVITY = 1e-2, 1e8  # the range of the axis; values beyond are drawn at its ends
 ILL, UNSTABLE = 1e3, 1e-6  # dotted lines: a solution that loses three digits, an error far above rounding
-MOST_TOOLTIPS = 4000  # answers above which dots are drawn as an image without tooltips, to keep the page small
+MOST_DOTS = 4000  # answers above which dots are drawn as an image, to keep the page small
 
 
 def panels(run: Run) -> list[Panel]:
@@ -29,25 +28,11 @@ def panels(run: Run) -> list[Panel]:
     rows = rows[rows["answered"] & rows["sensitivity"].notna() & rows["backward_error"].notna()]
     if rows.empty:
         return []
-    return [Panel("all problems", partial(_draw, rows=rows, looks=run.looks), _tooltips(rows, run), WHOLE)]
-
-
-def _tooltips(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
-    if len(rows) > MOST_TOOLTIPS:
-        return {}
-    columns = ["scene", "parameters", "step", "sensitivity", "backward_error", "residual", "verdict"]
-    return {
-        run.looks[str(label)].tag: [
-            f"{label}\n{scene_title(scene, parameters)}, step {step:.0f}\nsensitivity {sensitivity:.1e}, "
-            f"backward error {error:.1e}, residual {residual:.1e}: {verdict}"
-            for scene, parameters, step, sensitivity, error, residual, verdict in own[columns].itertuples(index=False)
-        ]
-        for label, own in rows.groupby("label")
-    }
+    return [Panel("all problems", partial(_draw, rows=rows, looks=run.looks), size=WHOLE)]
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
-    rasterised = len(rows) > MOST_TOOLTIPS
+    rasterised = len(rows) > MOST_DOTS
     ax.axvline(ILL, color=INK, lw=0.6, ls=":")
     ax.axhline(UNSTABLE, color=INK, lw=0.6, ls=":")
     for label, own in rows.groupby("label"):

@@ -2,7 +2,7 @@
 // Selects solvers, sorts tables, makes them cards on narrow screens, and shows the tooltips of dots. Without it the page is complete, with the best few solvers highlighted.
 const marks = document.querySelectorAll("g[data-label], g[data-dots]");
 const bands = document.querySelectorAll("g[data-band]");
-const chips = document.querySelectorAll("button[data-label], button[data-family]");
+const chips = document.querySelectorAll("button[data-label]");
 const chosen = new Set();
 
 function show() {
@@ -12,17 +12,15 @@ function show() {
   }
   for (const band of bands) band.classList.toggle("gone", !chosen.has(band.dataset.band));
   for (const chip of chips) {
-    const own = chip.dataset.label ? [chip.dataset.label] : chip.dataset.family.split(" ");
-    chip.setAttribute("aria-pressed", own.every((label) => chosen.has(label)));
+    chip.setAttribute("aria-pressed", chosen.has(chip.dataset.label));
   }
 }
 
 for (const chip of chips) {
   chip.disabled = false;
   chip.addEventListener("click", () => {
-    const own = chip.dataset.label ? [chip.dataset.label] : chip.dataset.family.split(" ");
-    const all = own.every((label) => chosen.has(label));
-    for (const label of own) all ? chosen.delete(label) : chosen.add(label);
+    const { label } = chip.dataset;
+    if (!chosen.delete(label)) chosen.add(label);
     show();
   });
 }
