@@ -184,8 +184,6 @@ def report(
         wanted = options.split_names(figures) if figures else None
         written = write_paper(folder, run_of_paper, Layout(width, font), wanted)
         typer.echo(f"paper:  {written}; preview.tex includes everything, references.bib has the references")
-        if not any(written.glob("*.pgf")):
-            typer.echo("no PGF figures: they need pdflatex, which is not installed")
     if markdown:
         from frictionbench.reports.markdown import write_markdown
 

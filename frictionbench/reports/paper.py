@@ -1,6 +1,6 @@
 """Files for a paper: figures of one width, booktabs tables, captions and references, in DIR/paper/.
 
-    \\input{speed_accuracy.pgf}                    a figure in the paper's own fonts, or \\includegraphics{speed_accuracy}
+    \\includegraphics{speed_accuracy}              a figure, of the width and the typeface that were asked for
     \\input{times}                                 a table, shrunk where it is wider than the text
     \\caption{\\benchcaption{speed_accuracy}}       from captions.tex
     \\bibliography{references}
@@ -11,7 +11,6 @@ preview.tex is a document that shows all of them. The same tables always give th
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from shutil import which
 from typing import NamedTuple
 
 from markupsafe import Markup
@@ -56,7 +55,7 @@ class Sheet(NamedTuple):
 
 
 def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: Sequence[str] | None = None) -> Path:
-    """Write figures as PDF, SVG and, if LaTeX is installed, PGF; tables, captions and references; return DIR/paper.
+    """Write figures as PDF and SVG, tables, captions and references; return DIR/paper.
 
     figures: names of charts, None for all. A chart that is taller than a page is continued in further files, NAME_2 and so on.
     Errors: ResultsError naming a chart that does not exist.
@@ -108,9 +107,8 @@ def _save(sheet: Sheet, run: Run, paper: Path, layout: Layout) -> dict[str, str]
     captions = {}
     for k in range(0, len(sheet.panels), most):
         name = f"{sheet.stem}_{k // most + 1}" if k else sheet.stem
-        escape = escaped if which("pdflatex") else None
         part, path = sheet.panels[k : k + most], paper / name
-        drawn = save_sheet(part, run.looks, path, columns, size, FONT, layout.font, escape, handles=sheet.handles)
+        drawn = save_sheet(part, run.looks, path, columns, size, FONT, layout.font, handles=sheet.handles)
         title = sheet.caption.partition(". ")[0].rstrip(".")
         caption = f"{title} (continued)." if k else sheet.caption
         captions[name] = _marked(caption, [*drawn, *(panel.title for panel in part)])
@@ -214,18 +212,16 @@ def preview(made: Sequence[Table], figures: Sequence[str], layout: Layout) -> st
     """preview.tex: a document with all tables and figures. Without lmodern it keeps TeX's own fonts, which unlike those of the
     T1 encoding are outlines everywhere."""
     body = [_float("table", table.name, rf"\input{{{table.name}}}") for table in made]
-    for name in figures:
-        drawn = rf"\IfFileExists{{{name}.pgf}}{{\input{{{name}.pgf}}}}{{\includegraphics{{{name}.pdf}}}}"
-        body.append(_float("figure", name, drawn))
+    body += [_float("figure", name, rf"\includegraphics{{{name}}}") for name in figures]
     family = [r"\renewcommand{\familydefault}{\sfdefault}"] if layout.font == "sans" else []
     return "\n".join([
         r"% pdflatex preview; bibtex preview; pdflatex preview; pdflatex preview",
-        r"% Packages: geometry, booktabs, graphicx, pgf, url, and lmodern if it is there; in Debian and Ubuntu",
-        r"% texlive-latex-recommended, texlive-pictures and lmodern.",
+        r"% Packages: geometry, booktabs, graphicx, url, and lmodern if it is there; in Debian and Ubuntu",
+        r"% texlive-latex-recommended and lmodern.",
         r"\documentclass{article}",
         rf"\usepackage[textwidth={max(2 * layout.width, 6.5):.3f}in,textheight=9.5in]{{geometry}}",
         r"\IfFileExists{lmodern.sty}{\usepackage[T1]{fontenc}\usepackage{lmodern}}{}", *family,
-        r"\usepackage{booktabs,graphicx,pgf,url}", r"\input{captions}",
+        r"\usepackage{booktabs,graphicx,url}", r"\input{captions}",
         r"\begin{document}", r"\nocite{*}", *body,
         r"\bibliographystyle{plain}", r"\bibliography{references}", r"\end{document}", "",
     ])  # fmt: skip

@@ -119,12 +119,11 @@ def compile_latex(folder, name, *commands) -> str:
 
 @latex
 def test_document_compiles(run, tmp_path, monkeypatch) -> None:
-    """Figures as PGF in the document's own fonts, no table too wide, no reference undefined; twice the same bytes."""
+    """No table too wide, no reference undefined; twice the same bytes."""
     monkeypatch.setattr("frictionbench.reports.paper.CHARTS", (pareto.CHART, profiles.CHART))
     papers = [write_paper(tmp_path / name, run, Layout(3.2, "sans")) for name in ("a", "b") if not (tmp_path / name).mkdir()]
     first, second = ({file.name: file.read_bytes() for file in paper.iterdir()} for paper in papers)
     assert first == second
-    assert {"pareto.pgf", "profiles.pgf"} <= first.keys()
     log = compile_latex(papers[0], "preview", "pdflatex", "bibtex", "pdflatex", "pdflatex")
     assert re.findall(r"Overfull.*|.*undefined.*", log) == []
     assert "root:" not in log + json.dumps({name: str(content) for name, content in first.items()})

@@ -23,11 +23,6 @@ from tests.reports.test_report import PLANE, run_of, table
 TIMES = ("form_time", "setup_time", "solve_time")
 
 
-@pytest.fixture(autouse=True)
-def no_latex(monkeypatch) -> None:
-    monkeypatch.setattr("frictionbench.reports.paper.which", lambda name: None)
-
-
 def robot(count=8):
     """A robot with hinges: nsgs has to eliminate them first, and is four times as fast once that is done."""
     parts = {"interior_point": (1e-4, 1e-4, 7e-4), "nsgs": (2e-3, 0.0, 2e-4)}

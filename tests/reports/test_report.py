@@ -25,13 +25,6 @@ from tests.helpers.browser import browse, in_browser
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
 from tests.helpers.page import Page, digest, with_more_script
 
-
-@pytest.fixture(autouse=True)
-def no_latex(monkeypatch) -> None:
-    """Skip PGF output, which is slow and tested in tests/reports/test_paper.py."""
-    monkeypatch.setattr("frictionbench.reports.paper.which", lambda name: None)
-
-
 PLANE = "in the plane"
 
 
