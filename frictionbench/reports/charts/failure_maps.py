@@ -1,7 +1,7 @@
 """Failure maps: for each solver a panel over two parameters of a scene, coloured by verdict, and panels for the problem itself.
 
 The panels for the problem (number of solutions, sensitivity, distance to a change of mode, condition) distinguish ill-posed
-problems from unstable solvers. Lines are the thresholds that the run traced from the mechanics. The axes count grid
+problems from unstable solvers. Dots are the thresholds that the run traced from the mechanics. The axes count grid
 lines, whatever the scale of the parameter.
 """
 
@@ -20,7 +20,7 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import percent, seconds
-from frictionbench.reports.drawing.tiles import Drawing, Entry, Field, Grid, Tile, polylines
+from frictionbench.reports.drawing.tiles import Drawing, Entry, Field, Grid, Tile
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
@@ -100,8 +100,8 @@ def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, lege
     traced = {name: places for name, places in run.thresholds.get(spec.name, {}).items() if name in THRESHOLDS and places}
     used = {colour for field in fields for colour in (field.ground, *(tile.colour for tile in field.tiles))}
     entries = [Entry(name, colour) for name, colour in legend.items() if colour in used]
-    entries += [Entry(*THRESHOLDS[name], line=True, dashed=bool(k % 2)) for k, name in enumerate(traced)]
-    grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: polylines(places) for name, places in traced.items()})
+    entries += [Entry(*THRESHOLDS[name], dots=True) for name in traced]
+    grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: places for name, places in traced.items()})
     title = f"{spec.title or spec.name}. {spec.note}".removesuffix(". ")
     return Drawing(title, spec.name, tuple(entries), grid, tuple(fields), note, _facts(spec) | {"folder": str(run.folder)})
 
@@ -239,7 +239,7 @@ VERDICTS = Chart(
     caption="One map per scene. The first panels show the problem itself: the number of its solutions, its sensitivity to a "
     "small change of the data, the distance of the solution to a change of mode, and its condition. Then follows a panel for "
     "each solver that fails somewhere, with the share solved of the grid points where a solution is known. Small tiles "
-    "are refinements between neighbours with different verdicts. Lines are analytical thresholds, traced from the mechanics "
+    "are refinements between neighbours with different verdicts. Dots are analytical thresholds, traced from the mechanics "
     "without a solver. Hover over a failure to read its reason; click a tile for its problem "
     "and the commands that solve and show it.",
 )

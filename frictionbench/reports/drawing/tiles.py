@@ -2,16 +2,14 @@
 
 Grid points are counted in grid lines from the lower left corner. A panel on the page is WIDTH x HEIGHT units with its origin at
 the upper left; its field of tiles is ACROSS x UP of them. It is written here and not by matplotlib, because it may hold
-thousands of tiles, each with its tooltip: neighbours of one colour and tooltip are joined to one bar.
-
-`polylines` joins points that were found in no order along a line, such as the crossings of a threshold with the grid.
+thousands of tiles, each with its tooltip: neighbours of one colour and tooltip are joined to one bar. A threshold is drawn as
+its points, which follow the grid closely.
 """
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
-from itertools import groupby
-from math import dist
+from itertools import cycle, groupby
 from typing import NamedTuple
 
 from markupsafe import Markup, escape
@@ -29,9 +27,8 @@ LETTERS = 7.2  # font size
 LONGEST = 38  # letters of a title; a longer one is cut
 FEW = 6  # panels of a map that are drawn large
 SEAM = 0.05  # points, the outline of a tile, which closes the gap that a viewer may show between neighbours
-REACH = 1.5  # grid lines: neighbours on a curve that crosses all lines of the grid are at most a diagonal, 1.41, apart
-CURVE, TICK, HALO = 1.3, 0.5, 2.9  # widths of lines on the page, twice those in print; HALO: the white one below a curve
-DASHES = 3.3, 4.6  # of every other curve, so that two that coincide are both seen
+TICK = 0.5  # width of a tick on the page
+DOTS = 3.2, 1.9  # diameters of a threshold's points on the page, in turn, so that two that coincide are both seen
 Point = tuple[float, float]
 
 
@@ -65,11 +62,11 @@ class Axis(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """What the panels of a map have in common: both axes, and by colour the lines drawn over the tiles, through grid points."""
+    """What the panels of a map have in common: both axes, and by colour the points of each threshold, drawn over the tiles."""
 
     x: Axis
     y: Axis
-    lines: Mapping[str, Sequence[Sequence[Point]]]
+    points: Mapping[str, Sequence[Point]]
 
 
 class Field(NamedTuple):
@@ -81,12 +78,11 @@ class Field(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """An entry of the legend: a name and its colour, of a line or of tiles."""
+    """An entry of the legend: a name and its colour, of points or of tiles."""
 
     name: str
     colour: str
-    line: bool = False
-    dashed: bool = False
+    dots: bool = False
 
 
 class Drawing(NamedTuple):
@@ -110,8 +106,8 @@ class Drawing(NamedTuple):
     def handles(self) -> dict[str, Line2D | Patch]:
         """The legend for matplotlib."""
         return {
-            name: Line2D([], [], color=colour, ls="--" if dashed else "-") if line else Patch(fc=colour, ec="0.5", lw=0.4)
-            for name, colour, line, dashed in self.legend
+            name: Line2D([], [], color=colour, marker=".", ls="none") if dots else Patch(fc=colour, ec="0.5", lw=0.4)
+            for name, colour, dots in self.legend
         }
 
 
@@ -121,12 +117,8 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
     for colour, bars in groupby(joined(field.tiles), key=lambda bar: bar.colour):
         outlines = [((b.left, b.low), (b.right, b.low), (b.right, b.high), (b.left, b.high)) for b in bars]
         ax.add_collection(PolyCollection(outlines, facecolors=colour, edgecolors=colour, linewidths=SEAM), autolim=False)
-    for k, (colour, ways) in enumerate(grid.lines.items()):
-        for way in ways:
-            x, y = zip(*way, strict=True)
-            if not k % 2:
-                ax.plot(x, y, lw=HALO / 2, color="white", solid_capstyle="round")
-            ax.plot(x, y, lw=CURVE / 2, color=colour, ls=(0, (1.5, 2.5)) if k % 2 else "-", solid_capstyle="round")
+    for size, (colour, points) in zip(cycle(DOTS), grid.points.items(), strict=False):
+        ax.plot(*zip(*points, strict=True), "o", ms=size / 2, mew=0, color=colour)
     for axis, place, name in ((grid.x, ax.set_xticks, ax.set_xlabel), (grid.y, ax.set_yticks, ax.set_ylabel)):
         place([line for line, _ in axis.ticks], [text for _, text in axis.ticks])
         name(plain(axis.name, LONGEST))
@@ -145,8 +137,8 @@ def on_page(drawing: Drawing) -> Markup:
 
 
 def _swatch(entry: Entry) -> str:
-    kind = ("dashed" if entry.dashed else "stroke") if entry.line else "area"
-    return f'<span><i class="{kind}" style="color:{entry.colour}"></i>{escape(entry.name)}</span>'
+    kind = "dot" if entry.dots else "area"
+    return f'<span><i class="{kind}" style="color:{entry.colour};background:{entry.colour}"></i>{escape(entry.name)}</span>'
 
 
 def markup(field: Field, grid: Grid) -> str:
@@ -157,15 +149,9 @@ def markup(field: Field, grid: Grid) -> str:
     parts.append(f'<rect x="{LEFT:g}" y="{TOP:g}" width="{ACROSS:g}" height="{UP:g}" fill="{ground}" stroke="currentColor"/>')
     place = f"translate({LEFT + across / 2:.5g} {bottom - up / 2:.5g}) scale({across:.5g} {-up:.5g})"
     parts.append(f'<g transform="{place}" shape-rendering="crispEdges">{_bars(field.tiles)}</g>')
-    for k, (colour, ways) in enumerate(grid.lines.items()):
-        for way in ways:
-            places = "L".join(f"{LEFT + (i + 0.5) * across:.1f} {bottom - (j + 0.5) * up:.1f}" for i, j in way)
-            line = (
-                f'<path d="M{places}{"h0" * (len(way) == 1)}" fill="none" stroke-linecap="round" stroke-linejoin="round" stroke'
-            )
-            halo = f'{line}="#ffffff" stroke-width="{HALO}"/>' if not k % 2 else ""
-            dashes = f' stroke-dasharray="{DASHES[0]} {DASHES[1]}"' if k % 2 else ""
-            parts.append(f'{halo}{line}="{colour}" stroke-width="{CURVE}"{dashes}/>')
+    for size, (colour, points) in zip(cycle(DOTS), grid.points.items(), strict=False):
+        places = "".join(f"M{LEFT + (i + 0.5) * across:.1f} {bottom - (j + 0.5) * up:.1f}h0" for i, j in points)
+        parts.append(f'<path d="{places}" stroke-linecap="round" stroke="{colour}" stroke-width="{size}"/>')
     ticks = []
     for i, text in grid.x.ticks:
         x = LEFT + (i + 0.5) * across
@@ -208,24 +194,3 @@ def joined(tiles: Iterable[Tile]) -> list[Bar]:
         else:
             bars.append(bar)
     return bars
-
-
-def polylines(points: Iterable[Point], reach: float = REACH) -> list[list[Point]]:
-    """The points joined each with the nearest of the others, as far as one is within reach: lines of one point or more.
-
-    A line begins at the point that has the fewest others within reach, so that it is an end where the curve has one, and goes
-    on to the nearest point until none is left; a curve that comes back to its first point is closed.
-    """
-    left = list(dict.fromkeys(points))
-    found = []
-    while left:
-        start = min(left, key=lambda point: (sum(dist(point, other) <= reach for other in left), point))
-        line = [start]
-        left.remove(start)
-        while left and dist(nearest := min(left, key=lambda point: dist(point, line[-1])), line[-1]) <= reach:
-            line.append(nearest)
-            left.remove(nearest)
-        if len(line) > 3 and dist(line[0], line[-1]) <= reach / 2:
-            line.append(line[0])
-        found.append(line)
-    return found
