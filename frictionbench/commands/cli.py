@@ -183,7 +183,7 @@ def report(
         run_of_paper = restricted(run_of_paper, "solvers", options.split_names(solvers)) if solvers else run_of_paper
         wanted = options.split_names(figures) if figures else None
         written = write_paper(folder, run_of_paper, Layout(width, font), wanted)
-        typer.echo(f"paper:  {written}; preview.tex includes everything, references.bib has the references")
+        typer.echo(f"paper:  {written}; captions.tex has the captions, references.bib the references")
     if markdown:
         from frictionbench.reports.markdown import write_markdown
 
@@ -236,13 +236,15 @@ def compare(
     """
     from frictionbench.problems import InputError
     from frictionbench.reports.comparison.files import write_files
+    from frictionbench.reports.comparison.history import history as over_time
+    from frictionbench.reports.comparison.history import lines
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits
     from frictionbench.results.compare import compare as compare_runs
     from frictionbench.results.known import acknowledge, read
 
     if history:
-        _show_history(runs)
+        _show_markdown(over_time(lines(runs)))
         return
     if len(runs) != 2:
         raise InputError("DIR: give a baseline and one results folder, or --history for a table of many")
@@ -476,16 +478,6 @@ def _accept(folder: Path, baseline: Path) -> None:
     if before is not None:
         _show_markdown(markdown(before))
     typer.echo(accepted)
-
-
-def _show_history(folders: list[Path]) -> None:
-    """Show verdicts, work and times of runs over time."""
-    from rich.console import Console
-
-    from frictionbench.reports.comparison.history import history, lines
-
-    console = Console()
-    (console if console.is_terminal else Console(width=10**6)).print(history(lines(folders)))  # a pipe's lines are not wrapped
 
 
 def _show_markdown(text: str) -> None:

@@ -80,8 +80,6 @@ class RateTable(NamedTuple):
     """The rates of the same problems, to one tolerance. active, idle: shares as in results.schema."""
 
     title: str
-    contacts: int
-    dimension: int
     problems: int
     active: float
     idle: float
@@ -94,17 +92,13 @@ def rate_tables(rows: pd.DataFrame) -> list[RateTable]:
     """The tables of the rows of batches, in their order; cells without a result are refused by their reason."""
     found = []
     for (scene, parameters, tol), own in rows.groupby(["scene", "parameters", "tol"], sort=False):
-        known = own[own["contacts"].notna()]
-        if len(known):
-            facts: dict[str, Any] = known.iloc[0].to_dict()
-            contacts, dimension, problems = (int(facts[name]) for name in ("contacts", "dimension", "problems"))
-            title = f"{contacts} contacts in {'the plane' if dimension == 2 else 'space'}"
-            shares = float(facts["active"]), float(facts["idle"]), str(facts["base"])
-        else:
-            title, contacts, dimension, problems, shares = "not run", 0, 2, int(own["problems"].iloc[0]), (np.nan, np.nan, "")
-        title = f"{title}: {scene_title(scene, parameters)}"
+        ran = own[own["contacts"].notna()]
+        facts: dict[str, Any] = (ran if len(ran) else own).iloc[0].to_dict()
+        space = "the plane" if facts["dimension"] == 2 else "space"
+        title = f"{facts['contacts']:.0f} contacts in {space}" if len(ran) else "not run"
+        numbers = int(facts["problems"]), float(facts["active"]), float(facts["idle"]), str(facts["base"] or "")
         rates = [rate_of(row) for row in own.to_dict("records")]
-        found.append(RateTable(title, contacts, dimension, problems, *shares, float(tol), rates))
+        found.append(RateTable(f"{title}: {scene_title(scene, parameters)}", *numbers, float(tol), rates))
     return found
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports import choice, tables
-from frictionbench.reports.drawing.text import code, count, escaped
+from frictionbench.reports.drawing.text import code, count, escaped, pipe
 from frictionbench.reports.printed import Cell, Cited, Table, printed
 from frictionbench.reports.run import Run
 from frictionbench.results.files import write_text
@@ -16,7 +16,7 @@ from frictionbench.results.files import write_text
 def write_markdown(folder: Path, run: Run) -> Path:
     """Write DIR/report.md; return its path."""
     path = folder / "report.md"
-    parts = [*(f"{escaped(line)}\n" for line in _sentences(run)), *map(pipe, printed(run)), _skipped(run)]
+    parts = [*(f"{escaped(line)}\n" for line in _sentences(run)), *map(_table, printed(run)), _skipped(run)]
     write_text(path, "\n".join(filter(None, parts)).replace("<", "&lt;"))  # it holds no HTML of our own
     return path
 
@@ -33,10 +33,9 @@ def _sentences(run: Run) -> list[str]:
     return [*filter(None, lines), *(f"**{what}**: {names}." for what, names in tables.sentences(run))]
 
 
-def pipe(table: Table) -> str:
-    """A table of Markdown below its caption."""
-    lines = [table.header, ["---"] * len(table.header), *table.rows]
-    body = "\n".join("| " + " | ".join(map(_cell, line)) + " |" for line in lines)
+def _table(table: Table) -> str:
+    """A table below its name and caption."""
+    body = "\n".join(pipe(table.header, (list(map(_cell, row)) for row in table.rows)))
     return f"## {table.name.replace('_', ' ').capitalize()}\n\n{escaped(table.caption)}\n\n{body}\n"
 
 

@@ -28,7 +28,7 @@ from frictionbench.reports.run import EXCLUSIONS, Run, read_run
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.templates import environment, script
 from frictionbench.results.commands import Sources, rerun
-from frictionbench.results.conventions import RankBy, scene_title
+from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import write_text
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
@@ -220,27 +220,17 @@ def _simulated(run: Run) -> dict[str, Records]:
 
 
 def _classes(run: Run, simulated: dict[str, Records], animations: Sequence[Animation]) -> Records:
-    """The classes of problems. facts: the row of tables.problem_classes; example: the smallest scene for the command line."""
+    """The classes of problems. facts: the row of tables.problem_classes."""
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
-    examples = _examples(run)
     return [
         {
             "facts": facts,
             "simulations": simulated.get(scene_of[name], []),
             "animations": [one for one in animations if one.scene == scene_of[name]],
-            "example": examples.get(name, ""),
         }
         for facts in tables.problem_classes(run).to_dict("records")
         for name in [facts["problem_class"]]
     ]
-
-
-def _examples(run: Run) -> dict[str, str]:
-    """The smallest scene of each class in the notation of the command line; none for a class of recorded problems."""
-    smallest = run.rows.sort_values("contacts", kind="stable").drop_duplicates("problem_class")
-    whole = smallest[(smallest["problem"] != "") & ~smallest["parameters"].str.contains('"file"', regex=False)]
-    named = whole["scene"].str.fullmatch(r"[\w.-]+") & ~whole["parameters"].str.contains("'", regex=False)
-    return {row.problem_class: scene_title(row.scene, row.parameters) for row in whole[named].itertuples()}
 
 
 def cells(run: Run) -> dict[str, Any]:

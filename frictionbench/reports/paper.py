@@ -5,7 +5,7 @@
     \\caption{\\benchcaption{speed_accuracy}}       from captions.tex
     \\bibliography{references}
 
-preview.tex is a document that shows all of them. The same tables always give the same files, byte for byte.
+The same tables always give the same files, byte for byte.
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -72,7 +72,6 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: S
     captions = {table.name: table.caption for table in made} | captions
     write_text(paper / "captions.tex", captions_file(captions, _setting(run)))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
-    write_text(paper / "preview.tex", preview(made, list(captions)[len(made) :], layout))
     return paper
 
 
@@ -118,7 +117,7 @@ def _save(sheet: Sheet, run: Run, paper: Path, layout: Layout) -> dict[str, str]
 def _caption(chart: Chart, run: Run) -> str:
     """The caption in print: the title, what the chart shows, and its bands."""
     title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
-    caption = f"{title}. {_plain(chart.told(run))}".removeprefix(". ")
+    caption = f"{title}. {_plain(chart.caption)}".removeprefix(". ")
     if chart is profiles.CHART and len(run.looks) <= BANDS:
         caption += " Bands: 95 % bootstrap bands over the problems."
     return caption
@@ -168,28 +167,17 @@ def booktabs(table: Table) -> str:
     code = [[_cell(cell) for cell in row] for row in (table.header, *table.rows)]
     lines = [" & ".join(row) + r" \\" for row in code]
     widths = [max(map(len, column)) for column in zip(*code, strict=True)]
-    over = [rf"\multicolumn{{{span}}}{{c}}{{{escaped(text)}}}" for text, span in table.groups]
-    head = [" & ".join(over) + r" \\", _rules(table.groups)] if over else []
     wide = sum(widths) + 2 * len(widths) > LETTERS
     return "\n".join([
         f"% {'both columns, table*' if wide else 'one column, table'}",
         rf"{{{FIT}",
         rf"\begin{{tabular}}{{@{{}}l{'r' * (len(widths) - 1)}@{{}}}}",
-        *(r"\toprule", *head, lines[0], r"\midrule", *lines[1:], r"\bottomrule", r"\end{tabular}}\par}", ""),
+        *(r"\toprule", lines[0], r"\midrule", *lines[1:], r"\bottomrule", r"\end{tabular}}\par}", ""),
     ])  # fmt: skip
 
 
 def _cell(cell: Cell) -> str:
     return rf"\cite{{{','.join(cell.keys)}}}" if isinstance(cell, Cited) else escaped(cell)
-
-
-def _rules(groups: Sequence[tuple[str, int]]) -> str:
-    first, rules = 1, []
-    for text, span in groups:
-        if text:
-            rules.append(rf"\cmidrule(lr){{{first}-{first + span - 1}}}")
-        first += span
-    return "".join(rules)
 
 
 def captions_file(captions: Mapping[str, str], setting: str) -> str:
@@ -206,27 +194,3 @@ def captions_file(captions: Mapping[str, str], setting: str) -> str:
 
 def _label(name: str) -> str:
     return "".join(c for c in name if c.isalnum() or c in "_-")
-
-
-def preview(made: Sequence[Table], figures: Sequence[str], layout: Layout) -> str:
-    """preview.tex: a document with all tables and figures. Without lmodern it keeps TeX's own fonts, which unlike those of the
-    T1 encoding are outlines everywhere."""
-    body = [_float("table", table.name, rf"\input{{{table.name}}}") for table in made]
-    body += [_float("figure", name, rf"\includegraphics{{{name}}}") for name in figures]
-    family = [r"\renewcommand{\familydefault}{\sfdefault}"] if layout.font == "sans" else []
-    return "\n".join([
-        r"% pdflatex preview; bibtex preview; pdflatex preview; pdflatex preview",
-        r"% Packages: geometry, booktabs, graphicx, url, and lmodern if it is there; in Debian and Ubuntu",
-        r"% texlive-latex-recommended and lmodern.",
-        r"\documentclass{article}",
-        rf"\usepackage[textwidth={max(2 * layout.width, 6.5):.3f}in,textheight=9.5in]{{geometry}}",
-        r"\IfFileExists{lmodern.sty}{\usepackage[T1]{fontenc}\usepackage{lmodern}}{}", *family,
-        r"\usepackage{booktabs,graphicx,url}", r"\input{captions}",
-        r"\begin{document}", r"\nocite{*}", *body,
-        r"\bibliographystyle{plain}", r"\bibliography{references}", r"\end{document}", "",
-    ])  # fmt: skip
-
-
-def _float(kind: str, name: str, content: str) -> str:
-    caption = rf"\caption{{\benchcaption{{{_label(name)}}} \benchsetting}}\label{{{kind}:{_label(name)}}}"
-    return "\n".join((rf"\begin{{{kind}}}", r"\centering", content, caption, rf"\end{{{kind}}}", r"\clearpage"))

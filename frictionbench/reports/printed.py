@@ -31,13 +31,10 @@ Cell = str | Cited
 
 
 class Table(NamedTuple):
-    """groups: a line above the header, texts with the number of columns that each spans."""
-
     name: str
     caption: str
     header: Sequence[str]
     rows: Sequence[Sequence[Cell]]
-    groups: Sequence[tuple[str, int]] = ()
 
 
 def printed(run: Run) -> list[Table]:
@@ -83,11 +80,10 @@ def _times(run: Run) -> list[Table]:
         "for": [rows[0]["law"] for *_, rows in ranking],
     }
     facts = {name: texts for name, texts in facts.items() if any(texts)}
-    header, columns, groups = [*facts], [*facts.values()], [("", len(facts))]
+    header, columns = [*facts], [*facts.values()]
     for i, target in enumerate(run.summaries):
         unit, means = one_unit([cells[i]["mean"] for *_, cells in ranking])
-        header += ["reached", f"mean, {unit}"]
-        groups.append((f"to {power(target)}", 2))
+        header += [f"to {power(target)}", f"mean, {unit}"]
         columns += [[f"{cells[i]['solved']}/{cells[i]['problems']}" for *_, cells in ranking], means]
     caption = (
         "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
@@ -97,7 +93,7 @@ def _times(run: Run) -> list[Table]:
         caption += (
             " For: what is solved in place of Coulomb's law; such solvers have a mean only where they solve every problem."
         )
-    return [Table("times", caption, header, list(zip(*columns, strict=True)), groups)]
+    return [Table("times", caption, header, list(zip(*columns, strict=True)))]
 
 
 def _percentiles(run: Run) -> list[Table]:

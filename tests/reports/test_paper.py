@@ -1,6 +1,5 @@
 """Figures and tables for a paper: widths, captions, references, and reproducible bytes."""
 
-import json
 import re
 import shutil
 import subprocess
@@ -8,7 +7,6 @@ import subprocess
 import pytest
 
 from frictionbench.commands.options import parse_length, split_names
-from frictionbench.reports.charts import pareto, profiles
 from frictionbench.reports.latex import cited, escaped, references
 from frictionbench.reports.paper import Layout, booktabs, restricted, write_paper
 from frictionbench.reports.printed import Table, one_unit
@@ -36,9 +34,8 @@ def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.reports.paper.CHARTS", ())
     paper = write_paper(tmp_path, run)
     times, verdicts = ((paper / f"{name}.tex").read_text() for name in ("times", "solvability"))
-    assert r"solver & reached & mean, ms & reached & mean, ms & reached & mean, ms \\" in times
+    assert r"solver & to 1e-4 & mean, ms & to 1e-6 & mean, ms & to 1e-8 & mean, ms \\" in times
     assert r"lemke & 3/3 & 3.00 & 3/3 & 3.00 & 3/3 & 3.00 \\" in times
-    assert r"\multicolumn{2}{c}{to 1e-4}" in times
     assert r"solver & cells & claimed & solved & timeout \\" in verdicts
     assert r"\cite{Lemke1965," in (paper / "solvers.tex").read_text()
     assert one_unit([2e-6, 3e-4, float("nan")]) == ("µs", ["2.00", "300", "–"])
@@ -88,8 +85,6 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     paper = write_paper(tmp_path, many, Layout(), ["speed_accuracy"])
     assert sorted(path.name for path in paper.glob("*.pdf")) == ["speed_accuracy.pdf", "speed_accuracy_2.pdf"]
     captions = (paper / "captions.tex").read_text()
-    assert "Red rings" not in captions
-    assert "strip at the top" not in captions
     assert "(continued)." in captions
     (tmp_path / "one").mkdir()
     one = write_paper(tmp_path / "one", restricted(many, "scenes", ["scene_3"]), Layout(), ["speed_accuracy"])
@@ -115,18 +110,6 @@ def compile_latex(folder, name, *commands) -> str:
         done = subprocess.run([command, *options, name], cwd=folder, capture_output=True, check=False, timeout=100)
         assert done.returncode == 0, done.stdout[-2000:]
     return (folder / f"{name}.log").read_text(encoding="latin-1")
-
-
-@latex
-def test_document_compiles(run, tmp_path, monkeypatch) -> None:
-    """No table too wide, no reference undefined; twice the same bytes."""
-    monkeypatch.setattr("frictionbench.reports.paper.CHARTS", (pareto.CHART, profiles.CHART))
-    papers = [write_paper(tmp_path / name, run, Layout(3.2, "sans")) for name in ("a", "b") if not (tmp_path / name).mkdir()]
-    first, second = ({file.name: file.read_bytes() for file in paper.iterdir()} for paper in papers)
-    assert first == second
-    log = compile_latex(papers[0], "preview", "pdflatex", "bibtex", "pdflatex", "pdflatex")
-    assert re.findall(r"Overfull.*|.*undefined.*", log) == []
-    assert "root:" not in log + json.dumps({name: str(content) for name, content in first.items()})
 
 
 @latex

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
-from markupsafe import Markup
-
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.run import Run
@@ -26,13 +24,8 @@ class Chart(NamedTuple):
     on_page: slice = slice(None)  # the panels shown on the page
     folded: bool = False  # shown on demand
     ranked: bool = False  # depends on the ranking: the page shows it for both
-    remarks: tuple[tuple[str, Callable[[Run], bool]], ...] = ()  # further sentences, each with whether it applies to a run
 
     @property
     def wide(self) -> bool:
         """Whether it has drawings of maps, each of which takes the width of the page."""
         return self.section == "maps"
-
-    def told(self, run: Run) -> str:
-        """The caption with the remarks that apply."""
-        return self.caption + Markup("").join(" " + text for text, applies in self.remarks if applies(run))

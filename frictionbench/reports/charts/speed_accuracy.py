@@ -105,24 +105,9 @@ CHART = Chart(
     panels=panels,
     section="chart",
     caption=Markup(
-        "Lower is more accurate, left is faster. Dots are cells; a line joins the medians of a solver at its tolerances."
-    ),
-    remarks=(
-        (
-            "A dotted line with hollow markers is the residual of a relaxation on its own model.",
-            lambda run: bool((run.ranked["model"] == "relaxation").any()),
-        ),
-        (
-            "Dashed lines are the median error by Coulomb's law of another law, and of a polygon in place of the cone.",
-            lambda run: bool((run.ranked["verdict"] == Verdict.RELAXED).any()),
-        ),
-        (
-            Markup('<span class="alarm">Red rings</span> are wrong claims.'),
-            lambda run: bool((run.ranked["verdict"] == Verdict.WRONG).any()),
-        ),
-        (
-            "The strip at the top counts cells without an answer.",
-            lambda run: bool((~run.ranked["answered"] & measured(run.ranked)).any()),
-        ),
+        "Lower is more accurate, left is faster. Dots are cells; a line joins the medians of a solver at its tolerances. A "
+        "dotted line with hollow markers is the residual of a relaxation on its own model, dashed lines are the median error "
+        "by Coulomb's law of another law, and of a polygon in place of the cone. "
+        '<span class="alarm">Red rings</span> are wrong claims; a strip at the top counts cells without an answer.'
     ),
 )

@@ -5,7 +5,6 @@ comparison.json    all results as data
 junit.xml          a test suite per solver with a test case per cell, counter and time (JUnit)
 """
 
-import json
 import re
 from dataclasses import fields
 from pathlib import Path
@@ -14,6 +13,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
+from pydantic_core import to_json
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.comparison.markdown import format_verdicts, markdown, rerun_command
@@ -29,7 +29,9 @@ def write_files(comparison: Comparison, folder: Path) -> None:
     """Write the files. Errors: OSError, ResultsError naming the file."""
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "comparison.md", markdown(comparison))
-    write_text(folder / "comparison.json", _text(data(comparison)))
+    write_text(
+        folder / "comparison.json", to_json(data(comparison), indent=1, inf_nan_mode="null", fallback=_plain).decode() + "\n"
+    )
     cells = pd.DataFrame() if comparison.unusable else read(comparison.current).table
     with replaced(folder / "junit.xml") as partial:
         ElementTree.ElementTree(junit(comparison, cells)).write(partial, encoding="utf-8", xml_declaration=True)
@@ -91,20 +93,9 @@ def message(found: Change) -> str:
     return f"{found.name}: {before} → {after}" + (f", ×{found.ratio:.2f}" if np.isfinite(found.ratio) else "")
 
 
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else str(value)
+
+
 def _xml(text: str) -> str:
     return UNPRINTED.sub("?", text)
-
-
-def _text(value: Any) -> str:
-    return json.dumps(_finite(value), indent=1, default=str) + "\n"
-
-
-def _finite(value: Any) -> Any:
-    """The value without infinite numbers, which JSON does not have."""
-    if isinstance(value, dict):
-        return {name: _finite(part) for name, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(part) for part in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -8,13 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from rich.table import Table
-from rich.text import Text
 
 from frictionbench.problems.verdicts import ACCEPTED
-from frictionbench.reports.drawing.text import seconds
+from frictionbench.reports.drawing.text import escaped, pipe, seconds
 from frictionbench.results.cells import Cells, format_counts, parse_counts, read
-from frictionbench.results.files import ResultsError, printable
+from frictionbench.results.files import ResultsError
 
 
 class Line(NamedTuple):
@@ -45,23 +43,16 @@ def lines(paths: Iterable[Path]) -> dict[str, list[Line]]:
     return found
 
 
-def history(found: dict[str, list[Line]]) -> Table:
-    """The lines as a table."""
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("solver", "run", "made", "code", "cells", "verdicts", "work", "time"):
-        table.add_column(name, overflow="fold")
+def history(found: dict[str, list[Line]]) -> str:
+    """The lines as a table of Markdown."""
+    rows = []
     for variant, own in found.items():
         for i, line in enumerate(own):
             verdicts = ", ".join(f"{count} {verdict}" for verdict, count in line.verdicts.most_common())
             results = (str(line.verdicts.total()), verdicts, format_counts(dict(line.work)), seconds(line.time))
-            names = (
-                "" if i else printable(variant),
-                str(line.run.path),
-                printable(line.run.made[:10]),
-                printable(line.run.code),
-            )
-            table.add_row(*map(Text, (*names, *results)))
-    return table
+            names = ("" if i else variant, str(line.run.path), line.run.made[:10], line.run.code)
+            rows.append([*map(escaped, (*names, *results))])
+    return "\n".join(pipe(("solver", "run", "made", "code", "cells", "verdicts", "work", "time"), rows))
 
 
 def _common(tables: Sequence[pd.DataFrame]) -> pd.Index:

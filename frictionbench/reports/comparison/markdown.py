@@ -6,7 +6,7 @@ from itertools import accumulate, takewhile
 
 import numpy as np
 
-from frictionbench.reports.drawing.text import code, escaped, seconds
+from frictionbench.reports.drawing.text import code, escaped, pipe, seconds
 from frictionbench.results.cells import FILE
 from frictionbench.results.changes import GONE, Change, Flip, Growth, Time
 from frictionbench.results.commands import rerun
@@ -130,10 +130,9 @@ def _bold(text: str, found: Change) -> str:
 
 def _table(heads: list[str], rows: list[list[str]], last: list[str] | None = None) -> Iterator[str]:
     """A table. Rows beyond LISTED are folded, except the last row."""
-    head = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    lines = [f"| {' | '.join(row)} |" for row in rows]
-    ends = [f"| {' | '.join(last)} |"] if last else []
-    yield "\n".join([*head, *lines[:LISTED], *ends])
-    if rest := lines[LISTED:]:
+    yield "\n".join(pipe(heads, [*rows[:LISTED], *([last] if last else [])]))
+    if rest := rows[LISTED:]:
         cut = ["", f"and {len(rest) - FOLDED} more."] if len(rest) > FOLDED else []
-        yield "\n".join([f"<details><summary>{len(rest)} more</summary>", "", *head, *rest[:FOLDED], *cut, "", "</details>"])
+        yield "\n".join(
+            [f"<details><summary>{len(rest)} more</summary>", "", *pipe(heads, rest[:FOLDED]), *cut, "", "</details>"]
+        )

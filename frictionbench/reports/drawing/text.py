@@ -1,5 +1,7 @@
 """The format of names and numbers in figures, tables and pages."""
 
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 
 from frictionbench.results.files import printable
@@ -22,6 +24,11 @@ def code(text: str) -> str:
 def escaped(text: str) -> str:
     """Text with the characters escaped that begin tables, links and tags in Markdown."""
     return printable(text).replace("|", "\\|").replace("[", "\\[").replace("<", "&lt;")
+
+
+def pipe(header: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """The lines of a table in Markdown. The texts are escaped already."""
+    return [f"| {' | '.join(line)} |" for line in (header, ["---"] * len(header), *rows)]
 
 
 def seconds(value: float, digits: int = 2) -> str:
