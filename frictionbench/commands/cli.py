@@ -541,15 +541,14 @@ def _reworded(error: typer.BadParameter) -> str:
 
 
 @contextmanager
-def _resumable(folder: Path, progress: "Progress", report: bool = True) -> Iterator[None]:
-    """Print the run's folder, and if the run is interrupted how to resume it; report: whether what it holds can be reported."""
+def _resumable(folder: Path, progress: "Progress") -> Iterator[None]:
+    """Print the run's folder, and if the run is interrupted how to resume it."""
     progress.tell(f"results are written to {folder}")
     try:
         yield
     except _Stopped as stopped:
         stopped.add_note("run the same command again to resume")
-        if report:
-            stopped.add_note(f"report of the results so far: frictionbench report {folder}")
+        stopped.add_note(f"report of the results so far: frictionbench report {folder}")
         raise
 
 

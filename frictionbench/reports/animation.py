@@ -104,18 +104,12 @@ def _view(motion: Motion) -> Array:
     if motion.dimension == 3:
         reach = _reach(motion) + float(np.linalg.norm(motion.poses[..., :3] - _centre(motion), axis=2).max(initial=0.0))
         return (1 + MARGIN) * reach * np.array([-1.0, -1.0, 1.0, 1.0])
-    low, high = [np.zeros((0, 2))], [np.zeros((0, 2))]
-    for outline in _moving(motion):
-        x, y, angle = motion.poses[:, outline.body].T[:, :, None]
-        a, b = outline.corners.T
-        corners = np.stack([x + np.cos(angle) * a - np.sin(angle) * b, y + np.sin(angle) * a + np.cos(angle) * b], axis=-1)
-        low.append(corners.min(axis=(0, 1))[None] - outline.radius)
-        high.append(corners.max(axis=(0, 1))[None] + outline.radius)
-    if len(low) == 1:
+    if not _moving(motion):
         return np.array([-1.0, -1.0, 1.0, 1.0])
-    left_bottom, right_top = np.vstack(low).min(axis=0), np.vstack(high).max(axis=0)
-    margin = MARGIN * max(float((right_top - left_bottom).max()), 1e-9)
-    return np.concatenate([left_bottom - margin, right_top + margin])
+    places, reach = motion.poses[..., :2], _reach(motion)
+    low, high = places.min(axis=(0, 1)) - reach, places.max(axis=(0, 1)) + reach
+    margin = MARGIN * max(float((high - low).max()), 1e-9)
+    return np.concatenate([low - margin, high + margin])
 
 
 def _centre(motion: Motion) -> Array:

@@ -266,15 +266,6 @@ def headline(ranked: Mapping[RankBy, list[Kind]], target: float) -> list[str]:
     return [_headline({by: kinds[name] for by, kinds in found.items()}, target) for name in names]
 
 
-def differs(ranked: Mapping[RankBy, list[Kind]], target: float) -> bool:
-    """Whether the two rankings have another order of the first three, for some kind of problem."""
-    return any(
-        one.choices[target].order != other.choices[target].order
-        for one, other in zip(*ranked.values(), strict=True)
-        if target in one.choices
-    )
-
-
 def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
     (first, one), (second, other) = kinds.items()
     where = (
@@ -325,16 +316,9 @@ def _speed(by: RankBy, choice: Choice) -> str:
     mean = f"{by.words} {name} has the least mean, {seconds(best.mean)}{form}"
     if choice.interval is None or choice.lead is None:
         return f"{mean}; {choice.unclear}" if choice.unclear else mean
-    return f"{mean}, {lead_words(choice)}" + (f": {choice.unclear}" if choice.unclear else "")
-
-
-def lead_words(choice: Choice) -> str:
-    """The lead with its interval: 1.3 times ahead of nsgs (1.1 to 1.6)."""
-    if choice.lead is None:
-        return ""
-    other = choice.places[1].label
-    told = f"level with {other}" if choice.lead < 1.005 else f"{choice.lead:.3g} times ahead of {other}"
-    return told + (f" ({choice.interval[0]:.3g} to {choice.interval[1]:.3g})" if choice.interval else "")
+    ahead, other = f"{choice.lead:.3g} times ahead of", choice.places[1].label
+    low, high = choice.interval
+    return f"{mean}, {ahead} {other} ({low:.3g} to {high:.3g})" + (f": {choice.unclear}" if choice.unclear else "")
 
 
 def _charges(choice: Choice) -> str:

@@ -19,7 +19,7 @@ from frictionbench.reports.animation import Animation, write_animations
 from frictionbench.reports.batches import has_batches, write_batches
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.choice import GLOSS, LISTED, choices, differs, headline
+from frictionbench.reports.choice import GLOSS, LISTED, choices, headline
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
@@ -101,7 +101,6 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
         "solved": {
             "verdicts": tables.solvability(run),
             "reasons": tables.reasons(run),
-            "mix": tables.mix(run),
             "left_out": tables.not_ranked(run),
         },
         "maps": _maps(run),
@@ -123,7 +122,7 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
 
 
 def _head(run: Run, rankings: Records) -> Values:
-    """The summary above all sections. differs: whether the rankings differ."""
+    """The summary above all sections."""
     kinds, target = {one["by"]: one["kinds"] for one in rankings}, run.outer_targets[-1]
     return {
         "setup": _setup(run.manifest),
@@ -139,7 +138,6 @@ def _head(run: Run, rankings: Records) -> Values:
         "other_law": int((run.rows["claimed"] & (run.rows["verdict"] == Verdict.RELAXED)).sum()),
         "overhead": tables.overhead(run),
         "headline": headline(kinds, target),
-        "differs": differs(kinds, target),
         "reliability": tables.sentences(run),
     }
 

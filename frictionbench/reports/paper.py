@@ -62,7 +62,7 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: S
     """
     layout = layout or Layout()
     paper = subfolder(folder, "paper")
-    run, captions = replace(run, printed=True), dict[str, str]()
+    captions: dict[str, str] = {}
     for chart in CHARTS if figures is None else [_chart(name) for name in figures]:
         for sheet in _sheets(chart, run):
             captions |= _save(sheet, run, paper, layout)
@@ -138,20 +138,13 @@ RESTRICTED = {"scenes": ["scene", "problem_class"], "solvers": ["variant", "solv
 
 
 def restricted(run: Run, what: str, names: Collection[str]) -> Run:
-    """The run restricted to some of RESTRICTED, a label with or without its asterisk.
-
-    Errors: ResultsError naming one that is not in the run.
-    """
-    given = {
-        name: getattr(run, name).reindex(columns=RESTRICTED[what]).astype(str)
-        for name in ("rows", "simulations", "map_simulations")
-    }
-    given = {name: table.apply(lambda texts: texts.str.removesuffix(PORTFOLIO)) for name, table in given.items()}
-    there = {text for table in given.values() for text in table.to_numpy().ravel()} - {"nan"}
-    wanted = {name.removesuffix(PORTFOLIO): name for name in names}
-    if missing := [name for bare, name in wanted.items() if bare not in there]:
+    """The run restricted to some of RESTRICTED. Errors: ResultsError naming one that is not in the run."""
+    tables = {name: getattr(run, name) for name in ("rows", "simulations", "map_simulations")}
+    named = {name: table.reindex(columns=RESTRICTED[what]) for name, table in tables.items()}
+    there = {str(text) for table in named.values() for text in table.stack().dropna()}
+    if missing := [name for name in names if name not in there]:
         raise ResultsError(f"{what}: {missing[0]} is not in this run; there are {', '.join(sorted(there))}")
-    return replace(run, **{name: getattr(run, name)[table.isin(list(wanted)).any(axis=1)] for name, table in given.items()})
+    return replace(run, **{name: table[named[name].isin(list(names)).any(axis=1)] for name, table in tables.items()})
 
 
 def _setting(run: Run) -> str:

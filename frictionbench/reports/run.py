@@ -29,7 +29,7 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, times_to
-from frictionbench.reports.drawing.style import Look, apart, looks
+from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy, json_object
 from frictionbench.results.histories import ConvergenceHistory, read_histories
@@ -55,7 +55,7 @@ class Run:
 
     rows: the solves table; simulations: without those of maps in closed loop, which are in map_simulations; thresholds: points
     on each threshold, by map and name. rank_by: the time by which solvers are ranked; budget: a time for each problem, s, if
-    the reader has one. printed: whether lines have to differ without colours.
+    the reader has one.
     """
 
     manifest: dict[str, Any]
@@ -67,7 +67,6 @@ class Run:
     folder: Path = Path()
     rank_by: RankBy = RankBy.BODIES
     budget: float | None = None
-    printed: bool = False
 
     def ranked_by(self, rank_by: RankBy) -> "Run":
         """The same run, ranked by another time."""
@@ -100,8 +99,7 @@ class Run:
     def looks(self) -> dict[str, Look]:
         """The look of every label that ran."""
         tables = (self.rows, self.simulations)
-        found = looks(label for table in tables for label in table.loc[measured(table), "label"])
-        return apart(found) if self.printed else found
+        return looks(label for table in tables for label in table.loc[measured(table), "label"])
 
     @cached_property
     def portfolios(self) -> dict[str, str]:

@@ -6,23 +6,20 @@ tolerance; its error is its residual by Coulomb's law. A problem has any number 
 suite `hard` was chosen by failures, so that its shares compare kinds of problems, and not how often a method fails in general.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
-from frictionbench.reports.accuracy import OVERALL, decade
-from frictionbench.reports.drawing.text import count, percent, power, residual
+from frictionbench.reports.accuracy import OVERALL
+from frictionbench.reports.drawing.text import count, power, residual
 from frictionbench.reports.run import EXCLUSIONS, Run
-from frictionbench.results.cells import repeats
 from frictionbench.results.conventions import ENDINGS, endings
 from frictionbench.results.hardness import HARDNESS, hardness
 
 CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
 ALL, NONE = "all", "none of these"
-STATES = ("sticking", "sliding", "open")
 
 
 def solvability(run: Run) -> pd.DataFrame:
@@ -126,68 +123,54 @@ def overhead(run: Run) -> float | None:
     return float(measured["overhead"].sum() / measured["wall_time"].sum()) if len(measured) else None
 
 
-class Reliability(NamedTuple):
-    """How many of the problems that a solver ran on ended how. exact: residual of the exact problem within the tolerance; own:
-    residual of the exact problem or of its own model within the tolerance; the others count verdicts."""
-
-    label: str
-    model: str
-    problems: int
-    exact: int
-    own: int
-    near_miss: int
-    unjudgeable: int
-    wrong: int
-    timeout: int
-    crashed: int
-
-
-def reliabilities(run: Run) -> list[Reliability]:
-    """One per label, the most often exact first."""
+def reliabilities(run: Run) -> pd.DataFrame:
+    """A row per label, the most often exact first: label, model, and how many of the problems that it ran on at the tightest
+    tolerance ended how. exact: residual of the exact problem within the tolerance; own: residual of the exact problem or of its
+    own model within the tolerance; the others count verdicts."""
     rows = run.tightest[measured(run.tightest)]
-    found = []
-    for label, own in rows.groupby("label", sort=False):
-        solved = own["own_solved"] & (own["residual"] <= own["tol"]), own["own_solved"]
-        ended = [
-            int((own["verdict"] == verdict).sum())
-            for verdict in (Verdict.NEAR_MISS, Verdict.UNJUDGEABLE, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED)
-        ]
-        found.append(Reliability(str(label), own["model"].iloc[0], len(own), *(int(one.sum()) for one in solved), *ended))
-    return sorted(found, key=lambda one: (-one.exact, -one.own))
+    ended = {
+        "problems": rows["tol"].notna(),
+        "exact": rows["own_solved"] & (rows["residual"] <= rows["tol"]),
+        "own": rows["own_solved"],
+        **{name: rows["verdict"] == name for name in ("near_miss", "unjudgeable", "wrong", "timeout", "crashed")},
+    }
+    table = (
+        rows[["label", "model"]]
+        .assign(**ended)
+        .groupby("label", sort=False)
+        .agg({"model": "first"} | dict.fromkeys(ended, "sum"))
+    )
+    return table.sort_values(["exact", "own"], ascending=False, kind="stable").reset_index()
 
 
 def sentences(run: Run) -> list[tuple[str, str]]:
     """Statements, each with the solvers that it holds for, as text with counts; those that hold for none are left out."""
     found = reliabilities(run)
-    if not found:
+    if found.empty:
         return []
     tol = power(float(run.ranked["tol"].min()))
-    complete = [one for one in found if one.own == one.problems]
-    errors = model_errors(run.tightest)
-    inexact = [one for one in complete if one.exact < one.problems]
-    claims: dict[str, tuple[list[Reliability], Callable[[Reliability], str] | None]] = {
-        f"Every problem solved to {tol}": ([one for one in complete if one.exact == one.problems], None),
-        f"Every problem solved to {tol} with a polygon for the cone in space, median error by Coulomb's law in brackets": (
-            [one for one in inexact if one.model == "lcp"],
-            lambda one: residual(errors.get(one.label, float("nan"))),
-        ),
-        "Wrong claims, with a residual above ten times the tolerance": (
-            [one for one in found if one.wrong],
-            lambda one: f"{one.wrong} of {one.problems}",
-        ),
-        "Crashed": ([one for one in found if one.crashed], lambda one: f"{one.crashed} of {one.problems}"),
-        f"Every problem solved to {tol} for another law, the convex relaxation or soft contact, median error in brackets": (
-            [one for one in inexact if one.model != "lcp"],
-            lambda one: residual(errors.get(one.label, float("nan"))),
-        ),
-    }
+    complete, inexact = found["own"] == found["problems"], found["exact"] < found["problems"]
     ran = run.tightest.groupby("label")["dimension"].agg(set)
     several = len(run.overall) > 1
     only = {label: f" ({OVERALL[min(found)]})" if several and len(found) == 1 else "" for label, found in ran.items()}
+    errors = {label: f" ({residual(error)})" for label, error in model_errors(run.tightest).items()}
+    counted = {
+        name: {label: f" ({count} of {of})" for label, count, of in found[["label", name, "problems"]].itertuples(index=False)}
+        for name in ("wrong", "crashed")
+    }
+    another = "for another law, the convex relaxation or soft contact, median error in brackets"
+    polygon = "with a polygon for the cone in space, median error by Coulomb's law in brackets"
+    claims: list[tuple[str, pd.Series, Mapping[str, str]]] = [
+        (f"Every problem solved to {tol}", complete & ~inexact, only),
+        (f"Every problem solved to {tol} {polygon}", complete & inexact & (found["model"] == "lcp"), errors),
+        ("Wrong claims, with a residual above ten times the tolerance", found["wrong"] > 0, counted["wrong"]),
+        ("Crashed", found["crashed"] > 0, counted["crashed"]),
+        (f"Every problem solved to {tol} {another}", complete & inexact & (found["model"] != "lcp"), errors),
+    ]
     return [
-        (what, ", ".join(f"{one.label} ({figure(one)})" if figure else one.label + only[one.label] for one in solvers))
-        for what, (solvers, figure) in claims.items()
-        if solvers
+        (what, ", ".join(label + figure.get(label, "") for label in found["label"][holds]))
+        for what, holds, figure in claims
+        if holds.any()
     ]
 
 
@@ -232,22 +215,6 @@ def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
     return HardShares(where, float(rows["tol"].min()), problems, meanings, ordered)
 
 
-def mix(run: Run) -> pd.DataFrame:
-    """A row per dimension and decade of contacts, of the problems that are ranked: problems, contacts, the shares of the
-    contacts that stick, slide and are open in the reference answers, and unknown: problems without a reference answer."""
-    facts = run.ranked.drop_duplicates("problem_id")
-    if facts.empty:
-        return pd.DataFrame()
-    facts = facts.assign(where=facts["dimension"].map(OVERALL), decade=decade(facts["contacts"]))
-    known = facts[list(STATES)].notna().all(axis=1)
-    groups = facts.groupby(["where", "decade"])
-    table = groups.agg(problems=("problem_id", "size"), contacts=("contacts", "sum"))
-    table["unknown"] = (~known).groupby([facts["where"], facts["decade"]]).sum()
-    sums = facts[known].groupby(["where", "decade"])[[*STATES]].sum()
-    shares = sums.div(sums.sum(axis=1), axis=0)
-    return table.join(shares).reset_index()
-
-
 def not_ranked(run: Run) -> pd.DataFrame:
     """A row per scene with problems that enter no ranking: problems, and how many each of EXCLUSIONS removes, the first that
     holds."""
@@ -274,22 +241,11 @@ def exclusions(run: Run) -> str:
 
 
 def disturbed(run: Run) -> str:
-    """How many cells another process disturbed while they were timed, and by how much; empty for none.
-
-    The ratio of the recorded time, the median of the repeats, to the fastest of them is a lower bound of the disturbance.
-    """
+    """How many cells another process disturbed while they were timed; empty for none."""
     rows = run.rows[run.rows["disturbed"].eq(True) & run.rows["solve_time"].notna()]
     if rows.empty:
         return ""
-    columns = [f"{column}s" for column in run.rank_by.columns]
-    times = [repeats(*own) for own in rows[columns].itertuples(index=False)]
-    ratio = [float(np.median(own) / own.min()) for own in times if len(own) > 1]
-    without = int(rows["core"].isna().sum())
-    kinds = [f"{len(rows) - without} waited for their core"] * (without < len(rows)) + [f"{without} had none"] * (without > 0)
-    told = f"Of {len(run.rows)} cells {' and '.join(kinds)} while they were timed"
-    if ratio:
-        told += f": their medians are longer than their fastest repeats by {percent(np.median(ratio) - 1)}, at most by "
-        told += percent(max(ratio) - 1)
+    told = f"Of {len(run.rows)} cells {len(rows)} shared or waited for their core while they were timed"
     return told + ". The intervals resample the repeats; frictionbench run --retake times these cells again."
 
 

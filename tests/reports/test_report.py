@@ -341,7 +341,7 @@ def test_accuracy_by_hand(tmp_path):
     rows += [solve_row("weak", "p"), unanswered_row("weak", "q", "crashed")]
     folder = write_folder(tmp_path / "run", [{"version": "ours"} | row for row in rows], versions={"frictionbench": "ours"})
     run = read_run(folder)
-    assert [(one.label, one.exact, one.own, one.wrong, one.crashed) for one in reliabilities(run)] == [
+    assert [(one.label, one.exact, one.own, one.wrong, one.crashed) for one in reliabilities(run).itertuples()] == [
         ("a", 2, 2, 0, 0),
         ("b", 2, 2, 0, 0),
         ("false_claims", 1, 1, 1, 0),

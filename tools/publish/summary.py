@@ -184,7 +184,7 @@ def summarise(run: Run) -> Summary:
         "checks": _checks(run, facts, version),
         "headline": reports.headline(ranked, run.outer_targets[-1]) if ranked else [],
         "rankings": [row for by, kinds in ranked.items() for kind in kinds for row in _places(run, by, kind)],
-        "reliability": [_plain(one._asdict()) for one in reports.reliabilities(run)] if ranked else [],
+        "reliability": [_plain(one) for one in reports.reliabilities(run).to_dict("records")] if ranked else [],
         "scenes": _scenes(run, maps),
     }
 

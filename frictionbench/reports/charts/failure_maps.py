@@ -67,32 +67,25 @@ def verdicts(run: Run) -> list[Drawing]:
 
 def types(run: Run) -> list[Drawing]:
     """A drawing per map on which the solvers find more than one type of solution, as far as the column `mode` has it."""
-    drawings = []
-    for cells in map_cells(run):
-        if "mode" in cells.rows and len(set(cells.rows["mode"].map(_type).dropna())) > 1:
-            solved = cells.rows[cells.rows["verdict"] == Verdict.SOLVED]
-            fields = _each(cells, lambda own: _field("", own, own["mode"].map(_type).map(TYPE).fillna("")), solved)
-            drawings.append(_drawing(run, cells, *_alike(fields), TYPE))
-    return drawings
+    return _drawings(run, _types, TYPE)
 
 
 def times(run: Run) -> list[Drawing]:
     """A drawing per map: the time of each solver; in closed loop the drift of energy and the penetration."""
-    drawings = []
-    for cells in map_cells(run):
-        fields = _loop(cells) if cells.spec.steps else _each(cells, lambda own: _scale("", own, own["time"], seconds))
-        drawings.append(_drawing(run, cells, *_alike(fields)))
-    return drawings
+    return _drawings(run, lambda cells: _loop(cells) if cells.spec.steps else _each(cells, "time", seconds))
 
 
 def work(run: Run) -> list[Drawing]:
     """A drawing per map of first problems: the work of each solver."""
-    drawings = []
-    for cells in map_cells(run):
-        if not cells.spec.steps:
-            fields = _each(cells, lambda own: _scale("", own, own["work"].map(_count), "{:.0f}".format))
-            drawings.append(_drawing(run, cells, *_alike(fields)))
-    return drawings
+    return _drawings(run, lambda cells: [] if cells.spec.steps else _each(cells, "work", "{:.0f}".format))
+
+
+def _drawings(
+    run: Run, fields: Callable[[MapCells], list[tuple[str, Field]]], legend: Mapping[str, str] = NO_COLOURS
+) -> list[Drawing]:
+    """A drawing of each map that has such fields, one for each label."""
+    made = [(cells, fields(cells)) for cells in map_cells(run)]
+    return [_drawing(run, cells, *_alike(own), legend) for cells, own in made if own]
 
 
 def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, legend: Mapping[str, str] = NO_COLOURS) -> Drawing:
@@ -190,10 +183,19 @@ def _type(mode: object) -> str | None:
     return ", ".join(kinds)
 
 
-def _each(cells: MapCells, field: Callable[[pd.DataFrame], Field], rows: pd.DataFrame | None = None) -> list[tuple[str, Field]]:
-    """The field that is made of the rows of each label."""
-    rows = cells.rows if rows is None else rows
-    return [(label, field(rows[rows["label"] == label])) for label in cells.labels]
+def _types(cells: MapCells) -> list[tuple[str, Field]]:
+    if "mode" not in cells.rows or len(set(cells.rows["mode"].map(_type).dropna())) < 2:
+        return []
+    solved = cells.rows[cells.rows["verdict"] == Verdict.SOLVED]
+    own = [(label, solved[solved["label"] == label]) for label in cells.labels]
+    return [(label, _field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))) for label, rows in own]
+
+
+def _each(cells: MapCells, column: str, write: Callable[[float], str]) -> list[tuple[str, Field]]:
+    """A scale of the column for each label; of counters their sum."""
+    values = cells.rows[column].map(_count) if column == "work" else cells.rows[column]
+    own = [(label, cells.rows[cells.rows["label"] == label]) for label in cells.labels]
+    return [(label, _scale("", rows, values[rows.index], write)) for label, rows in own]
 
 
 def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:

@@ -44,13 +44,10 @@ def _curves(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 def exponent(contacts: Array, time: Array) -> tuple[float, float]:
     """The slope of log time over log contacts and its standard error; nan for fewer than SIZES sizes."""
-    x, y = np.log(contacts), np.log(time)
-    if len(x) < SIZES:
+    if len(contacts) < SIZES:
         return np.nan, np.nan
-    x = x - x.mean()
-    slope = float(x @ y / (x @ x))
-    left = y - y.mean() - slope * x
-    return slope, float(np.sqrt(left @ left / (len(x) - 2) / (x @ x)))
+    (slope, _), covariance = np.polyfit(np.log(contacts), np.log(time), 1, cov=True)
+    return float(slope), float(np.sqrt(covariance[0, 0]))
 
 
 def _exponents(curves: dict[str, pd.DataFrame]) -> dict[str, str]:

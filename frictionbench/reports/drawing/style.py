@@ -83,14 +83,6 @@ def looks(labels: Iterable[str]) -> dict[str, Look]:
     return dict(sorted(found.items()))
 
 
-def apart(found: dict[str, Look]) -> dict[str, Look]:
-    """The looks with dashes and markers in their order, so that few labels differ by both also where two colours look alike."""
-    return {
-        label: look._replace(marker=_MARKERS[k % len(_MARKERS)], dash=_DASHES[k % len(_DASHES)])
-        for k, (label, look) in enumerate(found.items())
-    }
-
-
 def _solver(label: str) -> str:
     return re.split(r"[\[,*]| on ", label, maxsplit=1)[0]
 

@@ -2,14 +2,14 @@
 
 Grid points are counted in grid lines from the lower left corner. A panel on the page is WIDTH x HEIGHT units with its origin at
 the upper left; its field of tiles is ACROSS x UP of them. It is written here and not by matplotlib, because it may hold
-thousands of tiles, each with its tooltip: neighbours of one colour and tooltip are joined to one bar. A threshold is drawn as
-its points, which follow the grid closely.
+thousands of tiles, each with its tooltip: those of one colour and tooltip are one path. A threshold is drawn as its points.
 """
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import cycle, groupby
+from operator import attrgetter
 from typing import NamedTuple
 
 from markupsafe import Markup, escape
@@ -27,6 +27,7 @@ LETTERS = 7.2  # font size
 LONGEST = 38  # letters of a title; a longer one is cut
 FEW = 6  # panels of a map that are drawn large
 SEAM = 0.05  # points, the outline of a tile, which closes the gap that a viewer may show between neighbours
+CORNERS = (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)  # of a tile
 TICK = 0.5  # width of a tick on the page
 DOTS = 3.2, 1.9  # diameters of a threshold's points on the page, in turn, so that two that coincide are both seen
 Point = tuple[float, float]
@@ -40,17 +41,6 @@ class Tile(NamedTuple):
     width: float
     colour: str
     tooltip: str = ""
-
-
-class Bar(NamedTuple):
-    """Tiles of one colour and tooltip, neighbours joined: its sides, in grid lines."""
-
-    colour: str
-    tooltip: str
-    left: float
-    right: float
-    low: float
-    high: float
 
 
 class Axis(NamedTuple):
@@ -114,8 +104,8 @@ class Drawing(NamedTuple):
 def draw(ax: Axes, field: Field, grid: Grid) -> None:
     """Draw a panel on matplotlib's axes."""
     ax.set(xlim=(-0.5, grid.x.grid_lines - 0.5), ylim=(-0.5, grid.y.grid_lines - 0.5), facecolor=field.ground or "none")
-    for colour, bars in groupby(joined(field.tiles), key=lambda bar: bar.colour):
-        outlines = [((b.left, b.low), (b.right, b.low), (b.right, b.high), (b.left, b.high)) for b in bars]
+    for colour, same in groupby(sorted(field.tiles, key=_order), key=attrgetter("colour")):
+        outlines = [[(t.i + x * t.width, t.j + y * t.width) for x, y in CORNERS] for t in same]
         ax.add_collection(PolyCollection(outlines, facecolors=colour, edgecolors=colour, linewidths=SEAM), autolim=False)
     for size, (colour, points) in zip(cycle(DOTS), grid.points.items(), strict=False):
         ax.plot(*zip(*points, strict=True), "o", ms=size / 2, mew=0, color=colour)
@@ -174,23 +164,15 @@ def _text(x: float, y: float, text: str, anchor: str = "start") -> str:
 
 def _bars(tiles: Iterable[Tile]) -> str:
     parts = []
-    for colour, same in groupby(joined(tiles), key=lambda bar: bar.colour):
+    for colour, same in groupby(sorted(tiles, key=_order), key=attrgetter("colour")):
         parts.append(f'<g fill="{colour}" stroke="none">')
-        for tooltip, bars in groupby(same, key=lambda bar: bar.tooltip):
-            path = "".join(f"M{b.left:g} {b.low:g}H{b.right:g}V{b.high:g}H{b.left:g}z" for b in bars)
+        for tooltip, own in groupby(same, key=attrgetter("tooltip")):
+            path = "".join(f"M{t.i - t.width / 2:g} {t.j - t.width / 2:g}h{t.width:g}v{t.width:g}h-{t.width:g}z" for t in own)
             parts.append(f'<path d="{path}"' + (f"><title>{escape(tooltip)}</title></path>" if tooltip else "/>"))
         parts.append("</g>")
     return "".join(parts)
 
 
-def joined(tiles: Iterable[Tile]) -> list[Bar]:
-    """The tiles as bars, the wider ones first, so that refinements are drawn over them; then by colour and tooltip."""
-    bars: list[Bar] = []
-    for i, j, width, colour, tooltip in sorted(tiles, key=lambda t: (-t.width, t.colour, t.tooltip, t.j, t.i)):
-        bar = Bar(colour, tooltip, i - width / 2, i + width / 2, j - width / 2, j + width / 2)
-        last = bars[-1] if bars else None
-        if last and last._replace(left=bar.left, right=bar.right) == bar and last.right == bar.left:
-            bars[-1] = last._replace(right=bar.right)
-        else:
-            bars.append(bar)
-    return bars
+def _order(tile: Tile) -> tuple[float, str, str]:
+    """The wider ones first, so that refinements are drawn over them; then by colour and tooltip."""
+    return -tile.width, tile.colour, tile.tooltip
