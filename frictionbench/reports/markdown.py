@@ -7,7 +7,7 @@ from pathlib import Path
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports import choice, tables
-from frictionbench.reports.drawing.text import code, count, escaped, pipe
+from frictionbench.reports.drawing.text import code, escaped, pipe
 from frictionbench.reports.printed import Cell, Cited, Table, printed
 from frictionbench.reports.run import Run
 from frictionbench.results.files import write_text
@@ -22,14 +22,13 @@ def write_markdown(folder: Path, run: Run) -> Path:
 
 
 def _sentences(run: Run) -> list[str]:
-    settings, machine = run.manifest.get("settings", {}), run.manifest.get("machine", {})
-    head = (
-        f"Suite {settings.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
-        f"{machine.get('cores')} cores: {count(run.ranked['problem_id'].nunique(), 'ranked problem')}, "
-        f"{count(run.ranked['label'].nunique(), 'solver')}, time limit {settings.get('time_limit')} s."
-    )
     ranked = {one.rank_by: choice.choices(one) for one in (run, run.ranked_by(run.rank_by.other))}
-    lines = [head, *choice.headline(ranked, run.outer_targets[-1]), tables.exclusions(run), tables.disturbed(run)]
+    lines = [
+        tables.setting(run),
+        *choice.headline(ranked, run.outer_targets[-1]),
+        tables.exclusions(run),
+        tables.disturbed(run),
+    ]
     return [*filter(None, lines), *(f"**{what}**: {names}." for what, names in tables.sentences(run))]
 
 

@@ -24,7 +24,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.recorded import motions, recorded_problems
-from frictionbench.reports.run import EXCLUSIONS, Run, read_run
+from frictionbench.reports.run import Run, read_run
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.templates import environment, script
 from frictionbench.results.commands import Sources, rerun
@@ -101,7 +101,6 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
         "solved": {
             "verdicts": tables.solvability(run),
             "reasons": tables.reasons(run),
-            "left_out": tables.not_ranked(run),
         },
         "maps": _maps(run),
         "recorded": recorded_problems(run),
@@ -116,7 +115,6 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
         "much_form": MUCH_FORM,
         "first_screen": LISTED,
         "gloss": GLOSS,
-        "exclusions": EXCLUSIONS,
         "maps_first": bool(run.manifest["settings"].get("maps")) and not run.manifest["settings"].get("sources"),
     }
 
@@ -125,7 +123,7 @@ def _head(run: Run, rankings: Records) -> Values:
     """The summary above all sections."""
     kinds, target = {one["by"]: one["kinds"] for one in rankings}, run.outer_targets[-1]
     return {
-        "setup": _setup(run.manifest),
+        "setup": tables.setting(run),
         "finished": "finished" in run.manifest,
         "problems": run.rows.loc[run.rows["problem"] != "", "problem_id"].nunique(),
         "ranked": run.ranked["problem_id"].nunique(),
@@ -136,7 +134,6 @@ def _head(run: Run, rankings: Records) -> Values:
         "oversubscribed": tables.workers_on_all_cores(run.manifest),
         "gaps": tables.gaps(run),
         "other_law": int((run.rows["claimed"] & (run.rows["verdict"] == Verdict.RELAXED)).sum()),
-        "overhead": tables.overhead(run),
         "headline": headline(kinds, target),
         "reliability": tables.sentences(run),
     }
@@ -168,18 +165,6 @@ def _scenes(run: Run) -> dict[str, list[str]]:
     """The classes of problems of each dimension."""
     where = run.ranked["dimension"].map(OVERALL)
     return {name: list(run.ranked.loc[where == name, "problem_class"].unique()) for name in run.overall}
-
-
-def _setup(manifest: dict[str, Any]) -> str:
-    """The suite, and the facts about machine and versions that matter most, as far as the manifest has them."""
-    parts = [f"suite {manifest['settings'].get('suite', 'unnamed')}"]
-    for part, names in (
-        ("machine", ("host", "processor", "cores", "system")),
-        ("versions", ("frictionbench", "numpy", "numba")),
-    ):
-        values = manifest.get(part, {})
-        parts += [f"{name} {values[name]}"[:80] for name in names if name in values]
-    return " · ".join(parts)
 
 
 def _but_the_best(run: Run, few: int, limit: int) -> list[str]:

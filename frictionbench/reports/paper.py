@@ -20,11 +20,11 @@ from frictionbench.reports.charts import CHARTS, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import BANDS, NOTHING, save_sheet
-from frictionbench.reports.drawing.text import count
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import bibliography, escaped
 from frictionbench.reports.printed import Cell, Cited, Table, printed
 from frictionbench.reports.run import PORTFOLIO, Run
+from frictionbench.reports.tables import setting
 from frictionbench.results.files import ResultsError, subfolder, write_text
 
 FONT = 7  # points, in figures: the smallest size that journals accept
@@ -70,7 +70,7 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: S
     for table in made:
         write_text(paper / f"{table.name}.tex", booktabs(table))
     captions = {table.name: table.caption for table in made} | captions
-    write_text(paper / "captions.tex", captions_file(captions, _setting(run)))
+    write_text(paper / "captions.tex", captions_file(captions, setting(run)))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
     return paper
 
@@ -145,14 +145,6 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
     if missing := [name for name in names if name not in there]:
         raise ResultsError(f"{what}: {missing[0]} is not in this run; there are {', '.join(sorted(there))}")
     return replace(run, **{name: table[named[name].isin(list(names)).any(axis=1)] for name, table in tables.items()})
-
-
-def _setting(run: Run) -> str:
-    """The suite and the machine of the run, in a sentence."""
-    machine = run.manifest.get("machine", {})
-    processor = f", one thread of {machine['processor']}" if "processor" in machine else ""
-    problems = run.ranked["problem_id"].nunique()
-    return f"Suite {run.manifest['settings'].get('suite', 'unnamed')}, {count(problems, 'problem')}{processor}."
 
 
 def booktabs(table: Table) -> str:

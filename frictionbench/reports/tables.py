@@ -116,13 +116,6 @@ def clocks(run: Run) -> pd.DataFrame:
     return table.assign(differs=(table["ratio"] - 1).abs() > CLOCK_MARGIN).reset_index()
 
 
-def overhead(run: Run) -> float | None:
-    """The share of the cells' time spent outside form, setup and solve; None if it was not measured."""
-    rows = pd.concat([table[["overhead", "wall_time"]] for table in (run.rows, run.simulations)])
-    measured = rows[rows["overhead"].notna() & (rows["wall_time"] > 0)]
-    return float(measured["overhead"].sum() / measured["wall_time"].sum()) if len(measured) else None
-
-
 def reliabilities(run: Run) -> pd.DataFrame:
     """A row per label, the most often exact first: label, model, and how many of the problems that it ran on at the tightest
     tolerance ended how. exact: residual of the exact problem within the tolerance; own: residual of the exact problem or of its
@@ -215,23 +208,24 @@ def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
     return HardShares(where, float(rows["tol"].min()), problems, meanings, ordered)
 
 
-def not_ranked(run: Run) -> pd.DataFrame:
-    """A row per scene with problems that enter no ranking: problems, and how many each of EXCLUSIONS removes, the first that
-    holds."""
-    facts = run.rows[(run.rows["problem"] != "") & run.rows["contacts"].notna()].drop_duplicates("problem_id")
-    left = pd.Series(data=True, index=facts.index)
-    counts = {"problems": left}
-    for name in EXCLUSIONS:
-        counts[name] = left & facts[name]
-        left = left & ~facts[name]
-    table = pd.DataFrame(counts).groupby(facts["scene"], sort=False).sum()
-    return table[(table[list(EXCLUSIONS)] > 0).any(axis=1)].reset_index()
+def setting(run: Run) -> str:
+    """The suite, its problems and the machine of a run, in a sentence."""
+    known = {name: value for name, value in run.manifest.items() if isinstance(value, dict)}
+    settings, machine, versions = (known.get(name, {}) for name in ("settings", "machine", "versions"))
+    facts = [f"Suite {settings.get('suite', 'unnamed')}", f"frictionbench {versions.get('frictionbench')}"]
+    facts += [count(run.ranked["problem_id"].nunique(), "ranked problem"), count(run.ranked["label"].nunique(), "solver")]
+    facts += [f"time limit {settings.get('time_limit')} s", f"{machine.get('processor')}, {machine.get('cores')} cores"]
+    return f"{', '.join(facts)}; finished {run.manifest.get('finished', 'never')}."
 
 
 def exclusions(run: Run) -> str:
-    """How many problems each exclusion removes from the rankings, and how many of those left have several outcomes."""
-    removed = not_ranked(run)[list(EXCLUSIONS)].sum()
-    parts = [f"{removed[name]} {what}" for name, what in EXCLUSIONS.items()]
+    """How many problems each exclusion removes from the rankings, the first that holds, and how many of those left have several
+    outcomes."""
+    left = run.rows[(run.rows["problem"] != "") & run.rows["contacts"].notna()].drop_duplicates("problem_id")
+    parts = []
+    for name, what in EXCLUSIONS.items():
+        parts.append(f"{left[name].sum()} {what}")
+        left = left[~left[name]]
     facts = run.ranked.drop_duplicates("problem_id")
     told = f"Left out of all rankings: {', '.join(parts)}"
     if facts["several_outcomes"].any():

@@ -43,21 +43,21 @@ FEWEST = 2  # problems of a class that has a panel
 
 def panels(run: Run) -> list[Panel]:
     """A panel per target and dimension."""
-    return [
-        Panel(f"{where}, within {power(target)}", partial(_draw, costs=profiles(times), looks=run.looks))
-        for target, every in run.times.items()
-        for where, times in overall(every).items()
-    ]
+    return [Panel(title, partial(_draw, costs=profiles(times), looks=run.looks)) for title, times in _by_target(run)]
 
 
 def within_time(run: Run) -> list[Panel]:
     """A panel per target and dimension that some solver reaches."""
-    draw = partial(_draw_within, looks=run.looks, budget=run.budget)
+    draw, found = partial(_draw_within, looks=run.looks, budget=run.budget), _by_target(run)
+    reached = [(title, times) for title, times in found if times["reached"].any()]
+    return [Panel(title, partial(draw, costs=profiles(times, relative=False))) for title, times in reached]
+
+
+def _by_target(run: Run) -> list[tuple[str, pd.DataFrame]]:
     return [
-        Panel(f"{where}, within {power(target)}", partial(draw, costs=profiles(times, relative=False)))
+        (f"{where}, within {power(target)}", times)
         for target, every in run.times.items()
         for where, times in overall(every).items()
-        if times["reached"].any()
     ]
 
 

@@ -1,7 +1,7 @@
 """The speed-accuracy chart: verified residual against time, one panel per problem class.
 
 Dots are cells; a line joins the medians of a solver at its tolerances. A solver of a relaxation cannot be more accurate than
-its model, whose error is a dashed line; its residual on the model itself is dotted. A ring is a wrong claim. The strip at the
+its model; its residual on the model itself is dotted. A ring is a wrong claim. The strip at the
 top counts the cells without an answer.
 """
 
@@ -19,7 +19,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM, INK, WORST, ZERO, Look, name_axes, residual_axis, time_axis
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.run import Run
-from frictionbench.results.conventions import endings, scene_title
+from frictionbench.results.conventions import scene_title
 
 STRIP = 2e3  # the strip above WORST
 MOST_TOOLTIPS = 5000  # cells of a run above which dots have no tooltips, which would make the page too large
@@ -65,7 +65,6 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[floa
     wrong = answers[answers["verdict"] == Verdict.WRONG]
     ring = 1.7 * mpl.rcParams["lines.markersize"]
     ax.plot(wrong["time"], _shown(wrong["residual"]), "o", ms=ring, mfc="none", mec=ALARM, zorder=4)
-    _model_error(ax, answers)
     ax.set_xlim(ends)
     time_axis(ax, "x")
     bottom = 10.0 ** np.floor(np.log10(lowest))
@@ -77,16 +76,6 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[floa
 
 def _shown(residual: pd.Series) -> pd.Series:
     return residual.clip(ZERO, WORST)
-
-
-def _model_error(ax: Axes, answers: pd.DataFrame) -> None:
-    relaxed = answers.assign(law=endings(answers))[answers["verdict"] == Verdict.RELAXED]
-    least = relaxed.groupby(["law", "problem_id"])["residual"].min().groupby("law").median().sort_values(ascending=False)
-    for (name, error), side in zip(least.items(), ("bottom", "top"), strict=False):
-        ax.axhline(error, color=INK, ls="--", lw=0.8, alpha=0.7)
-        align = side if len(least) > 1 else "center"
-        words = str(name).replace(" ", "\n")
-        ax.text(1.01, error, words, transform=ax.get_yaxis_transform(), va=align, fontsize="small", alpha=0.8)
 
 
 def _no_answers(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
@@ -106,8 +95,7 @@ CHART = Chart(
     section="chart",
     caption=Markup(
         "Lower is more accurate, left is faster. Dots are cells; a line joins the medians of a solver at its tolerances. A "
-        "dotted line with hollow markers is the residual of a relaxation on its own model, dashed lines are the median error "
-        "by Coulomb's law of another law, and of a polygon in place of the cone. "
+        "dotted line with hollow markers is the residual of a relaxation on its own model. "
         '<span class="alarm">Red rings</span> are wrong claims; a strip at the top counts cells without an answer.'
     ),
 )

@@ -71,27 +71,23 @@ def _changes(comparison: Comparison, own: Sequence[Change]) -> Iterator[str]:
     flips = [found for found in own if isinstance(found, Flip)]
     work = [found for found in own if isinstance(found, Growth)]
     if flips:
-        remarks = any(flip.reason or flip.known for flip in flips)
-        heads = ["verdict", "scene", "step", "tolerance", "residual", "command", *(["remark"] if remarks else [])]
-        rows = [[*_flip(comparison, flip), *([_remark(flip)] if remarks else [])] for flip in flips]
-        yield from _table(heads, rows)
+        heads = ["verdict", "scene", "step", "tolerance", "residual", "command", "remark"]
+        yield from _table(heads, [_flip(comparison, flip) for flip in flips])
     if work:
-        remarks = any(growth.known for growth in work)
-        heads = ["work", "before", "after", "ratio", "cells", *(["remark"] if remarks else [])]
-        yield from _table(heads, [[*_growth(growth), *([_remark(growth)] if remarks else [])] for growth in work])
+        yield from _table(["work", "before", "after", "ratio", "cells", "remark"], [*map(_growth, work)])
 
 
 def _flip(comparison: Comparison, flip: Flip) -> list[str]:
     residuals = [f"{value:.1e}" if np.isfinite(value) else "–" for value in (flip.residual_before, flip.residual_after)]
     command = rerun_command(comparison, flip)
     cell = [code(flip.scene), flip.step or flip.table, f"{flip.tol:g}"]
-    return [_bold(format_verdicts(flip), flip), *cell, " → ".join(residuals), code(command) if command else ""]
+    return [_bold(format_verdicts(flip), flip), *cell, " → ".join(residuals), code(command) if command else "", _remark(flip)]
 
 
 def _growth(growth: Growth) -> list[str]:
     ratio = f"×{growth.ratio:.2f}" if np.isfinite(growth.ratio) else ""
     sums = ["none" if count is None else str(count) for count in (growth.before, growth.after)]
-    return [_bold(escaped(growth.counter), growth), *sums, ratio, str(growth.cells)]
+    return [_bold(escaped(growth.counter), growth), *sums, ratio, str(growth.cells), _remark(growth)]
 
 
 def _remark(found: Change) -> str:
