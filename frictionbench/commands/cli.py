@@ -177,12 +177,12 @@ def report(
     run = read_run(folder, rank_by, budget)
     typer.echo(f"report: {write_report(folder, run)}")
     if paper:
-        from frictionbench.reports.paper import Layout, restricted, write_paper
+        from frictionbench.reports.paper import restricted, write_paper
 
         run_of_paper = restricted(run, "scenes", options.split_names(scenes)) if scenes else run
         run_of_paper = restricted(run_of_paper, "solvers", options.split_names(solvers)) if solvers else run_of_paper
         wanted = options.split_names(figures) if figures else None
-        written = write_paper(folder, run_of_paper, Layout(width, font), wanted)
+        written = write_paper(folder, run_of_paper, wanted, width, font)
         typer.echo(f"paper:  {written}; captions.tex has the captions, references.bib the references")
     if markdown:
         from frictionbench.reports.markdown import write_markdown
@@ -240,6 +240,7 @@ def compare(
     from frictionbench.reports.comparison.history import lines
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits
+    from frictionbench.results.compare import accept as accept_run
     from frictionbench.results.compare import compare as compare_runs
     from frictionbench.results.known import acknowledge, read
 
@@ -252,7 +253,10 @@ def compare(
     if folder.is_file():
         raise InputError(f"DIR: {folder} is a file; the second is the folder of a run, which a baseline's file cannot replace")
     if accept:
-        _accept(folder, baseline)
+        before, accepted = accept_run(folder, baseline)
+        if before is not None:
+            _show_markdown(markdown(before))
+        typer.echo(accepted)
         return
     if code and not confirm:
         raise InputError("code: names the code that --confirm runs; give --confirm as well")
@@ -467,17 +471,6 @@ def rerun(
     path, problem, trials, command = shrink_row(folder, row, solver or [])
     size = f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities"
     typer.echo(f"reduced to {size} in {trials} trials: {path}\nsolve it: {command}")
-
-
-def _accept(folder: Path, baseline: Path) -> None:
-    """Write a run as a baseline, and show the changes against the previous one."""
-    from frictionbench.reports.comparison.markdown import markdown
-    from frictionbench.results.compare import accept
-
-    before, accepted = accept(folder, baseline)
-    if before is not None:
-        _show_markdown(markdown(before))
-    typer.echo(accepted)
 
 
 def _show_markdown(text: str) -> None:

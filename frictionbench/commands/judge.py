@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.commands.table import columns, paragraph, screen
+from frictionbench.reports.drawing.text import seconds
 from frictionbench.results.files import printable
 from frictionbench.results.judgement import read_judged, steps
 
@@ -34,7 +35,7 @@ def told(folder: Path) -> str:
     engine = _shown(found.percentiles["residual"], (0, 3), _number)
     body: list[tuple[str, ...]] = [("the engine", "", *engine, "", "", "")]
     for other in found.beside:
-        residuals, times = _shown(other["residual"], (0, 3), _number), _shown(other["time"], (0, 2, 3), _milliseconds)
+        residuals, times = _shown(other["residual"], (0, 3), _number), _shown(other["time"], (0, 2, 3), seconds)
         body.append((other["variant"], f"{other['solved']}/{other['problems']}", *residuals, *times))
     return "\n".join([*lines, "", *columns(header, body, screen())])
 
@@ -46,7 +47,3 @@ def _shown(values: list[float] | None, which: tuple[int, ...], form: Callable[[f
 
 def _number(value: float) -> str:
     return f"{value:.1e}" if value else "0"
-
-
-def _milliseconds(value: float) -> str:
-    return f"{1e3 * value:.3g} ms"

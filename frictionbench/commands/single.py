@@ -23,6 +23,7 @@ from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.catalogue import require_known
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verdicts import RANK, Verdict
+from frictionbench.reports.drawing.text import seconds
 from frictionbench.results import commands
 from frictionbench.results.cells import counts
 from frictionbench.results.conventions import RankBy, ending
@@ -218,10 +219,7 @@ def _number(value: float | None) -> str:
 
 def _time(value: float | None) -> str:
     """A time, s, with three digits and a unit."""
-    if value is None or value == np.inf:
-        return ""
-    scale, unit = next(((s, u) for s, u in ((1.0, "s"), (1e-3, "ms")) if value >= 0.9995 * s), (1e-6, "µs"))
-    return f"{value / scale:.3g} {unit}"
+    return "" if value is None or value == np.inf else seconds(value, 3)
 
 
 def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int, str]:

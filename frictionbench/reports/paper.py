@@ -8,22 +8,22 @@
 The same tables always give the same files, byte for byte.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from markupsafe import Markup
 from matplotlib.artist import Artist
 
-from frictionbench.reports.charts import CHARTS, profiles
+from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.files import BANDS, NOTHING, save_sheet
+from frictionbench.reports.drawing.files import NOTHING, save_sheet
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import bibliography, escaped
 from frictionbench.reports.printed import Cell, Cited, Table, printed
-from frictionbench.reports.run import PORTFOLIO, Run
+from frictionbench.reports.run import Run
 from frictionbench.reports.tables import setting
 from frictionbench.results.files import ResultsError, subfolder, write_text
 
@@ -31,17 +31,9 @@ FONT = 7  # points, in figures: the smallest size that journals accept
 ASPECT, TALLEST = 0.75, 7.4  # height of a panel over its width; inches of a figure, which leaves room for its caption
 NARROWEST, MOST_COLUMNS = 1.6, 3  # inches of a panel; panels side by side
 LETTERS = 75  # of a row that a column of text takes at a readable size; a table of longer rows takes the width of the page
-ON_PAGE_ONLY = ("Hover over", "Bands, ", "Below each panel")  # the beginnings of sentences that apply to the page only
+ON_PAGE_ONLY = ("Hover over", "Below each panel")  # the beginnings of sentences that apply to the page only
 # Shrinks what is wider than the text, after \noindent; \width is graphicx's name for the natural width of the box.
 FIT = r"\noindent\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
-
-
-@dataclass(frozen=True)
-class Layout:
-    """width: of every figure, inches. font: serif or sans."""
-
-    width: float = 3.35
-    font: str = "serif"
 
 
 class Sheet(NamedTuple):
@@ -54,18 +46,18 @@ class Sheet(NamedTuple):
     handles: Mapping[str, Artist] = NOTHING
 
 
-def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: Sequence[str] | None = None) -> Path:
+def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, width: float = 3.35, font: str = "serif") -> Path:
     """Write figures as PDF and SVG, tables, captions and references; return DIR/paper.
 
-    figures: names of charts, None for all. A chart that is taller than a page is continued in further files, NAME_2 and so on.
+    figures: names of charts, None for all. width: of every figure, inches. font: serif or sans. A chart that is taller than a
+    page is continued in further files, NAME_2 and so on.
     Errors: ResultsError naming a chart that does not exist.
     """
-    layout = layout or Layout()
     paper = subfolder(folder, "paper")
     captions: dict[str, str] = {}
     for chart in CHARTS if figures is None else [_chart(name) for name in figures]:
         for sheet in _sheets(chart, run):
-            captions |= _save(sheet, run, paper, layout)
+            captions |= _save(sheet, run, paper, width, font)
     made = printed(run)
     for table in made:
         write_text(paper / f"{table.name}.tex", booktabs(table))
@@ -98,40 +90,32 @@ def _sheets(chart: Chart, run: Run) -> list[Sheet]:
     return [*sheets, *([Sheet(chart.name, _caption(chart, run), panels)] if panels else [])]
 
 
-def _save(sheet: Sheet, run: Run, paper: Path, layout: Layout) -> dict[str, str]:
+def _save(sheet: Sheet, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
     """Save a figure, in parts that fit on a page; the caption of each part by its name."""
-    columns = 1 if len(sheet.panels) == 1 else max(1, min(MOST_COLUMNS, int(layout.width / NARROWEST)))
-    size = layout.width / columns, ASPECT * layout.width / columns
+    columns = 1 if len(sheet.panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
+    size = width / columns, ASPECT * width / columns
     most = columns * max(1, int(TALLEST / size[1]))
     captions = {}
     for k in range(0, len(sheet.panels), most):
         name = f"{sheet.stem}_{k // most + 1}" if k else sheet.stem
         part, path = sheet.panels[k : k + most], paper / name
-        drawn = save_sheet(part, run.looks, path, columns, size, FONT, layout.font, handles=sheet.handles)
+        save_sheet(part, run.looks, path, columns, size, FONT, font, handles=sheet.handles)
         title = sheet.caption.partition(". ")[0].rstrip(".")
         caption = f"{title} (continued)." if k else sheet.caption
-        captions[name] = _marked(caption, [*drawn, *(panel.title for panel in part)])
+        captions[name] = caption + " An asterisk marks a portfolio, which runs other solvers." * bool(run.portfolios)
     return captions
 
 
 def _caption(chart: Chart, run: Run) -> str:
-    """The caption in print: the title, what the chart shows, and its bands."""
+    """The caption in print: the title, and what the chart shows."""
     title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
-    caption = f"{title}. {_plain(chart.caption)}".removeprefix(". ")
-    if chart is profiles.CHART and len(run.looks) <= BANDS:
-        caption += " Bands: 95 % bootstrap bands over the problems."
-    return caption
+    return f"{title}. {_plain(chart.caption)}".removeprefix(". ")
 
 
 def _plain(caption: str) -> str:
     """A caption without markup and without the sentences that apply to the page only."""
     sentences = Markup(caption).striptags().replace(". ", ".\n").splitlines()
     return " ".join(sentence for sentence in sentences if not sentence.startswith(ON_PAGE_ONLY))
-
-
-def _marked(caption: str, names: Iterable[str]) -> str:
-    """The caption with the mark of portfolios explained where a name that is drawn has it."""
-    return caption + " An asterisk marks a portfolio, which runs other solvers." * any(PORTFOLIO in name for name in names)
 
 
 RESTRICTED = {"scenes": ["scene", "problem_class"], "solvers": ["variant", "solver", "label"]}  # the columns of their names

@@ -21,45 +21,35 @@ NOTICED = 1e-12  # asymmetry and indefiniteness of W above the rounding errors o
 FEWEST = 20  # steps: of fewer the 99th percentile is the longest time
 
 
-class Recorded(NamedTuple):
-    """One file. rank_ratio: the rank of W over its number of rows, None if unknown. remarks: properties that a mechanical
-    problem does not have. solvers: those that solve it with their times, s, the fastest first; tried: how many ran. reason: why
-    the file yields no problem; all other fields are then empty. A bare LCP has neither dimension nor contacts.
-    """
-
-    family: str
-    file: str
-    dimension: int | None
-    contacts: int | None
-    unknowns: int | None
-    rank_ratio: float | None
-    remarks: str
-    tol: float
-    solvers: dict[str, float]
-    tried: int
-    reason: str
-
-
-def recorded_problems(run: Run) -> list[Recorded]:
-    """The recorded problems of the run, in the order of the plan."""
+def recorded_problems(run: Run) -> list[dict[str, Any]]:
+    """The recorded problems of the run, in the order of the plan: family, file, tol, reason: why the file yields no problem, and
+    where it does dimension, contacts (None of a bare LCP), unknowns, rank_ratio: the rank of W over its number of rows, None if
+    unknown, remarks: properties that a mechanical problem does not have, solvers: those that solve it with their times, s, the
+    fastest first, and tried: how many ran."""
     files = run.rows["parameters"].map(file_of)
     own = run.rows.assign(file=files)[files != ""]
     groups = own.groupby(["scene", "file", "problem"], sort=False)
-    return [_recorded(str(family), str(file), rows) for (family, file, _), rows in groups]
+    return [{"family": family, "file": file, **_recorded(rows)} for (family, file, _), rows in groups]
 
 
-def _recorded(family: str, file: str, rows: pd.DataFrame) -> Recorded:
+def _recorded(rows: pd.DataFrame) -> dict[str, Any]:
     first, tol = rows.iloc[0], float(rows["tol"].min())
     if first["problem"] == "":
-        return Recorded(family, file, None, None, None, None, "", tol, {}, 0, str(first["reason"]))
+        return {"tol": tol, "reason": str(first["reason"])}
     done = rows[rows["answered"] & (rows["residual"] <= tol) & (rows["verdict"] != Verdict.UNJUDGEABLE)]
-    tried = rows.loc[measured(rows), "label"].nunique()
     contacts, dimension, unknowns = (None if pd.isna(first[n]) else int(first[n]) for n in ("contacts", "dimension", "size"))
     rows_of_w = (contacts or 0) * (dimension or 0)
-    ratio = first["rank"] / rows_of_w if rows_of_w and np.isfinite(first["rank"] or np.nan) else None
-    times = {str(label): float(time) for label, time in done.groupby("label")["time"].min().sort_values().items()}
-    size = dimension, contacts, unknowns, ratio
-    return Recorded(family, file, *size, _remarks(first), tol, times, tried, "")
+    return {
+        "dimension": dimension,
+        "contacts": contacts,
+        "unknowns": unknowns,
+        "rank_ratio": first["rank"] / rows_of_w if rows_of_w and np.isfinite(first["rank"] or np.nan) else None,
+        "remarks": _remarks(first),
+        "tol": tol,
+        "solvers": done.groupby("label")["time"].min().sort_values().to_dict(),
+        "tried": rows.loc[measured(rows), "label"].nunique(),
+        "reason": "",
+    }
 
 
 def _remarks(facts: pd.Series) -> str:

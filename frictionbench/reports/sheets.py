@@ -1,7 +1,7 @@
 """A sheet per solver: its properties, its own description, its results, and its failures, the smallest problems first."""
 
 import re
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 
@@ -13,47 +13,27 @@ MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent 
 LONGEST = 6000  # characters of a description, three times the longest in this package; a plug-in's may be of any length
 
 
-class Sheet(NamedTuple):
-    """One solver. description: its own, in paragraphs, from the manifest. results: its rows of the summary over all problems of
-    the plane and of space, each with its target. failures: rows of _failures; more: how many of them are not listed. skipped:
-    cells by reason.
-    """
-
-    label: str
-    variant: str
-    facts: dict[str, str]
-    description: list[str]
-    results: list[dict[str, Any]]
-    failures: list[Any]
-    more: int
-    skipped: dict[str, int]
-
-
-def sheets(run: Run) -> list[Sheet]:
-    """The sheets of all labels that have cells, in alphabetical order."""
-    descriptions = run.manifest.get("solvers", {})
+def sheets(run: Run) -> list[dict[str, Any]]:
+    """The sheets of all labels that have cells, in alphabetical order: label, variant, facts, description: its own, in
+    paragraphs, from the manifest; results: its rows of the summary over all problems of the plane and of space, each with its
+    target; failures: rows of _failures, the first MOST_FAILURES."""
+    descriptions = run.manifest.get("solvers")
     parts = [table.assign(target=target) for target, table in run.summaries.items()]
     results = pd.concat([part[part["problem_class"].isin(run.overall)] for part in parts])
     failed = _failures(run)
-    reasons = run.rows[run.rows["verdict"] == Verdict.SKIPPED].groupby(["label", "reason"], sort=False).size()
     found = []
-    for row in run.rows.drop_duplicates("label").sort_values("label").itertuples():
-        label = str(row.label)
-        text = descriptions.get(row.variant, "")
-        own = list(failed[failed["label"] == label].itertuples(index=False))
-        facts = {name: str(getattr(row, name) or "") for name in ("family", "model", "version", "members")}
-        found.append(
-            Sheet(
-                label,
-                str(row.variant),
-                {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
-                [_flowing(part) for part in str(text)[:LONGEST].split("\n\n") if part.strip()],
-                results[results["label"] == label].to_dict("records"),
-                own[:MOST_FAILURES],
-                max(0, len(own) - MOST_FAILURES),
-                {str(key[1]): int(count) for key, count in reasons[reasons.index.get_level_values(0) == label].items()},
-            )
-        )
+    for row in run.rows.drop_duplicates("label").sort_values("label").to_dict("records"):
+        label, variant = row["label"], row["variant"]
+        text = descriptions.get(variant, "") if isinstance(descriptions, dict) else ""
+        facts = {name: str(row[name] or "") for name in ("family", "model", "version", "members")}
+        found.append({
+            "label": label,
+            "variant": variant,
+            "facts": {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
+            "description": [_flowing(part) for part in str(text)[:LONGEST].split("\n\n") if part.strip()],
+            "results": results[results["label"] == label].to_dict("records"),
+            "failures": failed[failed["label"] == label].head(MOST_FAILURES).to_dict("records"),
+        })  # fmt: skip
     return found
 
 

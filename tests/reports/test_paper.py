@@ -8,7 +8,7 @@ import pytest
 
 from frictionbench.commands.options import parse_length, split_names
 from frictionbench.reports.latex import cited, escaped, references
-from frictionbench.reports.paper import Layout, booktabs, restricted, write_paper
+from frictionbench.reports.paper import booktabs, restricted, write_paper
 from frictionbench.reports.printed import Table, one_unit
 from frictionbench.reports.run import Run, read_run
 from frictionbench.results.files import ResultsError
@@ -82,22 +82,22 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     """Charts of one's choice, of some scenes, over several files where they are taller than a page."""
     rows = [solve_row("lemke", f"{scene}{k}", scene=f"scene_{scene}") for scene in range(16) for k in (0, 1)]
     many = read_run(write_folder(tmp_path / "many", rows))
-    paper = write_paper(tmp_path, many, Layout(), ["speed_accuracy"])
+    paper = write_paper(tmp_path, many, ["speed_accuracy"])
     assert sorted(path.name for path in paper.glob("*.pdf")) == ["speed_accuracy.pdf", "speed_accuracy_2.pdf"]
     captions = (paper / "captions.tex").read_text()
     assert "(continued)." in captions
     (tmp_path / "one").mkdir()
-    one = write_paper(tmp_path / "one", restricted(many, "scenes", ["scene_3"]), Layout(), ["speed_accuracy"])
+    one = write_paper(tmp_path / "one", restricted(many, "scenes", ["scene_3"]), ["speed_accuracy"])
     assert [path.name for path in one.glob("*.pdf")] == ["speed_accuracy.pdf"]
     with pytest.raises(ResultsError, match="figures: there is no pie; there are stability"):
-        write_paper(tmp_path, many, Layout(), ["pie"])
+        write_paper(tmp_path, many, ["pie"])
     with pytest.raises(ResultsError, match="scenes: other is not in this run; there are scene_0"):
         restricted(many, "scenes", ["other"])
 
 
 def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:
     """Of one panel and of several, with legends of short and of long names; and no text stands on another panel's."""
-    paper = write_paper(tmp_path, run, Layout(85 / 25.4), ["profiles", "speed_accuracy", "energy"])
+    paper = write_paper(tmp_path, run, ["profiles", "speed_accuracy", "energy"], 85 / 25.4)
     for file in paper.glob("*.svg"):
         width = float(re.search(r'width="([\d.]+)pt"', file.read_text(encoding="utf-8"))[1])
         assert width == pytest.approx(72 * 85 / 25.4, abs=0.5), file.name
@@ -118,7 +118,7 @@ def compile_latex(folder, name, *commands) -> str:
 def test_the_document_shown_compiles(run, tmp_path, options, width) -> None:
     page = (ROOT / "docs/figures.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```latex\n(.*?)```", page, re.DOTALL)
-    paper = write_paper(tmp_path, run, Layout(width), ["profiles"])
+    paper = write_paper(tmp_path, run, ["profiles"], width)
     preamble, _, body = shown.partition("\\begin{figure}")
     text = [rf"\documentclass[{options}]{{article}}", preamble, r"\begin{document}\nocite{*}", r"\begin{figure}" + body]
     (paper / "shown.tex").write_text("\n".join([*text, r"\bibliographystyle{plain}\end{document}"]), encoding="utf-8")

@@ -24,8 +24,3 @@ class Chart(NamedTuple):
     on_page: slice = slice(None)  # the panels shown on the page
     folded: bool = False  # shown on demand
     ranked: bool = False  # depends on the ranking: the page shows it for both
-
-    @property
-    def wide(self) -> bool:
-        """Whether it has drawings of maps, each of which takes the width of the page."""
-        return self.section == "maps"

@@ -149,8 +149,7 @@ CHART = Chart(
     ranked=True,
     caption="The weighted share of all ranked problems, the same for all solvers, solved to the target within tau times the "
     "time of the fastest solver on the problem. At tau = 1, the left edge, the share on which a solver is the fastest; at the "
-    "right edge, the share that it solves at all. Bands, of the best few or of those chosen: 95 % bootstrap bands over the "
-    "problems.",
+    "right edge, the share that it solves at all. Bands, of a few solvers: 95 % bootstrap bands over the problems.",
 )
 WORK = Chart(
     name="work",

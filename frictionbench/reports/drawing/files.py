@@ -33,8 +33,8 @@ def save_sheet(
     kinds: Sequence[str] = ("svg", "pdf"),
     paper: str = "none",
     handles: Mapping[str, Artist] = NOTHING,
-) -> list[str]:
-    """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf; names drawn.
+) -> None:
+    """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf.
 
     size: of one panel, inches; font: points; paper: the colour of the background. handles:
     what the legend names besides the labels that are drawn.
@@ -64,7 +64,6 @@ def save_sheet(
             date = "Date" if path.suffix == ".svg" else "CreationDate"
             with replaced(path) as file:
                 figure.savefig(file, dpi=IMAGE, facecolor=paper, metadata={date: None})
-        return list(drawn)
 
 
 def _legend(figure: Figure, named: Mapping[str, Artist], height: float, font: float) -> None:
