@@ -1,7 +1,7 @@
 """The report: one self-contained HTML file made from a results folder, and the files that it links to.
 
 Names and reasons in a results folder may come from an untrusted source: the template escapes all text, the page loads nothing,
-the only script that it runs is templates/page.js with filter.js, by its hash, and figures are drawn without interpreting names.
+the only script that it runs is templates/page.js, by its hash, and figures are drawn without interpreting names.
 """
 
 import json
@@ -9,10 +9,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from frictionbench.problems.verdicts import Verdict, measured
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports import robustness, tables
 from frictionbench.reports.accuracy import OVERALL, overall, percentiles
 from frictionbench.reports.animation import Animation, write_animations
@@ -33,8 +32,6 @@ from frictionbench.results.files import write_text
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
 MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the same reason
-MOST_CELLS = 20_000  # of the filter: a megabyte of the page; a run of more is filtered from Python
-DIGITS = 3  # of times and residuals in the filter
 FEW = 8  # curves that are distinguishable in one figure
 CURVES = ["times", "energies", "penetrations"]  # columns that no table shows
 MUCH_FORM = 0.2  # share of form in the time, above which the formulation by this suite may decide the rank
@@ -62,7 +59,7 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
 
 def render(page: Values) -> str:
     """The page as HTML."""
-    text, digest = script("page.js", "filter.js")
+    text, digest = script("page.js")
     return environment().get_template("page.html").render(page, script=text, script_hash=digest)
 
 
@@ -111,7 +108,6 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
         "claims": claims.head(MOST_CLAIMS),
         "claims_count": len(claims),
         "settings": {part: json.dumps(value, indent=1) for part, value in run.manifest.items() if part != "solvers"},
-        "cells": cells(run),
         "much_form": MUCH_FORM,
         "first_screen": LISTED,
         "gloss": GLOSS,
@@ -214,34 +210,3 @@ def _classes(run: Run, simulated: dict[str, Records], animations: Sequence[Anima
         for facts in tables.problem_classes(run).to_dict("records")
         for name in [facts["problem_class"]]
     ]
-
-
-def cells(run: Run) -> dict[str, Any]:
-    """The ranked cells that ran: names by their numbers, and for each cell [label, scene, family, problem, stratum, dimension,
-    contacts, tol, time from bodies, time from the form, time limit, residual, solved]; empty for a run of too many cells, or
-    of one."""
-    rows = run.ranked[measured(run.ranked)]
-    if not 1 < len(rows) <= MOST_CELLS:
-        return {}
-    names = {name: sorted(rows[name].fillna("").astype(str).unique()) for name in ("label", "scene", "family")}
-    columns = [
-        rows[name].fillna("").astype(str).map({text: k for k, text in enumerate(known)}) for name, known in names.items()
-    ]
-    columns += [
-        rows["problem_id"],
-        rows["stratum"].astype("category").cat.codes,
-        rows["dimension"],
-        rows["contacts"],
-        rows["tol"],
-    ]
-    columns += [by.time(rows) for by in RankBy] + [rows["time_limit"], rows["residual"]]
-    table = np.column_stack([*columns, rows["verdict"] == Verdict.SOLVED]).astype(float)
-    colours = [run.looks[label].colour if label in run.looks else "" for label in names["label"]]
-    return {**names, "colours": colours, "cells": [[_short(value) for value in row] for row in table.tolist()]}
-
-
-def _short(value: float) -> float | None:
-    """A number that JSON has, with few digits; an int where it is whole."""
-    if not np.isfinite(value):
-        return None
-    return int(value) if value == int(value) and abs(value) < 1e9 else float(f"{value:.{DIGITS}g}")

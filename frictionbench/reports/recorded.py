@@ -22,7 +22,7 @@ FEWEST = 20  # steps: of fewer the 99th percentile is the longest time
 
 
 def recorded_problems(run: Run) -> list[dict[str, Any]]:
-    """The recorded problems of the run, in the order of the plan: family, file, tol, reason: why the file yields no problem, and
+    """The recorded problems of the run, in the order of the plan: family, file, tol, reason: why the file yields none, and
     where it does dimension, contacts (None of a bare LCP), unknowns, rank_ratio: the rank of W over its number of rows, None if
     unknown, remarks: properties that a mechanical problem does not have, solvers: those that solve it with their times, s, the
     fastest first, and tried: how many ran."""

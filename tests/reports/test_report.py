@@ -122,7 +122,7 @@ def test_sizes_of_a_scene_are_separate():
 
 def assert_only_our_script_runs(path: Path, page: Page) -> None:
     (ours,) = page.scripts[""]
-    assert ours == script("page.js", "filter.js")[0]
+    assert ours == script("page.js")[0]
     assert f"script-src {digest(ours)}" in path.read_text(encoding="utf-8")
     assert page.scripts.keys() <= {"", "application/json"}
     for data in page.scripts["application/json"]:

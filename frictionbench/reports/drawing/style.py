@@ -72,12 +72,13 @@ class Look(NamedTuple):
 
 
 def looks(labels: Iterable[str]) -> dict[str, Look]:
-    """A look for each label, which depends only on its name and is therefore the same in every report. If the looks of two
-    labels coincide, the later one gets the next look."""
+    """A look for each label, which depends only on its name and is therefore the same in every report. If two labels have the
+    same marker and dash, by which lines differ without colours, the later one gets the next ones."""
     found: dict[str, Look] = {}
     for label in sorted(set(labels), key=lambda label: (_solver(label) not in _PLACES, label)):
         place, shift = _place(label)
-        while (drawn := _drawn(place, shift)) in (look[:3] for look in found.values()):
+        marks = [look[1:3] for look in [*found.values()][1 - len(_MARKERS) * len(_DASHES) :]]
+        while (drawn := _drawn(place, shift))[1:] in marks:
             shift += 1
         found[label] = Look(*drawn, f"label-{_number(label):x}")
     return dict(sorted(found.items()))
