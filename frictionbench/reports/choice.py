@@ -123,15 +123,8 @@ class Kind(NamedTuple):
     first: bool
 
 
-class _Members(NamedTuple):
-    name: str
-    problems: set[int]
-    labels: set[str]
-    first: bool = False
-
-
-def _kinds(run: Run) -> list[_Members]:
-    """Each kind that the run has, its problems, and the labels that are compared on them."""
+def _kinds(run: Run) -> list[tuple[str, set[int], set[str], bool]]:
+    """Each kind that the run has, its problems, the labels that are compared on them, and whether the first screen shows it."""
     facts = run.ranked.drop_duplicates("problem_id").set_index("problem_id")
     cold, warm = (set(run.rows.loc[run.rows["start"].isin(starts), "label"]) for starts in (["", COLD], [WARM]))
     started = set(run.rows.loc[run.rows["label"].isin(warm), "problem_id"])
@@ -147,12 +140,11 @@ def _kinds(run: Run) -> list[_Members]:
             f"more than {MEDIUM} contacts": contacts > MEDIUM,
             f"ill-conditioned, above {ILL:.0e}".replace("e+0", "e"): own["condition"] > ILL,
         }
-        found.append(_Members(where, set(own.index), cold, first=True))
-        found.append(_Members(f"{where}, warm starts", set(own.index) & started, warm, first=True))
-        found += [
-            _Members(f"{where}, {name}", set(own.index[at]), cold) for name, at in parts.items() if at.any() and not at.all()
-        ]
-    return [one for one in found if one.problems and one.labels]
+        found.append((where, set(own.index), cold, True))
+        found.append((f"{where}, warm starts", set(own.index) & started, warm, True))
+        some = {name: at for name, at in parts.items() if at.any() and not at.all()}
+        found += [(f"{where}, {name}", set(own.index[at]), cold, False) for name, at in some.items()]
+    return [(name, problems, labels, first) for name, problems, labels, first in found if problems and labels]
 
 
 def choices(run: Run, among: Collection[str] | None = None) -> list[Kind]:

@@ -11,7 +11,6 @@ The same tables always give the same files, byte for byte.
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 from markupsafe import Markup
 from matplotlib.artist import Artist
@@ -36,16 +35,6 @@ ON_PAGE_ONLY = ("Hover over", "Below each panel")  # the beginnings of sentences
 FIT = r"\noindent\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 
 
-class Sheet(NamedTuple):
-    """A figure before it is split into pages: the name of its files, its caption, its panels, and what its legend names besides
-    the solvers."""
-
-    stem: str
-    caption: str
-    panels: Sequence[Panel]
-    handles: Mapping[str, Artist] = NOTHING
-
-
 def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, width: float = 3.35, font: str = "serif") -> Path:
     """Write figures as PDF and SVG, tables, captions and references; return DIR/paper.
 
@@ -56,8 +45,7 @@ def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, wi
     paper = subfolder(folder, "paper")
     captions: dict[str, str] = {}
     for chart in CHARTS if figures is None else [_chart(name) for name in figures]:
-        for sheet in _sheets(chart, run):
-            captions |= _save(sheet, run, paper, width, font)
+        captions |= _save_chart(chart, run, paper, width, font)
     made = printed(run)
     for table in made:
         write_text(paper / f"{table.name}.tex", booktabs(table))
@@ -74,34 +62,40 @@ def _chart(name: str) -> Chart:
     raise ResultsError(f"figures: there is no {name}; there are {', '.join(chart.name for chart in CHARTS)}")
 
 
-def _sheets(chart: Chart, run: Run) -> list[Sheet]:
-    """The figures of a chart: one of all panels, or one for each map."""
-    found = chart.panels(run)
-    drawings, panels = [one for one in found if isinstance(one, Drawing)], [one for one in found if isinstance(one, Panel)]
-    sheets = [
-        Sheet(
-            f"{chart.name}_{one.name}",
-            f"{one.title.rstrip('.')}. {_caption(chart, run)} {one.note}".rstrip(),
-            one.panels,
-            one.handles,
-        )
-        for one in drawings
-    ]
-    return [*sheets, *([Sheet(chart.name, _caption(chart, run), panels)] if panels else [])]
+def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
+    """Save the figures of a chart, one of all panels or one for each map; the captions by the names of the files."""
+    found, caption = chart.panels(run), _caption(chart, run)
+    panels = [one for one in found if isinstance(one, Panel)]
+    captions = _save(chart.name, caption, panels, NOTHING, run, paper, width, font)
+    for one in found:
+        if isinstance(one, Drawing):
+            told = f"{one.title.rstrip('.')}. {caption} {one.note}".rstrip()
+            captions |= _save(f"{chart.name}_{one.name}", told, one.panels, one.handles, run, paper, width, font)
+    return captions
 
 
-def _save(sheet: Sheet, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
-    """Save a figure, in parts that fit on a page; the caption of each part by its name."""
-    columns = 1 if len(sheet.panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
+def _save(
+    stem: str,
+    caption: str,
+    panels: Sequence[Panel],
+    handles: Mapping[str, Artist],
+    run: Run,
+    paper: Path,
+    width: float,
+    font: str,
+) -> dict[str, str]:
+    """Save a figure, in parts that fit on a page; the caption of each part by its name. handles: what the legend names besides
+    the solvers."""
+    columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
     size = width / columns, ASPECT * width / columns
     most = columns * max(1, int(TALLEST / size[1]))
     captions = {}
-    for k in range(0, len(sheet.panels), most):
-        name = f"{sheet.stem}_{k // most + 1}" if k else sheet.stem
-        part, path = sheet.panels[k : k + most], paper / name
-        save_sheet(part, run.looks, path, columns, size, FONT, font, handles=sheet.handles)
-        title = sheet.caption.partition(". ")[0].rstrip(".")
-        caption = f"{title} (continued)." if k else sheet.caption
+    for k in range(0, len(panels), most):
+        name = f"{stem}_{k // most + 1}" if k else stem
+        part, path = panels[k : k + most], paper / name
+        save_sheet(part, run.looks, path, columns, size, FONT, font, handles=handles)
+        title = caption.partition(". ")[0].rstrip(".")
+        caption = f"{title} (continued)." if k else caption
         captions[name] = caption + " An asterisk marks a portfolio, which runs other solvers." * bool(run.portfolios)
     return captions
 

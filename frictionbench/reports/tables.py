@@ -16,7 +16,7 @@ from frictionbench.reports.accuracy import OVERALL
 from frictionbench.reports.drawing.text import count, power, residual
 from frictionbench.reports.run import EXCLUSIONS, Run
 from frictionbench.results.conventions import ENDINGS, endings
-from frictionbench.results.hardness import HARDNESS, hardness
+from frictionbench.results.hardness import hardness
 
 CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
 ALL, NONE = "all", "none of these"
@@ -168,8 +168,7 @@ def sentences(run: Run) -> list[tuple[str, str]]:
 
 
 class HardShares(NamedTuple):
-    """where: in the plane or in space. tol: the tightest tolerance. problems: how many problems each column has. meanings: of
-    the columns, for their titles.
+    """where: in the plane or in space. tol: the tightest tolerance. problems: how many problems each column has.
 
     table: a row per solver's label, the largest share of all problems first, with the share of problems solved in each column;
     NaN where a solver ran on none of them.
@@ -178,7 +177,6 @@ class HardShares(NamedTuple):
     where: str
     tol: float
     problems: dict[str, int]
-    meanings: dict[str, str]
     table: pd.DataFrame
 
 
@@ -203,9 +201,8 @@ def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
     columns = {name: inside for name, inside in every.items() if inside.any()}
     shares = pd.DataFrame({name: solved[inside].groupby(rows["label"]).mean() for name, inside in columns.items()})
     problems = {name: rows.loc[inside, "problem_id"].nunique() for name, inside in columns.items()}
-    meanings = {name: meaning for name, meaning in HARDNESS.items() if name in columns}
     ordered = shares.sort_values(ALL, ascending=False, kind="stable").rename_axis("label").reset_index()
-    return HardShares(where, float(rows["tol"].min()), problems, meanings, ordered)
+    return HardShares(where, float(rows["tol"].min()), problems, ordered)
 
 
 def setting(run: Run) -> str:

@@ -20,18 +20,14 @@ MOST = 24  # panels on the page; more make it slow to load
 def panels(run: Run) -> list[Panel]:
     """A panel per scene and parameters and scheme that has a curve."""
     simulations = run.simulations
-    lengths = [min(_length(t), _length(e)) for t, e in zip(simulations["times"], simulations["energies"], strict=True)]
-    with_curve = simulations[np.array(lengths, dtype=int) > 1]
+    lengths = simulations[["times", "energies"]].map(np.size).min(axis=1)
+    with_curve = simulations[lengths > 1]
     groups = with_curve.groupby(["scene", "parameters", "scheme"], sort=False)
     several = len(with_curve["scheme"].unique()) > 1
     return [
         Panel(scene_title(scene, parameters) + f", {scheme}" * several, partial(_draw, simulations=group, looks=run.looks))
         for (scene, parameters, scheme), group in groups
     ]
-
-
-def _length(curve: object) -> int:
-    return len(curve) if isinstance(curve, np.ndarray) else 0
 
 
 def _draw(ax: Axes, simulations: pd.DataFrame, looks: dict[str, Look]) -> None:

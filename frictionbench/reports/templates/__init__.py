@@ -17,6 +17,7 @@ from frictionbench.reports.drawing.text import count, percent, power, residual, 
 from frictionbench.reports.drawing.tiles import Drawing, on_page
 from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import ENDINGS, ending, scene_title
+from frictionbench.results.hardness import HARDNESS
 
 
 def script(*names: str | Path) -> tuple[Markup, str]:
@@ -61,7 +62,7 @@ def environment(*folders: Path) -> Environment:
         "svg": _svg,
         "json": as_json,
     }
-    made.globals["endings"] = ENDINGS
+    made.globals |= {"endings": ENDINGS, "hardness": HARDNESS}
     return made
 
 
