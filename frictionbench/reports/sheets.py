@@ -17,14 +17,14 @@ def sheets(run: Run) -> list[dict[str, Any]]:
     """The sheets of all labels that have cells, in alphabetical order: label, variant, facts, description: its own, in
     paragraphs, from the manifest; results: its rows of the summary over all problems of the plane and of space, each with its
     target; failures: rows of _failures, the first MOST_FAILURES."""
-    descriptions = run.manifest.get("solvers")
+    descriptions = run.manifest.get("solvers", {})
     parts = [table.assign(target=target) for target, table in run.summaries.items()]
     results = pd.concat([part[part["problem_class"].isin(run.overall)] for part in parts])
     failed = _failures(run)
     found = []
     for row in run.rows.drop_duplicates("label").sort_values("label").to_dict("records"):
         label, variant = row["label"], row["variant"]
-        text = descriptions.get(variant, "") if isinstance(descriptions, dict) else ""
+        text = descriptions.get(variant, "")
         facts = {name: str(row[name] or "") for name in ("family", "model", "version", "members")}
         found.append({
             "label": label,

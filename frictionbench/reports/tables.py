@@ -207,8 +207,7 @@ def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
 
 def setting(run: Run) -> str:
     """The suite, its problems and the machine of a run, in a sentence."""
-    known = {name: value for name, value in run.manifest.items() if isinstance(value, dict)}
-    settings, machine, versions = (known.get(name, {}) for name in ("settings", "machine", "versions"))
+    settings, machine, versions = (run.manifest.get(name, {}) for name in ("settings", "machine", "versions"))
     facts = [f"Suite {settings.get('suite', 'unnamed')}", f"frictionbench {versions.get('frictionbench')}"]
     facts += [count(run.ranked["problem_id"].nunique(), "ranked problem"), count(run.ranked["label"].nunique(), "solver")]
     facts += [f"time limit {settings.get('time_limit')} s", f"{machine.get('processor')}, {machine.get('cores')} cores"]
@@ -242,6 +241,5 @@ def disturbed(run: Run) -> str:
 
 def workers_on_all_cores(manifest: dict[str, Any]) -> int:
     """The number of workers if they left no core to the main process; 0 if one was left or the manifest does not state it."""
-    machine = manifest.get("machine")
-    workers, cores = manifest.get("workers"), machine.get("cores") if isinstance(machine, dict) else None
+    workers, cores = manifest.get("workers"), manifest.get("machine", {}).get("cores")
     return workers if isinstance(workers, int) and isinstance(cores, int) and workers >= cores else 0
