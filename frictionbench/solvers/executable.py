@@ -15,6 +15,7 @@ import shlex
 import shutil
 import subprocess
 import tempfile
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -72,8 +73,9 @@ def content(source: str) -> str:
     return sha256(b"".join(sha256(part).digest() for part in parts)).hexdigest()
 
 
+@cache
 def register(source: str) -> str:
-    """Register the command as a solver; its name. Errors: InputError where there is another of that name."""
+    """Register the command as a solver, once; its name. Errors: InputError where there is another of that name."""
     command = tuple(shlex.split(source.removeprefix(PREFIX)))
     try:
         solver(name(source), family="outside", model="coulomb", dimension=(2, 3), lacks=("asymmetry",))(_solver_class(command))

@@ -28,9 +28,9 @@ from numpy.typing import NDArray
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, loop
-from frictionbench.problems.packed import CONTACT, Packed, Q, mechanical, mechanics_of, residuals
+from frictionbench.problems.packed import COLUMN, Packed, Q, mechanical, residuals
 from frictionbench.problems.residual import residual_with_floor
+from frictionbench.problems.rows import Index32
 from frictionbench.solvers.clock import is_over, left, within
 from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_each, few_each, few_steps
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
@@ -179,37 +179,22 @@ def few_pivots(problem: FrictionProblem) -> bool:
     nc = problem.contacts
     if nc <= ALWAYS or nc > CHAINS or not problem.mechanical or len(problem.joint_bias):
         return nc <= ALWAYS
-    return bool(_sticking_chain(problem.contact_rows.column, problem.q, len(problem.free_velocity)))
+    return _sticking_chain(problem.contact_rows.column, problem.q)
 
 
-@loop
-def few_pivots_each(packed):  # type: ignore[no-untyped-def]
+def few_pivots_each(packed: Packed) -> NDArray[np.bool_]:
     """The same (N,) for planar packed problems, which have no joints."""
-    few = np.empty(len(packed.first) - 1, np.bool_)
-    for k in range(len(few)):
-        nc = packed.first[k + 1, CONTACT] - packed.first[k, CONTACT]
-        few[k] = nc <= ALWAYS
-        if ALWAYS < nc <= CHAINS and mechanical(packed, k):
-            _, column, _, _, _, _, free, _ = mechanics_of(packed, k)
-            few[k] = _sticking_chain(column, packed.q[packed.first[k, Q] : packed.first[k + 1, Q]], len(free))
+    nc, at, q = np.diff(packed.contacts), packed.first[:, COLUMN].tolist(), packed.first[:, Q].tolist()
+    few = nc <= ALWAYS
+    for k in np.flatnonzero(~few & (nc <= CHAINS)).tolist():
+        few[k] = mechanical(packed, k) and _sticking_chain(packed.column[at[k] : at[k + 1]], packed.q[q[k] : q[k + 1]])
     return few
 
 
-@kernel
-def _sticking_chain(column, q, nv):  # type: ignore[no-untyped-def]
+def _sticking_chain(column: Index32, q: Array) -> bool:
     """Whether no body has more than LINKS contacts and most contacts of the free motion q (2 nc,) do not slip.
 
-    column: the velocities (nv of them) that act at the contacts, each contact's after the other's.
+    column: the velocities that act at the contacts, each contact's after the other's.
     """
-    contacts = np.zeros(nv, np.int64)
-    for v in column:
-        contacts[v] += 1
-        if contacts[v] > LINKS:
-            return False
-    fastest = 0.0
-    for i in range(len(q)):
-        fastest = max(fastest, abs(q[i]))
-    slipping = 0
-    for i in range(1, len(q), 2):
-        slipping += abs(q[i]) > AT_REST * fastest
-    return slipping <= (1 - STICKING) * (len(q) // 2)
+    slipping = np.abs(q[1::2]) > AT_REST * np.abs(q).max()
+    return bool(np.bincount(column).max(initial=0) <= LINKS and slipping.mean() <= 1 - STICKING)

@@ -87,19 +87,8 @@ def version(source: str) -> str:
 def load(source: str) -> tuple[str, ...]:
     """Import a source; the names of the solvers that it adds. Errors: InputError naming the source and the line that fails."""
     if executable.is_command(source):
-        return _load_command(source)
+        return (executable.register(source),)
     return _load_file(Path(source)) if is_file(source) else _load_point(_point(source))
-
-
-def _load_command(source: str) -> tuple[str, ...]:
-    if source in _commands:
-        return ()
-    name = executable.register(source)
-    _commands.add(source)
-    return (name,)
-
-
-_commands: set[str] = set()
 
 
 def _load_file(path: Path) -> tuple[str, ...]:
