@@ -7,7 +7,11 @@ from pathlib import Path
 import pytest
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-in_browser = pytest.mark.skipif(BROWSER is None, reason="needs the browser Chromium")
+
+
+def in_browser(test):
+    """Mark a test that runs where Chromium is installed, among the slow ones."""
+    return pytest.mark.slow(pytest.mark.skipif(BROWSER is None, reason="needs the browser Chromium")(test))
 
 
 def browse(page: Path, *wanted: str, anchor: str = "") -> str:
