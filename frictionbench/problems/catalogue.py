@@ -15,7 +15,7 @@ same.
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cache
 from importlib import import_module
 from inspect import getdoc, signature
 from pkgutil import iter_modules
@@ -48,13 +48,14 @@ def import_all(package: str, path: list[str]) -> None:
 @dataclass(frozen=True)
 class Generator(Generic[Made]):
     """A function under its name in a catalogue, with its parameters' defaults and its docstring. dimension: 2 or 3, of the
-    contacts of what it makes, known before anything is made."""
+    contacts of what it makes, known before anything is made. kind: "scene" or "instance"."""
 
     name: str
     make: Callable[..., Made]
     parameters: dict[str, Any]
     description: str
     dimension: int
+    kind: str
 
     @property
     def summary(self) -> str:
@@ -62,53 +63,39 @@ class Generator(Generic[Made]):
         return " ".join(self.description.partition("\n\n")[0].split())
 
 
-class Catalogue(Generic[Made]):
-    """Generators by name. kind: what they make, in error messages. package: that of the modules which register them, all of
-    which are imported when a name is first looked up."""
-
-    def __init__(self, kind: str, package: str) -> None:
-        self.kind, self._package = kind, package
-        self._registered: dict[str, Generator[Made]] = {}
-
-    def add(self, make: Callable[..., Made], name: str, dimension: int, **defaults: Any) -> None:
-        """List a function under a name; defaults replace those of its signature. Errors: ValueError where the name is taken."""
-        if name in self._registered:
-            raise ValueError(f"{self.kind}: the name {name!r} is taken by {self._registered[name].make}")
-        own = {key: parameter.default for key, parameter in signature(make).parameters.items()}
-        self._registered[name] = Generator(name, make, own | defaults, getdoc(make) or "", dimension)
-
-    @cached_property
-    def generators(self) -> dict[str, Generator[Made]]:
-        """All generators by name, in alphabetical order."""
-        import_all(self._package, list(import_module(self._package).__path__))
-        return dict(sorted(self._registered.items()))
-
-    def find(self, name: str, parameters: Iterable[str]) -> Generator[Made]:
-        """The generator of this name. Errors: InputError naming the kind, or a parameter that the generator does not have."""
-        if not isinstance(name, str):
-            raise InputError(f"{self.kind}: expected its name as text, got {name!r:.100}")
-        if name not in self.generators:
-            raise InputError(f"{self.kind}: {_unknown(self.kind, name)}")
-        found = self.generators[name]
-        for key in set(parameters) - found.parameters.keys():
-            like, its = near(key, found.parameters), ", ".join(found.parameters)
-            raise InputError(f"{key}: the {self.kind} {name} has no such parameter{like}; it has {its}")
-        return found
+_REGISTERED: dict[str, Generator[Any]] = {}
 
 
-SCENES: Catalogue[Scene] = Catalogue("scene", "frictionbench.problems.scenes")
-INSTANCES: Catalogue[FrictionProblem] = Catalogue("instance", "frictionbench.problems.instances")
+@cache
+def _all(kind: str) -> dict[str, Generator[Any]]:
+    """All generators of a kind by name, in alphabetical order; the modules that register them are imported here."""
+    package = f"frictionbench.problems.{kind}s"
+    import_all(package, list(import_module(package).__path__))
+    return {name: found for name, found in sorted(_REGISTERED.items()) if found.kind == kind}
 
 
-def _unknown(kind: str, name: str) -> str:
-    """Why there is none of this kind and name, and what may have been meant."""
-    if kind == "scene" and name in INSTANCES.generators:
-        return f"{name!r} is an instance, a problem of one step without a scene; frictionbench.problem({name!r}) makes it"
-    if kind == "instance" and name in SCENES.generators:
-        return f"{name!r} is a scene; frictionbench.problem({name!r}) is the problem of its first step"
-    scenes_and_instances = [*SCENES.generators, *INSTANCES.generators]
-    like = near(name, scenes_and_instances)
-    return f"unknown {kind} {name!r}{like}; scenes and instances are {', '.join(scenes_and_instances)}"
+def _add(kind: str, make: Callable[..., Any], name: str, dimension: int, **defaults: Any) -> None:
+    """List a function under a name; defaults replace those of its signature. Errors: ValueError where the name is taken."""
+    if name in _REGISTERED:
+        raise ValueError(f"{kind}: the name {name!r} is taken by {_REGISTERED[name].make}")
+    own = {key: parameter.default for key, parameter in signature(make).parameters.items()}
+    _REGISTERED[name] = Generator(name, make, own | defaults, getdoc(make) or "", dimension, kind)
+
+
+def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
+    """The generator of this kind and name. Errors: InputError naming the kind, or a parameter that the generator lacks."""
+    if not isinstance(name, str):
+        raise InputError(f"{kind}: expected its name as text, got {name!r:.100}")
+    known = scenes() | instances()
+    if name not in known:
+        raise InputError(f"{kind}: unknown {kind} {name!r}{near(name, known)}; scenes and instances are {', '.join(known)}")
+    found = known[name]
+    if found.kind != kind:
+        raise InputError(f"{kind}: {name!r} is no {kind}; frictionbench.problem({name!r}) makes the problem of one step")
+    for key in set(parameters) - found.parameters.keys():
+        like, its = near(key, found.parameters), ", ".join(found.parameters)
+        raise InputError(f"{key}: the {kind} {name} has no such parameter{like}; it has {its}")
+    return found
 
 
 def generator(
@@ -131,7 +118,7 @@ def generator(
 
     def register(make: SceneFunction) -> SceneFunction:
         for name, defaults in {make.__name__: {}, **others}.items():
-            SCENES.add(make, name, dimension, **laws | defaults)
+            _add("scene", make, name, dimension, **laws | defaults)
         return make
 
     return register
@@ -144,7 +131,7 @@ def instance(dimension: int = 3) -> Callable[[InstanceFunction], InstanceFunctio
     """
 
     def register(make: InstanceFunction) -> InstanceFunction:
-        INSTANCES.add(make, make.__name__, dimension)
+        _add("instance", make, make.__name__, dimension)
         return make
 
     return register
@@ -157,7 +144,7 @@ def scenes() -> dict[str, Generator[Scene]]:
     >>> "blocks" in fb.scenes()["stack"].parameters
     True
     """
-    return SCENES.generators
+    return _all("scene")
 
 
 def instances() -> dict[str, Generator[FrictionProblem]]:
@@ -167,7 +154,7 @@ def instances() -> dict[str, Generator[FrictionProblem]]:
     >>> fb.instances()["cubes"].parameters["friction"]
     0.5
     """
-    return INSTANCES.generators
+    return _all("instance")
 
 
 def is_spatial(name: str) -> bool:
@@ -177,7 +164,7 @@ def is_spatial(name: str) -> bool:
 
 def find_scene(name: str, parameters: Iterable[str]) -> Generator[Scene]:
     """The generator of the named scene. Errors: InputError naming the scene or the parameter that is unknown."""
-    return SCENES.find(name, [key for key in parameters if key not in UNITS])
+    return _find("scene", name, [key for key in parameters if key not in UNITS])
 
 
 def scene(name: str, **parameters: Any) -> Scene:
@@ -211,14 +198,14 @@ def make_instance(name: str, **parameters: Any) -> FrictionProblem:
     >>> fb.instance("cubes", boxes=4, friction=0.3).dimension
     3
     """
-    found = INSTANCES.find(name, parameters)
+    found = _find("instance", name, parameters)
     return found.make(**found.parameters | parameters)
 
 
 def require_known(name: str, parameters: Iterable[str]) -> None:
     """Errors: InputError naming the scene or instance, or the parameter, that is unknown; nothing is built."""
-    if name in INSTANCES.generators:
-        INSTANCES.find(name, parameters)
+    if name in instances():
+        _find("instance", name, parameters)
     else:
         find_scene(name, parameters)
 
@@ -232,4 +219,4 @@ def problem_of(name: str, **parameters: Any) -> FrictionProblem:
     >>> fb.problem("stack", blocks=3).contacts, fb.problem("cubes", boxes=3).contacts
     (6, 12)
     """
-    return make_instance(name, **parameters) if name in INSTANCES.generators else scene(name, **parameters).problem()
+    return make_instance(name, **parameters) if name in instances() else scene(name, **parameters).problem()

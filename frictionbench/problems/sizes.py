@@ -5,7 +5,7 @@ contacts of N and T, mu is wrong.
 """
 
 from collections import Counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -30,12 +30,6 @@ _AXES: dict[str, tuple[str, ...]] = {
 }
 
 
-class _Stated(NamedTuple):
-    field: str
-    shape: Shape
-    number: float
-
-
 def agree(d: int, fields: dict[str, Any], names: dict[str, str] | None = None) -> None:
     """Check that the fields of a problem of dimension d, or those of its Delassus form, state the same numbers.
 
@@ -43,32 +37,24 @@ def agree(d: int, fields: dict[str, Any], names: dict[str, str] | None = None) -
     field itself refuses it. names: what an error calls the fields, where not as here.
     Errors: InputError naming the field that differs from most, with both numbers.
     """
-    rows = {"tangent": d - 1, "W": d, "q": d}
-    stated: dict[str, list[_Stated]] = {}
+    rows, named = {"tangent": d - 1, "W": d, "q": d}, names or {}
+    stated: dict[str, list[tuple[str, Shape, float]]] = {}
     for field, value in fields.items():
         shape, axes = _shape(value), _AXES[field]
         for size, number in zip(shape, axes, strict=True) if len(shape) == len(axes) else ():
             if size is not None:
                 per_contact = rows.get(field, 1) if number == "contacts" else 1
-                stated.setdefault(number, []).append(_Stated(field, shape, size / per_contact))
+                stated.setdefault(number, []).append((field, shape, size / per_contact))
     for number, found in stated.items():
-        counts = Counter(one.number for one in found)
+        counts = Counter(one for _, _, one in found)
         most = max(counts, key=lambda count: (count.is_integer(), counts[count]))  # the first stated, where none has most
-        if len(counts) > 1 or not most.is_integer():
-            wrong = next(one for one in found if one.number != most or not most.is_integer())
-            raise _disagreement(number, wrong, [one.field for one in found if one.number == most], most, d, names or {})
-
-
-def _disagreement(number: str, wrong: _Stated, others: list[str], most: float, d: int, names: dict[str, str]) -> InputError:
-    agreeing = [names.get(field, field) for field in dict.fromkeys(others) if field != wrong.field]
-    whole = float(wrong.number).is_integer()
-    reason = f"states {wrong.number:g} {number}" if whole else f"states no whole number of {number}"
-    reason += f" by its shape {wrong.shape}"
-    if agreeing:
-        reason += f", but {' and '.join(filter(None, (', '.join(agreeing[:-1]), agreeing[-1])))} {most:g}"
-    if number == "contacts":
-        reason += f"; {names.get('dimension', 'dimension')} is {d}"
-    return InputError(f"{names.get(wrong.field, wrong.field)}: {reason}")
+        for field, shape, one in found:
+            if one != most or not most.is_integer():
+                agreeing = dict.fromkeys(named.get(other, other) for other, _, same in found if same == most and other != field)
+                reason = f"states {f'{one:g}' if one.is_integer() else 'no whole number of'} {number} by its shape {shape}"
+                reason += f", but {', '.join(agreeing)} {most:g}" if agreeing else ""
+                reason += f"; {named.get('dimension', 'dimension')} is {d}" if number == "contacts" else ""
+                raise InputError(f"{named.get(field, field)}: {reason}")
 
 
 def _shape(value: Any) -> Shape:

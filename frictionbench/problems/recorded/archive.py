@@ -15,7 +15,6 @@ import stat
 import zipfile
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
-from difflib import get_close_matches
 from io import BytesIO
 from pathlib import Path
 from typing import IO, Any, BinaryIO
@@ -33,7 +32,6 @@ ENTRY = b"PK\x01\x02"  # begins each entry of an archive's directory
 CHUNK = 2**24
 MAX_BYTES = 4 * 2**30  # bytes unpacked; a larger archive is refused without unpacking it
 ANSWERS = re.compile(r"[ru](_\w+)?")  # impulses and velocities that somebody found: not part of a problem
-OTHERS = {"J": "F", "G": "F", "joint": "F", "velocity": "v"}  # names that are used elsewhere
 
 
 @contextmanager
@@ -105,17 +103,11 @@ def _claimed(name: str, stream: IO[bytes]) -> int:
     return int(np.prod(shape, dtype=object)) * kind.itemsize
 
 
-def require_known(names: Collection[str], known: Collection[str], letters: dict[str, str] | None = None) -> None:
-    """Check that all names are known or those of answers.
-
-    letters: of fields, which may have been meant. Errors: InputError naming the first array that is neither, with the known
-    name that it is most like and all that are known.
-    """
+def require_known(names: Collection[str], known: Collection[str]) -> None:
+    """Errors: InputError naming the first array that is neither known nor an answer, and all that are known."""
     for name in names:
         if name not in known and not ANSWERS.fullmatch(name):
-            meant = _most_like(name, known, letters or {})
-            hint = f"; did you mean {meant}? Known" if meant else "; known"
-            raise InputError(f"{name}: unknown array{hint} are {', '.join(sorted(known, key=str.lower))}")
+            raise InputError(f"{name}: unknown array; known are {', '.join(sorted(known, key=str.lower))}")
 
 
 @contextmanager
@@ -136,11 +128,3 @@ def sparse_matrix(field: str, kind: type[sparse.sparray], parts: Any, shape: Ite
         raise InputError(f"{field}: not a sparse matrix ({error})") from None
     require_consistent(field, matrix)
     return sparse.csr_array(matrix)
-
-
-def _most_like(name: str, known: Collection[str], letters: dict[str, str]) -> str:
-    """The known name that is most like this one, "" if none is."""
-    by_name = {**letters, **OTHERS, **{one: one for one in known}}
-    by_name = {other.lower(): one for other, one in by_name.items() if one in known}
-    close = get_close_matches(name.lower(), by_name, n=1, cutoff=0.75)
-    return by_name[close[0]] if close else ""

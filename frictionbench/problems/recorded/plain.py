@@ -61,7 +61,7 @@ def kind(arrays: Arrays) -> Callable[[Arrays], FrictionProblem | LCP] | None:
 
 def mechanical(arrays: Arrays) -> FrictionProblem:
     """A problem given by its mechanics. Errors: InputError naming the array."""
-    require_known(arrays, {*BODIES.values(), "vfree", "W", "q"}, BODIES)
+    require_known(arrays, {*BODIES.values(), "vfree", "W", "q"})
     require(not {"v", "vfree"} <= arrays.keys(), "vfree", "another name of v, which is given as well")
     require("F" in arrays or "bF" not in arrays, "bF", "given without F")
     letters = BODIES | ({"free_velocity": "vfree"} if "vfree" in arrays else {})
@@ -82,7 +82,7 @@ def mechanical(arrays: Arrays) -> FrictionProblem:
 
 def known_by_delassus(arrays: Arrays) -> FrictionProblem:
     """A problem in Delassus form. Errors: InputError naming the array."""
-    require_known(arrays, set(DELASSUS.values()), DELASSUS)
+    require_known(arrays, set(DELASSUS.values()))
     for letter in ("q", "mu", "d"):
         require(letter in arrays, letter, "missing")
     d, fields = _dimension(arrays), {field: arrays.get(letter) for field, letter in DELASSUS.items() if field != "dimension"}

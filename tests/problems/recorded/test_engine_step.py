@@ -57,7 +57,7 @@ def test_unusable_steps_are_refused(tmp_path, settings, named) -> None:
         ("notes", text("[" * 60_000), "notes: not a JSON object"),
         ("notes", text(json.dumps({"limits": "x"})), "notes: not an array of real numbers"),
         ("impulse", IMPULSE.T[:2], "impulse: expected shape"),
-        ("impuls", IMPULSE, "impuls: unknown array; did you mean impulse"),
+        ("impuls", IMPULSE, "impuls: unknown array; known are "),
     ],
 )
 def test_edited_steps_are_refused(tmp_path, name, value, told) -> None:

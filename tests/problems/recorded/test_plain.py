@@ -71,10 +71,8 @@ def test_found_answers_may_stand_beside(tmp_path) -> None:
 
 
 def test_unknown_and_missing_arrays_are_named(tmp_path) -> None:
-    for arrays, name, meant in ((BODIES, "Mu", "mu?"), (BODIES, "gap", ""), (LCP, "mu", ""), (CONTACTBENCH, "mu", "mus?")):
-        told = complaint(tmp_path, arrays | {name: np.ones(2)})
-        assert told.startswith(f"{name}: unknown array")
-        assert told.partition("did you mean ")[2].partition(" ")[0].rstrip(";,)") == meant
+    for arrays, name in ((BODIES, "Mu"), (LCP, "mu"), (CONTACTBENCH, "mu")):
+        assert complaint(tmp_path, arrays | {name: np.ones(2)}).startswith(f"{name}: unknown array; known are ")
     for arrays, names in ((BODIES, ("M", "N", "T", "mu", "v")), (DELASSUS, ("q", "mu", "d"))):
         for missing in names:
             assert complaint(tmp_path, arrays | {missing: None}) == f"{missing}: missing"
@@ -116,7 +114,7 @@ def test_velocities_of_another_number_are_blamed_on_their_array(tmp_path, column
         plane |= {"N": plane["N"].T, "T": plane["T"].T}
     for size in (1, 2, 4):
         told = complaint(tmp_path, plane | {"v": np.ones(size)})
-        assert told == f"v: states {size} velocities by its shape ({size},), but N, T and M 3"
+        assert told == f"v: states {size} velocities by its shape ({size},), but N, T, M 3"
     assert complaint(tmp_path, plane | {"v": np.ones((3, 1))}) == "v: expected a vector, got shape (3, 1)"
 
 
