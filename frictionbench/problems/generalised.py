@@ -10,17 +10,15 @@ as `stiffness`: the theta schemes take it implicitly. A scene of bodies on joint
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.planar.bodies import Body, Shape
 from frictionbench.problems.planar.collision import Contacts
-from frictionbench.problems.rows import Index64, Rows, from_dense
+from frictionbench.problems.rows import Rows, from_dense
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.spatial.bodies import Solid
 
@@ -39,17 +37,6 @@ class GivenContacts(Contacts):
     @cached_property
     def tangent_rows(self) -> Rows:
         return from_dense(self.T)
-
-    def only(self, chosen: NDArray[np.bool_] | Index64) -> Self:
-        return type(self)(
-            self.gap[chosen],
-            self.place[chosen],
-            self.bodies[chosen],
-            self.feature[chosen],
-            self.q,
-            self.N[chosen],
-            self.T[chosen],
-        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)

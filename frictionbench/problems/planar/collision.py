@@ -5,7 +5,7 @@ normal, so that the gap's gradient is exactly the contact's normal row: both bod
 phase, which finds pairs of shapes that are near each other; problems.planar.narrow_phase computes their contacts.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Self
 
@@ -72,7 +72,7 @@ class Contacts:
 
     def only(self, chosen: NDArray[np.bool_] | Index64) -> Self:
         """The contacts where `chosen` (nc,) is true, or those of these indices."""
-        return type(self)(self.gap[chosen], self.place[chosen], self.bodies[chosen], self.feature[chosen], self.q)
+        return replace(self, **{each.name: getattr(self, each.name)[chosen] for each in fields(self) if each.name != "q"})
 
 
 def find_contacts(geometry: Geometry, q: Array, margin: float) -> Contacts:
