@@ -7,7 +7,7 @@
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
-# make studies install, run all studies and put their page and figures into docs/ (RECORDED=DIR: with recorded problems)
+# make studies install, run all studies and put their page and figures into docs/
 # make docs    the documentation as a site, docs/_build/html; its links are checked, and that it loads nothing from elsewhere
 # make release  wheel and sdist into dist/, checked by twine and installed into an empty environment
 # make placeholders  list what the owner fills in before a release; exit 1 while there is something
@@ -21,7 +21,6 @@ PEER_NAMES ?= $(shell $(PYTHON) -c 'import tomllib; print(*tomllib.load(open("py
 PEERS_RUN ?= runs/peers-$(REVISION)
 RUN ?= runs/standard-$(REVISION)
 STUDIES ?= runs/studies
-RECORDED ?=
 TIMING ?= runs/timing-$(REVISION)
 
 # Of one process each and without runs, browsers or installs: those are for make test.
@@ -95,7 +94,7 @@ peers: $(PEERS)/installed
 		-e '/^<!-- begin: python -m tools.direct/r $(PEERS_RUN)/direct.md' docs/peers.md
 
 studies: install
-	$(BIN)/python -m studies all --out $(STUDIES) $(RECORDED:%=--data %)
+	$(BIN)/python -m studies all --out $(STUDIES)
 	mkdir -p docs/studies
 	cp $(STUDIES)/studies.md docs/
 	cp $(STUDIES)/studies/*.svg docs/studies/

@@ -14,14 +14,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m studies", description="Compute studies and write their page.")
     parser.add_argument("names", nargs="+", choices=("all", *NAMES), metavar="NAME", help=f"all, or some of {', '.join(NAMES)}")
     parser.add_argument("--out", type=Path, default=Path("runs/studies"), metavar="DIR", help="folder of the studies")
-    parser.add_argument("--data", action="append", default=[], metavar="DIR", help="recorded problems, for the study rankings")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="tables computed at the same time")
     given = parser.parse_args(arguments)
     names = [name for name in NAMES if study(name).runs()] if "all" in given.names else given.names
-    if given.data and not any(study(name).recorded for name in names):
-        parser.error("--data is for the study rankings")
     try:
-        compute(names, given.out, given.jobs, given.data)
+        compute(names, given.out, given.jobs)
         print(write_page(given.out))
     except (InputError, ResultsError) as error:
         parser.error(str(error))

@@ -10,13 +10,12 @@ from matplotlib.axes import Axes
 from scipy import sparse
 
 import frictionbench as fb
-from frictionbench import Verdict
-from frictionbench.harness import Plan, Source
-from frictionbench.problems import ACCEPTED, FrictionProblem, simulation
-from frictionbench.reports import INK, Panel, seconds
+from frictionbench.harness import Source
+from frictionbench.problems import FrictionProblem, simulation
+from frictionbench.reports import INK, Panel
 from frictionbench.solvers import solve
 from studies.motions import apart
-from studies.study import COLOURS, Array, Row, Study, Summary, Tables, curve, finish, order, require
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require
 
 KINK = 1e-9  # errors below it are rounding
 DISTINCT = 1e-4  # solutions further apart are two, and not one to a few digits
@@ -143,19 +142,8 @@ def interior(facets: Iterable[int] = (0, *FACETS), sources: Iterable[Source] = S
             }
 
 
-def plan() -> Plan:
-    """The same problems with times."""
-    return Plan(
-        suite="study cone",
-        sources=SPACE,
-        solvers=(CONE, "nsgs", *(f"lemke[facets={count}]" for count in FACETS)),
-        tolerances=(1e-8,),
-        time_limit=10.0,
-    )
-
-
 def summary(found: Tables) -> Summary:
-    ball, problems, solves = found["ball"], found["problems"], found["solves"]
+    ball, problems = found["ball"], found["problems"]
     cone, polygons = ball[ball["facets"] == 0].iloc[0], ball[ball["facets"] > 0]
     bends = polygons.groupby("facets")["from_cone"].agg(["mean", "max"])
     slope, worst = order(bends.index, bends["mean"]), order(bends.index, bends["max"])
@@ -163,22 +151,17 @@ def summary(found: Tables) -> Summary:
     erring = errors.groupby("facets").median()
     of_problems = order(erring.index, erring)
     two = problems[problems["solutions_apart"] > DISTINCT].groupby("number").first()
-    times = _times(solves)
-    ratio = times.div(times["cone"], axis=0).median()
-    done = solves[solves["verdict"].isin([*ACCEPTED, Verdict.RELAXED])].groupby("variant").size()
     coarse, fine = bends.index.min(), bends.index.max()
     enough = bends.index[bends["max"] < cone["from_parabola"]]
     require(slope.value < -0.5, "more facets approach the cone")
     clocks = found["interior"][found["interior"]["solved"]].pivot_table(index="number", columns="facets", values="seconds")
     inner = clocks.drop(columns=0).div(clocks[0], axis=0).median()
-    shown = [name for name in ratio.index if name != "cone"]
     numbers = {
         "coarse": coarse,
         "coarse_bend": f"{100 * bends['mean'].iloc[0]:.1f}",
         "length": f"{np.hypot(cone['x'][-1], cone['y'][-1]):.2f}",
         "fine": fine,
         "fine_bend": f"{1000 * bends['mean'].iloc[-1]:.2f}",
-        "dearer": _dearer(ratio),
         "slope": slope,
         "worst": worst,
         "step_ms": f"{1000 * cone['step']:g}",
@@ -191,14 +174,11 @@ def summary(found: Tables) -> Summary:
         "last_error": f"{erring.iloc[-1]:.2g}",
         "last_facets": erring.index[-1],
         "order": of_problems,
-        "ratios": ", ".join(f"{ratio[name]:.2g} with {name} facets" for name in shown),
-        "cone_time": seconds(times["cone"].median()),
         "inner": ", ".join(f"{ratio:.2g} with {count}" for count, ratio in inner.items()),
         "inner_least": f"{inner.min():.2g}",
         "inner_most": f"{inner.max():.2g}",
         "two": len(two),
         "two_scenes": ", ".join(sorted({*two["scene"]})),
-        "verified": done.get(CONE, 0),
     }
     figures = {
         "ball": (
@@ -207,26 +187,10 @@ def summary(found: Tables) -> Summary:
         ),
         "problems": (
             Panel("error", partial(_errors, problems=problems)),
-            Panel("time over that with the cone", partial(_ratios, times=times, inner=inner)),
+            Panel("time over that with the cone", partial(_ratios, clocks=clocks)),
         ),
     }
     return Summary(numbers, figures)
-
-
-def _times(solves: pd.DataFrame) -> pd.DataFrame:
-    """Form, setup and solve, s, of each problem: with the cone and by the number of facets."""
-    rows = solves[solves["verdict"].isin([*ACCEPTED, Verdict.RELAXED])]
-    time = rows[["form_time", "setup_time", "solve_time"]].sum(axis=1)
-    name = rows["variant"].str.extract(r"facets=(\d+)")[0].where(rows["variant"] != CONE, "cone")
-    table = rows.assign(time=time, name=name).dropna(subset="name").pivot_table(index="problem", columns="name", values="time")
-    return table[["cone", *sorted(set(table.columns) - {"cone"}, key=int)]]
-
-
-def _dearer(ratio: pd.Series) -> str:
-    """The fewest facets from which on the polygon always takes longer."""
-    names = [name for name in ratio.index if name != "cone"]
-    beyond = [name for k, name in enumerate(names) if (ratio[names[k:]] > 1).all()]
-    return beyond[0] if beyond else f"more than {names[-1]}"
 
 
 def _paths(ax: Axes, ball: pd.DataFrame) -> None:
@@ -252,15 +216,11 @@ def _errors(ax: Axes, problems: pd.DataFrame) -> None:
     finish(ax, "facets", "error of the velocity", "xy")
 
 
-def _ratios(ax: Axes, times: pd.DataFrame, inner: pd.Series) -> None:
-    ratio = times.drop(columns="cone").div(times["cone"], axis=0)
-    facets = [int(name) for name in ratio.columns]
-    for _, own in ratio.iterrows():
-        ax.plot(facets, own, color=COLOURS[0], lw=0.4)
-    curve(ax, 0, facets, ratio.median(), "lemke, median")
-    curve(ax, 1, inner.index, inner, "interior point, median")
+def _ratios(ax: Axes, clocks: pd.DataFrame) -> None:
+    ratio = clocks.drop(columns=0).div(clocks[0], axis=0)
+    curve(ax, 1, ratio.columns, ratio.median(), "interior point, median")
     ax.axhline(1, color=INK, lw=0.6, ls=":")
     finish(ax, "facets", "time ratio", "xy")
 
 
-STUDY = Study((ball, problems, interior), summary, plan)
+STUDY = Study((ball, problems, interior), summary)

@@ -1,16 +1,13 @@
 """Is the solution set of a friction problem convex? All solutions of small problems, listed."""
 
-import json
 from collections.abc import Iterable, Iterator
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.harness import Source, families
 from frictionbench.problems import (
     Census,
     FrictionProblem,
@@ -18,42 +15,18 @@ from frictionbench.problems import (
     census,
     first_problem,
     is_p0,
-    is_pointed,
     recorded_steps,
     simulation,
 )
-from frictionbench.reports import ALARM, GRID, INK, Panel
-from studies.motions import coulomb, problem_of, thrown
-from studies.study import Row, Study, Summary, Tables, listing, require, share
+from frictionbench.reports import ALARM, INK, Panel
+from studies.motions import coulomb, thrown
+from studies.study import Row, Study, Summary, Tables, finish, require, share
 
 BLUE = "#0077bb"
 ROUNDING = 1e-12  # residuals below it are rounding
 EXAMPLES = tuple(f"example_{number}" for number in range(1, 8))
 MOST = 5  # contacts of a problem whose solutions are listed: a tenth of a second
 SHAPES = {shape: shape.value.replace(" ", "_") for shape in Shape}
-
-
-def scenes() -> Iterator[Row]:
-    """The first problems of scenes and instances with few contacts."""
-    for source in (*families.sources(families.ONE, families.SMALL), *JAMMED):
-        problem = problem_of(source.scene, source.parameters)
-        if problem.contacts > MOST or (found := listed(problem)) is None:
-            continue
-        yield {
-            "scene": source.scene,  # scene or instance
-            "parameters": json.dumps(source.parameters),  # its settings, JSON
-            "contacts": problem.contacts,  # number of contacts
-            "impulses": found.shape.value,  # shape of the set of impulses
-            "velocities": found.velocity_shape.value,  # shape of the set of contact velocities
-            "pointed": is_pointed(problem),  # whether the friction cone is pointed
-            "p0": is_p0(problem),  # whether the LCP has a P0 matrix
-        }
-
-
-JAMMED = tuple(
-    Source(name, settings)
-    for name, settings in (("jam", {"sideways": 0.0}), ("wedge", {"friction": 0.5}), ("wedge", {"friction": 0.6}))
-)
 
 
 def jam(friction: float = 0.5, points: int = 41) -> Iterator[Row]:
@@ -136,13 +109,11 @@ def listed(problem: FrictionProblem) -> Census | None:
 
 
 def summary(found: Tables) -> Summary:
-    jam, block, motions, scenes = (found[name] for name in ("jam", "block", "motions", "scenes"))
+    jam, block, motions = (found[name] for name in ("jam", "block", "motions"))
     inside, beyond = jam[jam["share"] <= 1], jam[jam["share"] > 1]
     require(jam["residual"].max() < ROUNDING, "the closed form solves the jam")
     require(inside["middle_residual"].max() < ROUNDING, "the sliding solutions of the jam form a segment")
     require((beyond["middle_residual"] > 1e-3).all(), "no middle with a sticking solution is a solution")
-    bent = scenes[scenes["impulses"].isin(["not convex", "isolated"])]
-    loose = scenes[(scenes["velocities"] != "one") & scenes["pointed"] & scenes["p0"]]
     several = block[block["several_velocities"] > 0]
     require(not several["p0"].any(), "a block with a P0 matrix has one velocity")
     high = block.loc[(block["several_velocities"] / block["draws"]).idxmax()]
@@ -150,7 +121,6 @@ def summary(found: Tables) -> Summary:
     listed, odd = motions["listed"].sum(), (motions["isolated"] + motions["not_convex"]).sum()
     many = int(motions["several_velocities"].sum())
     far = beyond.iloc[-1]
-    names = sorted({*bent["scene"]})
     numbers = {
         "most": block["most_velocities"].max(),
         "listed": listed,
@@ -161,9 +131,6 @@ def summary(found: Tables) -> Summary:
         "far": f"{far['share']:g}",
         "middle_residual": f"{far['middle_residual']:.2f}",
         "middle_gap": f"{far['middle_gap']:.3g}",
-        "scenes": len(scenes),
-        "bent": len(bent),
-        "names": listing(names),
         "threshold": f"{least:.3g}",
         "mu": f"{high['friction']:.3g}",
         "aspect": f"{high['aspect']:g}",
@@ -174,8 +141,6 @@ def summary(found: Tables) -> Summary:
         "odd": odd,
         "several": many or "none",
         "have": "has" if many <= 1 else "have",
-        "loose": len(loose),
-        "loose_names": listing(sorted({*loose["scene"]})),
     }
     figures = {
         "jam": (
@@ -195,37 +160,28 @@ def _bent(ax: Axes, jam: pd.DataFrame) -> None:
     ax.plot(*zip(first[["normal", "velocity"]], last[["normal", "velocity"]], strict=True), color=ALARM, lw=0.7, ls=":")
     middle = (first[["normal", "velocity"]] + last[["normal", "velocity"]]) / 2
     ax.plot(*middle, "x", color=ALARM, label="no solution")
-    ax.set(xlabel="normal impulse, N s", ylabel="velocity afterwards, m/s")
-    ax.grid(**GRID)
-    ax.legend()
+    finish(ax, "normal impulse, N s", "velocity afterwards, m/s")
 
 
 def _middles(ax: Axes, jam: pd.DataFrame) -> None:
     ax.plot(jam["share"], jam["middle_residual"], color=BLUE, label="residual")
     ax.plot(jam["share"], jam["middle_gap"], color=INK, ls="--", label="z'w / (m V^2)")
-    ax.set(xlabel="normal impulse over the stopping one", ylabel="of the middle")
-    ax.grid(**GRID)
-    ax.legend()
-
-
-def _heat(ax: Axes, rows: pd.DataFrame, x: str, y: str, value: str) -> None:
-    """Cells of the column `value` in [0, 1] over the columns x and y; a cell of 0 has no number."""
-    table = rows.pivot_table(index=y, columns=x, values=value, sort=True)
-    ax.imshow(100 * table.to_numpy(float), cmap="Blues", vmin=0, origin="lower", aspect="auto")
-    dark = 0.6 * table.max().max()
-    for (i, j), here in np.ndenumerate(table.to_numpy(float)):
-        if here > 0:
-            look: Any = {"ha": "center", "va": "center", "fontsize": "x-small", "color": "white" if here > dark else INK}
-            ax.text(float(j), float(i), f"{100 * here:.2g}", **look)
-    ax.set_xticks(range(table.shape[1]), [f"{at:.3g}" for at in table.columns])
-    ax.set_yticks(range(table.shape[0]), [f"{at:.3g}" for at in table.index])
+    finish(ax, "normal impulse over the stopping one", "of the middle")
 
 
 def _shares(ax: Axes, block: pd.DataFrame) -> None:
-    _heat(ax, block.assign(share=block["several_velocities"] / block["draws"]), "friction", "aspect", "share")
+    rows = block.assign(share=100 * block["several_velocities"] / block["draws"])
+    table = rows.pivot_table(index="aspect", columns="friction", values="share", sort=True)
+    ax.imshow(table.to_numpy(float), cmap="Blues", vmin=0, origin="lower", aspect="auto")
+    for (i, j), here in np.ndenumerate(table.to_numpy(float)):
+        if here > 0:
+            colour = "white" if here > 0.6 * table.max().max() else INK
+            ax.text(j, i, f"{here:.2g}", ha="center", va="center", fontsize="x-small", color=colour)
+    ax.set_xticks(range(table.shape[1]), [f"{at:.3g}" for at in table.columns])
+    ax.set_yticks(range(table.shape[0]), [f"{at:.3g}" for at in table.index])
     edge = np.repeat(block.groupby("aspect")["p0"].sum() - 0.5, 2)
     ax.plot(edge, np.repeat(np.arange(-0.5, len(edge) / 2), 2)[1:-1], color=INK, ls="--")
     ax.set(xlabel="mu", ylabel="height over width")
 
 
-STUDY = Study((scenes, jam, block, motions), summary)
+STUDY = Study((jam, block, motions), summary)

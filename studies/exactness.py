@@ -66,22 +66,21 @@ def paths(names: Iterable[str] = ROBOTS, seeds: Iterable[int] = (0, 1), duration
     for name in names:
         model = next(one for one in MODELS if one.name == name).load()
         for seed in seeds:
-            known: dict[float, tuple[Array, float]] = {}
+            known: dict[float, Array] = {}
             for way in WAYS:
                 data, drive = begin(model, "smooth", seed)
                 if way == TWIN:
                     data.qvel[:] += MOVED * np.random.default_rng(seed).normal(size=model.nv)
-                for time, q, kinetic in _moved(model, data, drive, way, duration):
+                for time, q in _moved(model, data, drive, way, duration):
                     if way == REFERENCE:
-                        known[time] = q, kinetic
+                        known[time] = q
                     else:
                         yield {
                             "model": name,
                             "seed": seed,
                             "way": way,
                             "time": time,  # s
-                            "error": _apart(model, known[time][0], q),  # the largest of a coordinate, m or rad
-                            "energy": abs(kinetic - known[time][1]),  # J, kinetic
+                            "error": _apart(model, known[time], q),  # the largest of a coordinate, m or rad
                         }
 
 
@@ -106,8 +105,8 @@ def tasks(names: Iterable[str] = tuple(TASKS), duration: float = 0.3) -> Iterato
             yield {"task": name, "way": way, "moved": 1e3 * float(there)}  # mm; a turn counts at a tenth of a metre
 
 
-def _moved(model: Any, data: Any, drive: Any, way: str, duration: float) -> Iterator[tuple[float, Array, float]]:
-    """At TIMES: the time, the positions and the kinetic energy; not a number after a divergence."""
+def _moved(model: Any, data: Any, drive: Any, way: str, duration: float) -> Iterator[tuple[float, Array]]:
+    """At TIMES: the time and the positions; not a number after a divergence."""
     import mujoco as mj
 
     solver, tol, limit = WAYS[way]
@@ -123,8 +122,7 @@ def _moved(model: Any, data: Any, drive: Any, way: str, duration: float) -> Iter
         except fb.InputError:
             lost = True
         if k + 1 in ends:
-            mj.mj_energyVel(model, data)
-            yield ends[k + 1], np.full(model.nq, np.nan) if lost else data.qpos.copy(), float(data.energy[1])
+            yield ends[k + 1], np.full(model.nq, np.nan) if lost else data.qpos.copy()
 
 
 def _apart(model: Any, a: Array, b: Array) -> float:
@@ -156,8 +154,10 @@ def summary(found: Tables) -> Summary:
         "parted": listing(parted),
         "parted_by": f"{twins.max():.0e}",
         "seeds": errors["seed"].nunique(),
-        "rows": _table(middle, worst),
-        "tasks": _tasks(moved),
+        "rows": _table(
+            pd.DataFrame({f"after {t:g} s": middle[t].map("{:.0e}".format) + worst[t].map(" ({:.0e})".format) for t in middle})
+        ),
+        "tasks": _table(moved.drop(TWIN).map("{:.1e}".format)),
         "suffices": listing([f"{task} {way}" for task, way in suffices.items()]),
         "twin": f"at most {twin[last]:.0e}",
         "last": f"{last:g}",
@@ -178,22 +178,11 @@ def _tolerances() -> list[str]:
     return [f"{tol:.0e}" for tol in TOLERANCES]
 
 
-def _table(middle: pd.DataFrame, worst: pd.DataFrame) -> list[str]:
-    order = [way for way in WAYS if way in middle.index]
-    times = list(middle.columns)
-    lines = [f"| | {' | '.join(f'after {time:g} s' for time in times)} |", f"|---|{'---|' * len(times)}"]
-    for way in order:
-        cells = [f"{middle.loc[way, time]:.0e} ({worst.loc[way, time]:.0e})" for time in times]
-        lines.append(f"| {way} | {' | '.join(cells)} |")
-    return lines
-
-
-def _tasks(moved: pd.DataFrame) -> list[str]:
-    names = list(moved.columns)
-    lines = [f"| | {' | '.join(names)} |", f"|---|{'---|' * len(names)}"]
-    shown = (way for way in WAYS if way in moved.index and way != TWIN)
-    lines += [f"| {way} | {' | '.join(f'{moved.loc[way, name]:.1e}' for name in names)} |" for way in shown]
-    return lines
+def _table(cells: pd.DataFrame) -> list[str]:
+    """The lines of a table in Markdown, a row for each way."""
+    rows = [["", *cells.columns], *([way, *cells.loc[way]] for way in WAYS if way in cells.index)]
+    lines = [f"| {' | '.join(row)} |" for row in rows]
+    return [lines[0].replace("|  |", "| |"), f"|---|{'---|' * len(cells.columns)}", *lines[1:]]
 
 
 def _draw(ax: Axes, errors: pd.DataFrame) -> None:

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import SCHEMES, NoSolution, Scene, census, first_problem, simulation
+from frictionbench.problems import SCHEMES, NoSolution, Scene, simulation
 from frictionbench.reports import INK, Panel
 from studies.motions import by
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require, widest
@@ -36,7 +36,6 @@ SCHEMES_COMPARED = ("anitescu_potra", "stewart_trinkle", "moreau", "event_driven
 SOLVERS = ("lemke", "nsgs", "interior_point")
 SIZES = (1e-8, 1e-5, 1e-2)  # of the changes, m/s
 SPINS = tuple(float(10.0**power) for power in np.arange(-6, 0.5, 0.5))  # rad/s
-LIFTS = (0.0, 0.5, 0.9, 1.1, 1.5, 2.0, 4.0, 8.0, 16.0, 32.0)  # of the rod's tip, over g h
 
 
 def ensembles(
@@ -117,23 +116,8 @@ def landings(schemes: Iterable[str] = SCHEMES_COMPARED, spins: Iterable[float] =
         }
 
 
-def lifts(solvers: Iterable[str] = SOLVERS, steps: Iterable[float] = (0.004, 0.002, 0.001)) -> Iterator[Row]:
-    """The rod's first step where p < 0, with its tip moving up: which solution each solver returns, and how many there are.
-
-    step: s; lift: first velocity of the tip, upwards, over g times the step; solver: of the step, to 1e-10; solutions:
-    number of velocities that solve the step, by the census; along: velocity of the rod's centre along the ground after the
-    step, m/s.
-    """
-    for step, lift in product(steps, LIFTS):
-        stage = fb.scene("painleve_rod", **ROD, lift=lift * G * step, step=step)
-        count = census(first_problem(stage)).velocity_count
-        for solver in solvers:
-            v = motion(stage, "anitescu_potra", solver, 1)[0]
-            yield {"step": step, "lift": lift, "solver": solver, "solutions": count, "along": float(v[0])}
-
-
 def summary(found: Tables) -> Summary:
-    rows, landings, lifts = found["ensembles"], found["landings"], found["lifts"]
+    rows, landings = found["ensembles"], found["landings"]
     rows = rows.assign(parted=rows["apart"] > PARTED * rows["size"], none=rows["velocity"].isna())
     pairs = rows.groupby(["case", "scheme", "solver"])[["parted", "none"]].any().reset_index()
     inside = rows[rows["case"].isin(RODS) & ~rows["none"]]
@@ -149,27 +133,16 @@ def summary(found: Tables) -> Summary:
     small = others[others["after"] < 0.1 * others["closed"]].groupby("scheme")["delay"].max()
     error = abs(events["after"].iloc[0] / events["closed"].iloc[0] - 1)
     require(error < 0.01, "the event-driven spin is that of the closed form")
-    steps = lifts.groupby(["step", "lift"]).agg(
-        solutions=("solutions", "first"), apart=("along", lambda along: along.max() - along.min())
-    )
-    differ, several = steps["apart"] > SAME, steps["solutions"] > 1
-    begins = steps[several].reset_index().groupby("step")["lift"].min()
-    before = steps[~several].reset_index().query("lift < @begins.min()")["lift"].max()
     without = [f"{case} ({_pairs(own)})" for case, own in silent.groupby("case")]
     late = [f"{name} up to {delay:.1g} s" for name, delay in small.items()]
     numbers = {
         "parted": listing(sorted(parted["case"].unique())),
-        "jam": _apart(between),
-        "gain": f"{_gain(inside):.2g}",
+        "jam": f"differ by up to {between:.2g} m/s" if between > SAME else "are the same",
+        "gain": f"{(inside['apart'] / inside['size']).max():.2g}",
         "parted_limit": f"{PARTED:g}",
         "cases": "; ".join(told),
         "edge_most": f"{edge['most_apart'].max():.2g}",
         "edge": f"{edge['apart'].max():.1g}",
-        "several": several.sum(),
-        "steps": len(steps),
-        "differ": where_answers_differ(differ, several),
-        "before": f"{before:g}",
-        "begins": f"{begins.max():g}",
         "spin": f"{events['spin'].iloc[0]:.0e}",
         "delay": f"{events['delay'].iloc[0]:.1g}",
         "after": f"{events['after'].iloc[0]:.3f}",
@@ -179,10 +152,7 @@ def summary(found: Tables) -> Summary:
         "without_names": "; ".join(without),
     }
     figures = {
-        "edges": (
-            Panel("order of two hits", partial(_landings, landings=landings)),
-            Panel("the tip leaves", partial(_lifts, lifts=lifts[lifts["step"] == 0.002])),
-        ),
+        "edges": (Panel("order of two hits", partial(_landings, landings=landings)),),
     }
     return Summary(numbers, figures)
 
@@ -192,23 +162,6 @@ def _pairs(own: pd.DataFrame) -> str:
     return ", ".join(f"{scheme} with {listing(list(part['solver']))}" for scheme, part in own.groupby("scheme"))
 
 
-def _gain(rows: pd.DataFrame) -> float:
-    return float((rows["apart"] / rows["size"]).max())
-
-
-def _apart(distance: float) -> str:
-    """How answers whose velocities are so many m/s apart differ."""
-    return f"differ by up to {distance:.2g} m/s" if distance > SAME else "are the same"
-
-
-def where_answers_differ(differ: pd.Series, several: pd.Series) -> str:
-    """In how many steps answers differ, and whether in those with several solutions."""
-    if not differ.any():
-        return "none"
-    where = "all of these" if differ.eq(several).all() else "these only" if several[differ].all() else "others, too"
-    return f"{int(differ.sum())}, {where}"
-
-
 def _landings(ax: Axes, landings: pd.DataFrame) -> None:
     for k, (scheme, own) in enumerate(landings.groupby("scheme")):
         curve(ax, k, own["delay"], own["after"], str(scheme))
@@ -216,13 +169,4 @@ def _landings(ax: Axes, landings: pd.DataFrame) -> None:
     finish(ax, "delay between the hits, s", "spin, rad/s", "x")
 
 
-def _lifts(ax: Axes, lifts: pd.DataFrame) -> None:
-    several = lifts.loc[lifts["solutions"] > 1, "lift"]
-    if len(several):
-        ax.axvspan(several.min(), several.max(), color=INK, alpha=0.08)
-    for k, (solver, own) in enumerate(lifts.groupby("solver")):
-        curve(ax, k, own["lift"], own["along"], str(solver), ms=6 - 1.5 * k)
-    finish(ax, "lift over g h", "velocity along the ground, m/s")
-
-
-STUDY = Study((ensembles, landings, lifts), summary)
+STUDY = Study((ensembles, landings), summary)

@@ -14,7 +14,7 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem, refined, velocity_distance
 from frictionbench.reports import INK, Panel
 from frictionbench.solvers import solve
-from studies.motions import coulomb, path, problem_of
+from studies.motions import problem_of
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require, share
 
 APART = 1e-3  # of what contact changes: velocities further apart are two outcomes
@@ -88,40 +88,6 @@ def refined_answers(problem: FrictionProblem, starts: int) -> list[Array]:
     return [r for r in refinements if r is not None]
 
 
-def motions(
-    scenes: Any = (("disc_pile", {"rows": 5, "push": 0.1}), ("disc_pile", {"rows": 10, "push": 0.1})),
-    frictions: Any = FRICTIONS,
-    steps: int = 20,
-) -> Iterator[Row]:
-    """Where a first step has two outcomes: the motion from each, all later steps by one solver."""
-    for name, settings in scenes:
-        for friction in frictions:
-            stage = fb.scene(name, **settings, friction=friction)
-            problem = stage.problem()
-            finest = refined_answers(problem, STARTS)
-            others = [r for r in finest if (velocity_distance(problem, r, finest[0]) or 0.0) > APART]
-            if not finest or not others:
-                continue
-            first, second = (path(stage, _beginning(r), "anitescu_potra", steps) for r in (finest[0], others[0]))
-            apart = np.linalg.norm(second - first, axis=1)
-            moved = np.linalg.norm(first - first[0], axis=1)
-            for step in range(1, len(apart)):
-                yield {
-                    "scene": name,
-                    "friction": friction,
-                    "contacts": problem.contacts,  # of the first step
-                    "step": step,
-                    "apart": apart[step],  # of the positions, m and rad
-                    "moved": moved[step],  # since the beginning
-                }
-
-
-def _beginning(first: Array) -> Any:
-    """Answers that begin with the given impulses and go on by the portfolio."""
-    left = [first]
-    return lambda problem: left.pop() if left else coulomb(problem)
-
-
 def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADDER) -> Iterator[Row]:
     """Residual and velocity error of answers at a ladder of tolerances, v* shared by two refined methods."""
     for name, settings in scenes:
@@ -130,7 +96,6 @@ def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADD
             finest = refined_answers(problem, 0)
             if len(finest) < 2 or any((velocity_distance(problem, r, finest[0]) or 0.0) > 1e-9 for r in finest[1:]):
                 continue
-            weight = condition(problem, finest[0])
             for method in METHODS[problem.dimension]:
                 for tol in ladder:
                     answer = solve(problem, method, tol=tol, time_limit=5.0)
@@ -139,7 +104,6 @@ def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADD
                         "friction": friction,
                         "dimension": problem.dimension,
                         "contacts": problem.contacts,
-                        "condition": weight,  # of W at the contacts that bear
                         "method": method,
                         "tol": tol,
                         "residual": fb.residual(problem, answer.impulse),
@@ -147,21 +111,11 @@ def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADD
                     }
 
 
-def condition(problem: FrictionProblem, answer: Array) -> float:
-    """The condition on its range of W, its diagonal scaled to 1, at the contacts that bear."""
-    rows = np.repeat(answer[:, 0] > 1e-9 * answer[:, 0].max(), problem.dimension)
-    W = problem.W.toarray()[np.ix_(rows, rows)]
-    root = np.sqrt(np.repeat(problem.scale, problem.dimension)[rows])
-    values = np.linalg.eigvalsh(W / root / root[:, None])
-    positive = values[values > 1e-10 * values.max()]
-    return float(positive.max() / positive.min())
-
-
 PROBLEM = ["scene", "settings", "friction"]
 
 
 def summary(tables: Tables) -> Summary:
-    rows, moved, ladder = tables["answers"], tables["motions"], tables["digits"]
+    rows, ladder = tables["answers"], tables["digits"]
     known = rows[rows["refined"]]
     problems = known.groupby(PROBLEM).agg(
         dimension=("dimension", "first"),
@@ -173,8 +127,6 @@ def summary(tables: Tables) -> Summary:
     require(len(several) and (several["apart"] > APART).all(), "some problems have several outcomes")
     least = several.reset_index().groupby("scene")["friction"].min()
     cold = known[known["start"] == "zero"].merge(several.reset_index()[PROBLEM])
-    steps = [own.sort_values("step") for _, own in moved.groupby(["contacts", "friction"])]
-    ends = [(own["apart"].iloc[0] / own["moved"].iloc[0], own["apart"].iloc[-1] / own["moved"].iloc[-1]) for own in steps]
     measured = ladder[(ladder["residual"] < 0.1) & (ladder["residual"] > 1e-11) & (ladder["error"] > 0)]
     gain = measured["error"] / measured["residual"]
     other = measured["error"] > np.maximum(100 * measured["residual"], APART)  # far, although the residual is small
@@ -194,10 +146,6 @@ def summary(tables: Tables) -> Summary:
         "never": listing(sorted(set(problems.reset_index()["scene"]) - set(least.index))),
         "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
         "agreements": listing([f"{pair} on {own}" for pair, own in _agreements(cold).items()]),
-        "pairs": len(steps),
-        "begin": f"{100 * np.median([begin for begin, _ in ends]):.2g}" if ends else "",
-        "end": f"{100 * np.median([end for _, end in ends]):.2g}" if ends else "",
-        "grow": sum(end > begin for begin, end in ends),
         "answers": len(measured),
         "slope": str(line),
         "gain": f"{np.median(gain):.1f}",
@@ -206,8 +154,6 @@ def summary(tables: Tables) -> Summary:
         "worst": f"{gain[~other].max():.0f}",
         "other": int(other.sum()),
         "other_problems": _problems(len(measured[other].groupby(["scene", "friction"]))),
-        "conditions": f"{measured['condition'].min():.0f} to {measured['condition'].max():.0e}",
-        "correlated": f"{_correlation(np.log(measured['condition'][~other]), np.log(gain[~other])):.2f}",
     }
     figures = {
         "digits": tuple(
@@ -233,11 +179,6 @@ def _agreements(cold: pd.DataFrame) -> dict[str, str]:
     return found
 
 
-def _correlation(x: pd.Series, y: pd.Series) -> float:
-    """0 where x is the same everywhere."""
-    return float(np.corrcoef(x, y)[0, 1]) if x.max() > x.min() else 0.0
-
-
 def _problems(number: int) -> str:
     return f"{number} problem{'s' if number != 1 else ''}"
 
@@ -255,4 +196,4 @@ def _draw_apart(ax: Axes, rows: pd.DataFrame) -> None:
     finish(ax, "friction", "largest distance", "xy")
 
 
-STUDY = Study((answers, motions, digits), summary)
+STUDY = Study((answers, digits), summary)

@@ -10,11 +10,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import GRAVITY, FrictionProblem, census
+from frictionbench.problems import GRAVITY
 from frictionbench.reports import INK, Panel
 from frictionbench.solvers import solve
 from studies.motions import apart, coulomb, path, relaxed
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require
+from studies.study import Row, Study, Summary, Tables, curve, finish, order, require
 
 PILES: dict[str, dict[str, Any]] = {
     "stack": {"blocks": 5},
@@ -50,48 +50,10 @@ def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEP
                     "push": kind,  # by 1 m/s at once, or by 10 m/s^2
                     "friction": friction,  # mu
                     "step": step,  # s
-                    "residual": fb.residual(problem, relaxed(problem)),  # of the relaxation's answer by Coulomb's law
                     # |v_relaxed - v_Coulomb|_M / |v*|_M
                     "error": apart(problem, w, v),
                     **counts,
                 }
-
-
-def cycle(frictions: Iterable[float] = np.linspace(0.45, 1, 12), b: float = 0.97, rounds: int = 300) -> Iterator[Row]:
-    """One contact W = [[1, b], [b, 1]] that slides along +t: the fixed point written out, the solver, and staggering."""
-    for mu in frictions:
-        one = FrictionProblem(
-            mass=np.linalg.inv([[1, b], [b, 1]]),
-            normal=[[1, 0]],
-            tangent=[[0, 1]],
-            friction=[mu],
-            free_velocity=[-1, 10],
-            bias=[0],
-        )
-        exact = abs(one.contact_velocity(coulomb(one))[0, 1])
-        near, far = (fixed_point(one, start, count) for start, count in ((exact * (1 + 1e-3), 3), (0.0, rounds)))
-        away = np.abs(near - exact)
-        yield {
-            "friction": mu,  # mu
-            "solutions": census(one).count,  # number of solutions
-            "predicted": abs(mu * (mu - b)) / (1 - 2 * mu * b + mu**2),  # rate of the fixed point by its closed form
-            # rate of the fixed point written out, from 1e-3 beside the solution
-            "measured": float((away[3] / away[0]) ** (1 / 3)),
-            "converges": bool(abs(far[-1] - exact) <= 1e-6 * exact),  # whether from 0 it arrives within 1e-6 of the solution
-            # whether from 0 it ends in a cycle of two
-            "cycles": bool(abs(far[-1] - far[-3]) <= 1e-6 * exact and abs(far[-1] - far[-2]) > 1e-3 * exact),
-            "solver": solve(one, "anitescu_hart", tol=1e-8).status.name.lower(),  # status of anitescu_hart
-            "staggered": solve(one, "staggered", tol=1e-8).status.name.lower(),  # status of staggered projections
-        }
-
-
-def fixed_point(one: FrictionProblem, start: float, count: int) -> Array:
-    """lam^0 ... lam^count; each relaxation is solved by another method than that of the solver anitescu_hart."""
-    lams = [start]
-    for _ in range(count):
-        shifted = one.replace(bias=one.friction * lams[-1])
-        lams.append(abs(one.contact_velocity(relaxed(shifted))[0, 1]))
-    return np.array(lams)
 
 
 def gaps(friction: float = 0.6, speed: float = 1.0, steps: Iterable[float] = (0.016, 0.008, 0.004, 0.002)) -> Iterator[Row]:
@@ -114,47 +76,8 @@ def gaps(friction: float = 0.6, speed: float = 1.0, steps: Iterable[float] = (0.
         }
 
 
-def stopping(frictions: Iterable[float] = (0.2, 0.6, 1.0), steps: Iterable[float] = (0.016, 0.008, 0.004)) -> Iterator[Row]:
-    """How far a block slides until it stops, by both models."""
-    for friction in frictions:
-        for step in steps:
-            stage = fb.scene("stopping_block", friction=friction, step=step, duration=1.1 / (friction * GRAVITY))
-            yield {
-                "friction": friction,  # mu
-                "step": step,  # s
-                "exact": 1 / (2 * friction * GRAVITY),  # v^2/(2 mu g), m
-                "coulomb": path(stage, coulomb, GAPS)[-1, 0],  # distance by Coulomb's law, m
-                "relaxed": path(stage, relaxed, GAPS)[-1, 0],  # distance by the relaxation, m
-            }
-
-
-def falls(
-    frictions: Iterable[float] = (0.5, 0.6, 0.7, 0.8), speeds: Iterable[float] = np.linspace(1, 4, 13), steps: int = 150
-) -> Iterator[Row]:
-    """A block twice as high as wide is thrown along the ground: whether it tips over, by both models.
-
-    coulomb: whether it tips over by Coulomb's law; relaxed: whether it tips over by the relaxation.
-    """
-    for friction in frictions:
-        for speed in speeds:
-            stage = fb.scene("two_corner_block", aspect=2.0, friction=friction, velocity=speed)
-            ends = {
-                model: path(stage, answer, GAPS, steps)[-1] for model, answer in (("coulomb", coulomb), ("relaxed", relaxed))
-            }
-            yield {
-                "friction": friction,  # mu
-                "speed": speed,  # at which the block is thrown, m/s
-                **{model: bool(abs(q[2]) > 1.0) for model, q in ends.items()},
-                "apart": float(np.hypot(*(ends["coulomb"] - ends["relaxed"])[:2])),  # distance of the two blocks at the end, m
-            }
-
-
 def summary(found: Tables) -> Summary:
-    errors, cycle, gaps, stopping, falls = (found[name] for name in ("errors", "cycle", "gaps", "stopping", "falls"))
-    require(cycle["solutions"].eq(1).all(), "the single contact has one solution")
-    require(np.allclose(cycle["predicted"], cycle["measured"], rtol=1e-3), "the fixed point has the predicted rate")
-    cycling = cycle[cycle["cycles"]]
-    require((cycling["predicted"] > 1).all() and len(cycling), "the fixed point cycles where its rate exceeds 1")
+    errors, gaps = found["errors"], found["gaps"]
     hop, smooth = gaps.iloc[-1], order(gaps["step"], gaps["smooth"])
     require(np.allclose(gaps["smooth"], gaps["smooth_predicted"], rtol=0.02), "the smooth gap is h mu |v_t|")
     require(abs(hop["hop"] / hop["hop_predicted"] - 1) < 0.05, "the hop is that of the closed form")
@@ -165,9 +88,6 @@ def summary(found: Tables) -> Summary:
     by_pile = usual.groupby(["push", "scene"])["error"].median()
     counts = errors.groupby("friction")[["anitescu_hart", "staggered"]].agg(["count", "median"])
     arrived = {name: int(errors[name].notna().sum()) for name in ("anitescu_hart", "staggered")}
-    apart = (stopping["coulomb"] - stopping["relaxed"]).abs() / stopping["exact"]
-    finest = stopping["step"] == stopping["step"].min()
-    agree, many = int((falls["coulomb"] == falls["relaxed"]).sum()), len(falls)
     low, high = counts.index.min(), counts.index[counts["anitescu_hart"]["count"] > 0].max()
     numbers = {
         "sudden": f"{100 * by_push[SUDDEN]:.0f}",
@@ -184,29 +104,18 @@ def summary(found: Tables) -> Summary:
         "hop": f"{1000.0 * hop['hop']:.1f}",
         "hop_predicted": f"{1000.0 * hop['hop_predicted']:.1f}",
         "smooth": smooth,
-        "apart": f"{100 * apart.max():.1f}",
-        "apart_finest": f"{100 * apart[finest].max():.1f}",
-        "agree": agree,
-        "throws": many,
-        "all_agree": agree == many,
         "at_low": f"{counts['anitescu_hart']['median'][low]:.0f}",
         "low": f"{low:g}",
         "at_high": f"{counts['anitescu_hart']['median'][high]:.0f}",
         "high": f"{high:g}",
         "staggered": arrived["staggered"],
-        "cycle_from": f"{cycling['friction'].min():.2f}",
-        "cycle_to": f"{cycling['friction'].max():.2f}",
-        "cycle_staggered": f"{cycling['staggered'].eq('solved').sum()} of {len(cycling)}",
     }
     figures = {
         "errors": (
             Panel("error of one relaxation", partial(_errors, errors=errors)),
             Panel("relaxations in turn", partial(_counts, errors=errors)),
         ),
-        "artefacts": (
-            Panel("one contact with b = 0.97", partial(_rates, cycle=cycle)),
-            Panel("two artefacts", partial(_gaps, gaps=gaps)),
-        ),
+        "artefacts": (Panel("two artefacts", partial(_gaps, gaps=gaps)),),
     }
     return Summary(numbers, figures)
 
@@ -232,15 +141,6 @@ def _counts(ax: Axes, errors: pd.DataFrame) -> None:
     finish(ax, "mu", "iterations", "xy")
 
 
-def _rates(ax: Axes, cycle: pd.DataFrame) -> None:
-    curve(ax, 0, cycle["friction"], cycle["predicted"], "closed form", marker="")
-    curve(ax, 0, cycle["friction"], cycle["measured"], "measured", ls="")
-    cycling = cycle[cycle["cycles"]]
-    ax.plot(cycling["friction"], cycling["measured"], "x", color=INK, ms=8, label="cycle of two")
-    ax.axhline(1, color=INK, lw=0.6, ls=":")
-    finish(ax, "mu", "rate")
-
-
 def _gaps(ax: Axes, gaps: pd.DataFrame) -> None:
     curve(ax, 0, gaps["step"], gaps["hop"], "sudden start")
     ax.plot(gaps["step"], gaps["hop_predicted"], color=INK, lw=0.7, ls=":", label="closed forms")
@@ -249,4 +149,4 @@ def _gaps(ax: Axes, gaps: pd.DataFrame) -> None:
     finish(ax, "step, s", "height, m", "xy")
 
 
-STUDY = Study((errors, cycle, gaps, stopping, falls), summary)
+STUDY = Study((errors, gaps), summary)

@@ -1,7 +1,7 @@
 """The tables of studies, computed in processes of their own, and the page made from them.
 
     OUT/NAME/TABLE.parquet   a computed table
-    OUT/NAME/runs, recorded  the solver runs of a study, results folders like any other
+    OUT/NAME/runs            the solver runs of a study, a results folder like any other
     OUT/studies.md, studies/ the page of all studies that OUT holds, and its figures as SVG and PDF
 
 A table is computed anew where the code that computes it has changed: that of the package and that of the study above its
@@ -26,7 +26,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from frictionbench.harness import Progress, content, run_plan
 from frictionbench.reports import escaped, save_sheet
 from frictionbench.results import read_table, subfolder, write_text
-from studies.study import RECORDED, Study, Summary, Tables
+from studies.study import Study, Summary, Tables
 
 NAMES = (  # in the order of the page
     *("convexity", "relaxation", "interior", "inclusion", "cone", "outcomes"),
@@ -50,10 +50,8 @@ def code(name: str) -> str:
     return sha256((above + shared + content(("problems", "solvers"))).encode()).hexdigest()
 
 
-def compute(names: Sequence[str], out: Path, jobs: int, locations: Sequence[str] = ()) -> None:
-    """Compute what is missing. Errors: as of harness.run; InputError where a location has no recorded problems."""
-    plans = {name: study(name).recorded for name in names}
-    recorded = {name: plan(locations) for name, plan in plans.items() if plan and locations}
+def compute(names: Sequence[str], out: Path, jobs: int) -> None:
+    """Compute what is missing. Errors: as of harness.run."""
     missing = [(name, rows.__name__) for name in names for rows in study(name).rows if not _kept(out, name, rows.__name__)]
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # a core for each table
     with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
@@ -62,8 +60,6 @@ def compute(names: Sequence[str], out: Path, jobs: int, locations: Sequence[str]
     for name in names:
         if (plan := study(name).plan) is not None:
             run_plan(plan(), subfolder(out, name) / "runs", jobs, Progress())
-        if name in recorded:
-            run_plan(recorded[name], subfolder(out, name) / RECORDED, jobs, Progress())
 
 
 def write_rows(out: Path, name: str, table: str, settings: Mapping[str, Any] | None = None) -> Path:
@@ -88,9 +84,7 @@ def read(out: Path, name: str) -> Tables | None:
     if not all(path.exists() for path in paths) or (own.plan and not (runs / "solves.parquet").exists()):
         return None
     tables = {path.stem: pd.read_parquet(path) for path in paths}
-    tables |= {"solves": read_table(runs, "solves")} if own.plan else {}
-    recorded = out / name / RECORDED
-    return tables | ({RECORDED: read_table(recorded, "solves")} if (recorded / "solves.parquet").exists() else {})
+    return tables | ({"solves": read_table(runs, "solves")} if own.plan else {})
 
 
 def write_page(out: Path) -> Path:

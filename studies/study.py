@@ -22,7 +22,6 @@ from frictionbench.harness import Plan
 from frictionbench.reports import GRID, Look, Panel, percent, plain
 from frictionbench.results import ResultsError
 
-RECORDED = "recorded"  # the table of solver runs on recorded problems
 Z = NormalDist().inv_cdf(0.975)
 COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a6761d", "#8c6bb1", "#7f7f7f")
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
@@ -30,7 +29,7 @@ _DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), "-", 
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]
-Tables = dict[str, pd.DataFrame]  # by name; those of solver runs are `solves` and, where problems were given, RECORDED
+Tables = dict[str, pd.DataFrame]  # by name; that of solver runs is `solves`
 
 
 class Summary(NamedTuple):
@@ -42,7 +41,7 @@ class Summary(NamedTuple):
 
 
 class Study(NamedTuple):
-    """rows: a generator for each table. plan: solver runs, if any; recorded: those on recorded problems at given locations.
+    """rows: a generator for each table. plan: solver runs, if any.
 
     needs: packages without which `all` leaves the study out.
     """
@@ -50,7 +49,6 @@ class Study(NamedTuple):
     rows: Sequence[Callable[..., Iterable[Row]]]
     summary: Callable[[Tables], Summary]
     plan: Callable[[], Plan] | None = None
-    recorded: Callable[[Sequence[str]], Plan] | None = None
     needs: Sequence[str] = ()
 
     def runs(self) -> bool:

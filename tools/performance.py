@@ -10,7 +10,7 @@ from textwrap import fill
 
 from frictionbench.reports import HEADER, METHOD, RateTable, rate_tables
 from frictionbench.results import ResultsError, read_table
-from tools import hard_families, large_problems
+from tools import large_problems
 
 HEAD = """# Performance
 
@@ -46,5 +46,5 @@ def _wrapped(text: str) -> str:
 if __name__ == "__main__":
     from tools.robots import timing  # needs MuJoCo and its models
 
-    parts = [rates(Path(sys.argv[1])), timing.section(), large_problems.section(), hard_families.section()]
+    parts = [rates(Path(sys.argv[1])), timing.section(), large_problems.section()]
     sys.stdout.write("\n".join(parts))

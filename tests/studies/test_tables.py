@@ -8,9 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import frictionbench as fb
 from studies.cone import SPACE
-from studies.interior import central_path, folds
 from studies.study import order
 from studies.warm import COUNTS
 from tests.helpers.studies import reduced, text
@@ -34,12 +32,8 @@ def test_springs_tend_to_the_rigid_motion_and_decide_between_two() -> None:
 
 @pytest.mark.slow  # its claims on computed tables
 def test_polygons_bend_the_path_and_approach_the_cone() -> None:
-    names = [("interior_point", 1.0), *((f"lemke[facets={k}]", k / 6.0) for k in (4, 8, 16))]
-    times = {"form_time": 0.0, "setup_time": 0.0, "verdict": "solved", "problem": "p"}
-    solves = pd.DataFrame([{"variant": name, "solve_time": time} | times for name, time in names])
     found = reduced(
         "cone",
-        {"solves": solves},
         ball={"facets": (0, 4, 8, 16), "step": 0.01, "turns": 3},
         problems={"facets": (4, 8, 16), "sources": SPACE[1:2], "turns": 3},
         interior={"facets": (0, 4, 8), "sources": SPACE[1:2], "repeats": 1},
@@ -49,7 +43,7 @@ def test_polygons_bend_the_path_and_approach_the_cone() -> None:
     assert problems.groupby("facets")["error"].mean().is_monotonic_decreasing
     assert found["interior"]["solved"].all()
     assert problems["solutions_apart"].max() < 1e-8
-    assert "From 8 facets on Lemke's method takes longer" in text("cone", found).answer
+    assert text("cone", found).answer.startswith("The cone")
 
 
 @pytest.mark.slow  # its claims on computed tables
@@ -60,33 +54,29 @@ def test_the_jam_is_a_bent_line_and_the_block_is_unique_where_it_is_p0() -> None
         block={"frictions": (0.5, 3.0), "aspects": (1.0,), "draws": 30},
         motions={"names": ("example_4",), "steps": 30, "most": 3},
     )
-    jam, block, scenes = found["jam"], found["block"], found["scenes"]
+    jam, block = found["jam"], found["block"]
     assert jam["residual"].max() < 1e-12
     assert (jam["middle_residual"] > 1e-3).tolist() == (jam["share"] > 1).tolist()
     assert jam["middle_gap"].iloc[-1] == 0.25
     assert block["several_velocities"].gt(0).tolist() == [False, True]
-    assert {"jam", "wedge"} == {*scenes.loc[scenes["impulses"] == "not convex", "scene"]}
     account = text("convexity", found)
     assert account.answer.startswith("No. ")
     assert list(dict.fromkeys(re.findall(r"convexity_(\w+)\.svg", account.body))) == ["jam", "block"]
 
 
 @pytest.mark.slow  # its claims on computed tables
-def test_hinges_drift_and_solvers_see_the_same_problem() -> None:
+def test_hinges_drift_and_angles_do_not() -> None:
     found = reduced(
         "coordinates",
         drifts={"schemes": ("anitescu_potra",), "counts": (20, 40, 80), "duration": 0.004},
         free={"schemes": ("stewart_trinkle",), "counts": (20, 40, 80)},
-        problems={"solvers": ("lemke",), "steps": 60},
     )
-    drifts, problems = found["drifts"], found["problems"]
+    drifts = found["drifts"]
     assert drifts[drifts["form"] == "angles"]["drift"].max() < 1e-12
     assert drifts[drifts["form"] == "hinges"]["drift"].min() > 1e-6
-    assert problems["difference"].max() < 1e-9
     free = {form: order(rows["step"], rows["error"]).value for form, rows in found["free"].groupby("form")}
     assert free["hinges"] > 1.8, "positions of SHAKE"
     assert free["angles"] < 1.2
-    assert problems["work_angles"].tolist() == problems["work_hinges"].tolist()
     assert text("coordinates", found).answer.startswith("To the solvers it is the same")
 
 
@@ -108,11 +98,10 @@ def test_events_are_exact_and_steps_are_of_first_order() -> None:
 
 
 @pytest.mark.slow  # its claims on computed tables
-def test_the_rod_settles_within_the_ledgers_bound() -> None:
+def test_the_rods_impulse_tends_to_the_limit() -> None:
     arguments = {"scenes": ("rod",), "solvers": ("lemke", "interior_point"), "steps": (0.02, 0.01, 0.005)}
     rows = reduced("inclusion", refinement=arguments)
     table = rows["refinement"]
-    assert (table["squares"] <= table["bound"]).all()
     away = np.abs(table.loc[table["solver"] == "lemke", "largest"] - 0.9)
     assert away.is_monotonic_decreasing
     assert away.iloc[-1] < 0.06
@@ -126,23 +115,13 @@ def test_the_predictor_corrector_solves_most_problems() -> None:
         random={"frictions": (0.3, 3.0), "contacts": (5,), "seeds": 3},
         piles={"frictions": (0.2,), "blocks": (1, 10)},
         threshold={"ratios": (0.5, 3.0), "draws": 6},
-        path={"frictions": (1.0,), "contacts": 3, "seeds": range(2)},
     )
     random, threshold = found["random"], found["threshold"]
     assert random.loc[random["friction"] < 1, ["plain", "paths", "relaxation"]].all().all()
     assert threshold["p0"].tolist() == [True, False]
     assert threshold.loc[threshold["p0"], "plain"].tolist() == [6]
     assert found["piles"]["plain"].all()
-    assert found["path"]["t"].iloc[-1] < 1e-3
     assert text("interior", found).answer.startswith("Yes")
-
-
-def test_a_central_path_folds_and_ends_at_a_solution() -> None:
-    lcp = fb.instance("random", contacts=5, friction=10.0, seed=10).lcp()
-    points = central_path(lcp)
-    assert folds(points) >= 2
-    assert points[-1][1] <= 1e-4
-    assert np.all(np.diff([length for length, _ in points]) > 0)
 
 
 def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None:
@@ -155,7 +134,6 @@ def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None
             "sizes": (1e-8,),
         },
         landings={"schemes": ("anitescu_potra", "event_driven"), "spins": (1e-6, 1e-4)},
-        lifts={"solvers": ("lemke", "interior_point"), "steps": (0.002,)},
     )
     ends = found["ensembles"].set_index(["case", "solver"])["apart"]
     assert ends["rod at p < 0", "lemke"] < 1e-7
@@ -166,7 +144,6 @@ def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None
     assert landings.loc[("anitescu_potra", 1e-6), "after"] < 1e-5
     account = text("neighbours", found)
     assert account.answer.startswith("At edges, yes: nearby trajectories diverge permanently in ")
-    assert "the solvers' answers differ in none;" in account.body
 
 
 def test_a_higher_order_is_kept_in_smooth_sliding_and_gaps_drift_less() -> None:
@@ -182,23 +159,16 @@ def test_a_higher_order_is_kept_in_smooth_sliding_and_gaps_drift_less() -> None:
 
 
 @pytest.mark.slow  # its claims on computed tables
-def test_the_relaxation_errs_and_the_fixed_point_cycles() -> None:
+def test_the_relaxation_errs_by_the_closed_forms() -> None:
     found = reduced(
         "relaxation",
         errors={"frictions": (0.1, 0.4, 0.8), "steps": (1e-3,)},
-        cycle={"frictions": (0.45, 0.75, 1.0), "rounds": 100},
         gaps={"steps": (0.02, 0.01, 0.005)},
-        stopping={"frictions": (0.6,), "steps": (0.02, 0.01)},
-        falls={"frictions": (0.7,), "speeds": (1.0, 3.0), "steps": 100},
     )
-    cycle, gaps, stopping, falls = (found[name] for name in ("cycle", "gaps", "stopping", "falls"))
-    assert cycle["cycles"].tolist() == [False, True, False]
-    assert cycle["staggered"].eq("solved").all()
+    gaps = found["gaps"]
     assert gaps["coulomb"].max() < 1e-9
     assert np.allclose(gaps["smooth"], gaps["smooth_predicted"], rtol=0.02)
     assert np.ptp(gaps["hop"]) < 0.2 * gaps["hop"].min()
-    assert np.allclose(stopping["coulomb"], stopping["exact"] - stopping["step"] / 2, rtol=0.03)
-    assert falls["coulomb"].tolist() == falls["relaxed"].tolist() == [False, True]
     by_push = found["errors"].groupby("push")["error"].median()
     assert by_push["sudden"] > 0.05
     assert by_push["smooth"] < by_push["sudden"]
@@ -235,11 +205,9 @@ def test_a_pile_of_discs_has_several_motions_and_digits_of_residual_are_digits_o
     found = reduced(
         "outcomes",
         answers={"scenes": (*pile, ("random_bodies", {"contacts": 8})), "frictions": (0.8,), "starts": 1},
-        motions={"scenes": pile, "frictions": (0.8,), "steps": 3},
         digits={"scenes": (("pyramid", {"rows": 3, "push": 1.0}),), "frictions": (0.8,), "ladder": (1e-2, 1e-4, 1e-6, 1e-8)},
     )
     assert found["answers"]["outcome"].max() >= 1
-    assert (found["motions"]["apart"] > 0).all()
     exact = found["digits"].query("residual < 1e-9")
     assert (exact["error"] < 1e-7).all()
     assert "1 have several" in text("outcomes", found).answer
