@@ -81,7 +81,7 @@ def test_run_of_bare_lcps(tmp_path) -> None:
     ours = read_run(out)
     assert ours.ranked["size"].tolist() == [16, 16]
     told = recorded_problems(ours)
-    assert [(line.contacts, line.unknowns, list(line.solvers)) for line in told[:1]] == [(None, 2, ["lemke"])]
+    assert [(line["contacts"], line["unknowns"], list(line["solvers"])) for line in told[:1]] == [(None, 2, ["lemke"])]
     assert "LCP, n = 2" in write_report(out).read_text(encoding="utf-8")
     with pytest.raises(InputError, match="is a bare LCP"):
         list(export(str(out), tmp_path / "again"))

@@ -56,9 +56,9 @@ class _Stored:
     problem: Annotated[str, Field(pattern="^[0-9a-f]{8,64}$")]
     scene: str
     parameters: Json[dict[str, Any]]
-    step: Annotated[int, Field(ge=0, lt=10**9)]
+    step: Annotated[int, Field(strict=True, ge=0, lt=10**9)]
     phase: str
-    contacts: int | None
+    contacts: Annotated[int | None, Field(strict=True)]
     starts: dict[Literal["cold", "warm", "shuffled"], str]
 
 
