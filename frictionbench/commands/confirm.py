@@ -51,6 +51,7 @@ def confirmed(
     if code:
         require_code(code)
     settings = store.read_manifest(comparison.current)["settings"]
+    _require_same(comparison.current, settings, named)
     slow = suspects(comparison, limits) if code and limits.times else []
     stored, current = cells.read(comparison.baseline), cells.read(comparison.current)
     known = set(stored.measured["variant"]) & set(current.measured["variant"])
@@ -86,6 +87,14 @@ def confirmed(
                 tell(f"confirm: after {i + 1} pairs no solver can be found slower by the others")
                 break
     return confirm(comparison, pairs, before is not None, limits, equal)
+
+
+def _require_same(folder: Path, settings: dict[str, Any], named: list[str]) -> None:
+    """Errors: InputError where the run in the folder was made with another content of a solver that is named."""
+    made = {plugin.get("source"): plugin.get("content") for plugin in settings.get("plugins") or ()}
+    for spec in named:
+        if made.get(plugins.absolute(spec), "") not in ("", plugins.content(spec)):
+            raise InputError(f"DIR: {folder} was made with another content of {spec}; run it again in a new folder")
 
 
 def _options(settings: dict[str, Any]) -> list[str]:

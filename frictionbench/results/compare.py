@@ -132,13 +132,15 @@ def _untimed(old: Cells) -> str:
     return f"{why}. `--confirm --code` runs both versions alternately on this machine"
 
 
-def _differences(before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits) -> tuple[dict[str, Any], int]:
+def _differences(
+    before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits, excused: bool = True
+) -> tuple[dict[str, Any], int]:
     """The changes other than of times, by their names in Comparison, and the number of changed timeouts that the speed of the
-    machine may explain."""
+    machine may explain, which are no changes if excused."""
     ran = [cells[measured(cells)] for cells in (before, after)]
     common = ran[0].index.intersection(ran[1].index)
     old, new = before.loc[common], after.loc[common]
-    by_speed = changes.explained_by_speed(old, new, alike)
+    by_speed = changes.explained_by_speed(old, new, alike) & excused
     found = {
         "flips": tuple(changes.flips(old[~by_speed], new[~by_speed])),
         "gone": tuple(changes.gone(before, after)),
@@ -187,14 +189,18 @@ def confirm(
 
     pairs: of the alternating runs, the cells of the baseline's code and of the current code; if the baseline's code is not
     available, both is false and its recorded cells are used. An alert remains if it occurs in more than half of the pairs, or
-    if its solver did not run again, or is one of `equal` (equal_loads); times are judged by their confidence intervals.
+    if its solver did not run again, or is one of `equal` (equal_loads); times are judged by their confidence intervals. A
+    verdict that is worse in more than half of the pairs is an alert also where the two runs did not show it: a timeout that
+    the speed of another machine may explain is none of this machine's.
     """
     votes: Counter[tuple[str, str]] = Counter()
+    seen: dict[tuple[str, str], Flip] = {}
     record = read(comparison.baseline).table
     for ran, after in pairs:
         before = pd.concat([ran, record[~record.index.isin(ran.index)]])  # cells that the old code lacks
-        differences, _ = _differences(before, after, both, limits)
+        differences, _ = _differences(before, after, both, limits, excused=not both)
         votes.update({_name(found) for kind in differences.values() for found in kind if found.worse})
+        seen |= {_name(flip): flip for flip in differences["flips"] if flip.worse}
     again = {variant for _, after in pairs for variant in after["variant"]}
     first: dict[str, Any] = {name: getattr(comparison, name) for name in ("flips", "gone", "added", "work")}
     equal = equal or {}
@@ -204,13 +210,16 @@ def confirm(
     remaining: dict[str, Any] = {
         name: tuple(found for found in kind if _name(found) not in dismissed) for name, kind in first.items()
     }
+    known = {_name(found) for kind in first.values() for found in kind}
+    fresh = [flip for name, flip in seen.items() if both and 2 * votes[name] > len(pairs) and name not in known]
+    remaining["flips"] = (*remaining["flips"], *fresh)
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
     notes += [f"{variant}: nothing is dismissed: {_same_on_both(names)}" for variant, names in equal.items()]
     timed = {time.variant: time for time in (times(pairs, limits.slowdown, limits.alpha) if both and limits.times else [])}
     return replace(
         comparison,
-        same=comparison.same + sum(_name(flip) in dismissed for flip in comparison.flips),
+        same=comparison.same + sum(_name(flip) in dismissed for flip in comparison.flips) - len(fresh),
         **remaining,
         times=tuple(({time.variant: time for time in comparison.times} | timed).values()),
         untimed="" if timed else "no cell was timed in both versions" if both and limits.times else comparison.untimed,

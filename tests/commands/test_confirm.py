@@ -72,3 +72,13 @@ def test_baseline_revision_is_unpacked(tmp_path, monkeypatch) -> None:
     (moved,) = before.solvers
     assert Path(moved).is_relative_to(tmp_path / "scratch")
     assert "raise" not in Path(moved).read_text(encoding="utf-8")
+
+
+def test_a_run_of_another_content_is_refused(seen, monkeypatch) -> None:
+    monkeypatch.chdir(seen.current.parent)
+    guest = Path("solvers/guest.py")
+    before = guest.read_bytes()
+    guest.write_bytes(before + b"# changed")
+    with pytest.raises(InputError, match=r"^DIR: .* was made with another content of solvers/guest\.py"):
+        again(seen, None)
+    guest.write_bytes(before)

@@ -289,6 +289,18 @@ def test_unconfirmed_alert_is_dropped(runs):
     assert "Not confirmed, the repeats give the result of the baseline: a, pivots." in markdown(fallen)
 
 
+def test_a_timeout_in_most_repeats_is_an_alert(runs, tmp_path):
+    """Though the time of the recorded run, near the limit, would excuse it on another machine."""
+    fine = [solve_row("a", f"p{i}", form_times=[0.0], setup_times=[0.0], solve_times=[1.05], time_limit=2.0) for i in range(2)]
+    late = [fine[0], unanswered_row("a", "p1", verdict="timeout", time_limit=2.0)]
+    seen = runs(fine, late, machine=ELSEWHERE["machine"])
+    assert (seen.exit_code, seen.flips) == (0, ())
+    before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
+    assert told(confirm(seen, [(before, after)] * 8, both=True, limits=Limits()).worse) == ["a-p1-1e-08 solved → timeout"]
+    assert confirm(seen, [(before, after)] * 3 + [(before, before)] * 5, both=True, limits=Limits()).exit_code == 0
+    assert confirm(seen, [(before, after)] * 8, both=False, limits=Limits()).exit_code == 0
+
+
 def test_missing_cells_with_removed_code(runs):
     seen = runs([*rows(["solved"]), solve_row("b", "p0")], rows(["solved"]))
     before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
