@@ -222,5 +222,5 @@ def peers() -> Plan:
     )
 
 
-_MAKERS = (smoke, standard, sealed, seeds, replay, robots, scaling, hard, batch, maps, recorded, spatial, peers)
-SUITES = {make.__name__: make for make in _MAKERS}
+_ALL = (smoke, standard, sealed, seeds, replay, robots, scaling, hard, batch, maps, recorded, spatial, peers)
+SUITES = {make.__name__: make for make in _ALL}
