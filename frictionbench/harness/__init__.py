@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from frictionbench.harness.plans import hard as hard
     from frictionbench.harness.plans.plan import Plan as Plan
     from frictionbench.harness.plans.plan import Source as Source
-    from frictionbench.harness.plans.recorded import located as located
     from frictionbench.harness.process import cores as cores
     from frictionbench.harness.progress import Progress as Progress
     from frictionbench.harness.run import run as run_plan

@@ -10,13 +10,11 @@ from frictionbench.lazy import importer
 if TYPE_CHECKING:
     from frictionbench.problems.analysis.census import Census as Census
     from frictionbench.problems.analysis.census import census as census
-    from frictionbench.problems.analysis.frictionless import frictionless_answer as frictionless_answer
     from frictionbench.problems.analysis.frictionless import idle as idle
     from frictionbench.problems.analysis.outcomes import refined as refined
     from frictionbench.problems.analysis.outcomes import velocity_distance as velocity_distance
     from frictionbench.problems.analysis.polyhedra import Shape as Shape
     from frictionbench.problems.analysis.thresholds import is_p0 as is_p0
-    from frictionbench.problems.analysis.thresholds import is_pointed as is_pointed
     from frictionbench.problems.answer import Answer as Answer
     from frictionbench.problems.answer import Status as Status
     from frictionbench.problems.check import InputError as InputError

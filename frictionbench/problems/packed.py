@@ -11,10 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, lean_loop, loop, part
+from frictionbench.problems.compiled import inlined, lean_loop, loop
 from frictionbench.problems.forms.delassus import (
     block_scale,
-    delassus,
     measures,
     write_act,
     write_contact_velocity,
@@ -164,15 +163,6 @@ def known_blocks(packed, k):  # type: ignore[no-untyped-def]
     a, b = packed.first[k], packed.first[k + 1]
     block = slice(a[BLOCK], b[BLOCK])
     return packed.w_start[a[W_START] : b[W_START]], packed.neighbours[block], packed.block[block]
-
-
-@part
-def blocks_of(packed, k):  # type: ignore[no-untyped-def]
-    """Problem k's W by blocks."""
-    if mechanical(packed, k):
-        start, column, J, m_start, m_column, m_value, _, _ = mechanics_of(packed, k)
-        return delassus(start, column, J, m_start, m_column, m_value)
-    return known_blocks(packed, k)
 
 
 @loop
