@@ -127,9 +127,17 @@ def test_a_row_of_nothing_has_the_scale_of_the_others(mass) -> None:
     assert residual(given(mass), mass * r) == pytest.approx(residual(given(1.0), r), rel=1e-12)
 
 
-def test_the_bias_of_a_row_without_a_normal_enters_no_unit() -> None:
-    dry = hinge(1.0).replace(normal=[[0.0, 1.0, 0.3], [0.0, 0.0, 0.0]], tangent=[[1.0, 0.0, 0.1], [0.0, 0.0, 1.0]])
-    assert dry.replace(bias=[0.0, 50.0]).units[0] == dry.units[0]
+@pytest.mark.parametrize("free", [[0.3, -0.02, -2.0], [0.0, 0.02, 0.0], [0.3, 0.0, 1e-9]])  # with and without a demand
+def test_the_bias_of_a_row_without_a_normal_enters_no_unit(free) -> None:
+    dry = hinge(1.0).replace(
+        normal=[[0.0, 1.0, 0.3], [0.0, 0.0, 0.0]],
+        tangent=[[1.0, 0.0, 0.1], [0.0, 0.0, 1.0]],
+        friction_bias=[0.0, 1e-3],
+        free_velocity=free,
+    )
+    for turn in (lambda p: p, lambda p: contact_space(p.W, p.q, p.friction, 2, friction_bias=p.friction_bias)):
+        one, other = turn(dry.replace(bias=[0.0, 1.0])), turn(dry.replace(bias=[0.0, 1e9]))
+        np.testing.assert_array_equal(one.units, other.units)
 
 
 def test_what_the_unit_hides_is_a_share_of_the_speeds() -> None:

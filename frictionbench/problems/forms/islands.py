@@ -13,9 +13,10 @@ contact's velocity is a sum of terms J v* and b and known to rounding only: a un
 the island and of its own, and NOISE of the problem's largest unit. Where nothing in an island moves, its unit is the largest of
 the problem.
 
-A row of a joint, a limit without tangent or dry friction without normal, may be in rad/s beside contacts in m/s. Between it and
-any other contact velocities are compared as |q_j| / sqrt(s_j), the root of an energy: the unit of contact i is the largest of
-c_j of the contacts in its island and of sqrt(s_i / s_j) c_j of the rows, that of row i is the largest sqrt(s_i / s_j) c_j.
+A row of a joint, a limit without tangent or dry friction without normal, may be in rad/s beside contacts in m/s. The b of a row
+without normal, which only keeps it open, is no velocity and counts nowhere. Between a row and any other contact velocities are
+compared as |q_j| / sqrt(s_j), the root of an energy: the unit of contact i is the largest of c_j of the contacts in its island
+and of sqrt(s_i / s_j) c_j of the rows, that of row i is the largest sqrt(s_i / s_j) c_j.
 
 A contact that opens, q_n,i > 0, bears only if others push it. From Coulomb's law r'u <= 0, hence r'Wr <= -r'q: the impulses
 have at most the energy of what they stop, and change contact i's velocity by at most sqrt(s_i) times its root. With
@@ -52,15 +53,20 @@ def mechanical_units(  # type: ignore[no-untyped-def]
     moves: (nv,), the size of the terms of each velocity. f_start, f_column: the entries of the joints' rows.
     """
     nc, d = len(s), J.shape[1]
-    size, closes, row = np.empty(nc), np.empty(nc, np.bool_), np.empty(nc, np.bool_)
+    size, closes, row, q = np.empty(nc), np.empty(nc, np.bool_), np.empty(nc, np.bool_), q.copy()
     for i in range(nc):
-        normal, tangent, of_normal, terms = 0.0, 0.0, abs(bias[i]), abs(bias[i])
+        normal, tangent, of_normal, terms = 0.0, 0.0, abs(bias[i]), 0.0
         for k in range(start[i], start[i + 1]):
             normal, tangent = max(normal, abs(J[k, 0])), max(tangent, length(J[k, 1:], 0, d - 1))
             of_normal += abs(J[k, 0]) * moves[column[k]]
             terms += length(J[k], 0, d) * moves[column[k]]
-        size[i], row[i] = max(terms, length(q, i, d)), normal == 0 or tangent == 0
-        closes[i] = q[i * d] <= max(CANCELLED * of_normal, LEVEL * length(q, i, d))
+        row[i] = normal == 0 or tangent == 0
+        if normal == 0:
+            open_without_normal(q, i, d)
+        else:
+            terms += abs(bias[i])
+        size[i] = max(terms, own_speed(q, i, d))
+        closes[i] = q[i * d] <= max(CANCELLED * of_normal, LEVEL * own_speed(q, i, d))
     graph = mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_column, s)
     return _units(*graph, size, closes, row, q, s, b_f)
 
@@ -69,17 +75,32 @@ def mechanical_units(  # type: ignore[no-untyped-def]
 def delassus_units(first, neighbours, block, q, s, b_f):  # type: ignore[no-untyped-def]
     """The units (nc,) where only W, by blocks, and q are known."""
     nc, d = len(s), block.shape[1]
-    size, closes, row = np.empty(nc), np.empty(nc, np.bool_), np.zeros(nc, np.bool_)
+    size, closes, row, q = np.empty(nc), np.empty(nc, np.bool_), np.zeros(nc, np.bool_), q.copy()
     for i in range(nc):
-        size[i] = length(q, i, d)
-        closes[i] = q[i * d] <= LEVEL * size[i]
         for k in range(first[i], first[i + 1]):
             if neighbours[k] == i:
                 tangent = 0.0
                 for a in range(1, d):
                     tangent += block[k, a, a]
                 row[i] = block[k, 0, 0] <= 0 or tangent <= 0
+                if block[k, 0, 0] <= 0:
+                    open_without_normal(q, i, d)
+        size[i] = own_speed(q, i, d)
+        closes[i] = q[i * d] <= LEVEL * size[i]
     return _units(*delassus_graph(first, neighbours, block, s), size, closes, row, q, s, b_f)
+
+
+@part
+def open_without_normal(q, i, d):  # type: ignore[no-untyped-def]
+    """q_n,i = inf for a row without a normal, whose b is no velocity: it is open by any distance, and no term of q_i."""
+    if q[i * d] >= 0:
+        q[i * d] = np.inf
+
+
+@part
+def own_speed(q, i, d):  # type: ignore[no-untyped-def]
+    """|q_i|, of a row without a normal that of its tangents."""
+    return length(q, i, d) if q[i * d] < np.inf else length(q[i * d + 1 : i * d + d], 0, d - 1)
 
 
 @part
@@ -143,7 +164,7 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
     needed, speed, terms = np.empty(nc), np.empty(nc), size.copy()
     for i in range(nc):
         needed[i] = demand(q, i, d, s[i], b_f[i])
-        speed[i] = max(CANCELLED * size[i], length(q, i, d))
+        speed[i] = max(CANCELLED * size[i], own_speed(q, i, d))
     uncut = speed.copy()
     bears = _bearing(start, node, push, read, nodes, closes, q, s, b_f, needed, speed, terms)
     parent = _components(start, node, push, read, nodes, bears)
