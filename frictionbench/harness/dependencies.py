@@ -3,12 +3,15 @@
 The main process hashes it. A run is resumed only where all of it is as it was; a baseline holds the hashes, so that a change of
 a package that a plug-in wraps is not taken for noise where both versions of the plug-in load the changed package.
 
-A plug-in's worker reports, after each task, what was loaded or read since it began: modules, shared libraries, and files that
-Python opened for reading. Left out are the standard library, the system's folders, temporary and compiled files, and what the
-worker had loaded before; of a library of the suite's the version is reported. What native code reads by itself is not seen.
+A plug-in's worker reports, after each task, what was loaded or read since it began: modules, shared libraries, files that
+Python opened for reading, and programs that it started. Left out are the standard library, the system's folders, temporary and
+compiled files, and what the worker had loaded before; of a library of the suite's the version is reported. What native code or
+a started program reads by itself is not seen.
 """
 
 import os
+import shlex
+import shutil
 import sys
 import tempfile
 from itertools import islice
@@ -20,8 +23,16 @@ from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results import store
 from frictionbench.solvers import executable, plugins
 
-SYSTEM = tuple(Path(place) for place in ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/etc", "/proc", "/sys", "/dev"))
-MOST = 1000  # files read: a plug-in that reads more is not followed further
+SYSTEM = tuple(
+    Path(place) for place in ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/bin", "/bin", "/etc", "/proc", "/sys", "/dev")
+)
+MOST = 20_000  # files read: a plug-in that reads more, several times what large frameworks do, is not followed further
+STARTED = (
+    "subprocess.Popen",
+    "os.posix_spawn",
+    "os.exec",
+    "os.system",
+)  # audit events of which the first argument is a program
 MOST_FILES, LARGEST = 50_000, 16 * 2**30  # files and bytes of a package: more than any has, and hashed in a minute
 COMPILED = (".pyc", ".nbi", ".nbc")  # suffixes of what is made from modules
 VERSION = "version "  # before the version of a library, which stands in place of a path
@@ -45,6 +56,8 @@ class _Watch:
             path = os.path.abspath(os.fsdecode(arguments[0]))
             fresh = flags & os.O_RDWR and flags & (os.O_CREAT | os.O_TRUNC)  # one opened to be changed has been read as well
             (self.written if flags & os.O_WRONLY or fresh else self.read).add(path)
+        elif event in STARTED and (program := _program(event, arguments)):
+            self.read.add(program)
 
 
 _watch: _Watch | None = None
@@ -68,8 +81,10 @@ def loaded() -> Loaded:
             continue
         if top in _watch.known:
             found[top] = f"{VERSION}{getattr(module, '__version__', '')}"
-        elif place := next(iter(getattr(module, "__path__", ())), getattr(module, "__file__", None)):
-            found[Path(place).name if name.startswith(plugins.MODULE) else top] = str(Path(place).resolve())
+            continue
+        for part, place in enumerate(getattr(module, "__path__", None) or filter(None, [getattr(module, "__file__", None)])):
+            folder = Path(place).name if name.startswith(plugins.MODULE) else top
+            found[f"{folder} {part + 1}" if part else folder] = str(Path(place).resolve())  # a namespace has several
     places = [Path(place) for place in found.values()]
     places += [_watch.folder, *_left_out()]
     others = {_source(Path(path)).resolve() for path in {*_mapped(), *_watch.read} - _watch.libraries - _watch.written}
@@ -79,6 +94,18 @@ def loaded() -> Loaded:
         if path.is_file() and path.suffix not in COMPILED and not metadata and not any(map(path.is_relative_to, places)):
             found[_named(path)] = str(path)
     return found
+
+
+def _program(event: str, arguments: tuple[Any, ...]) -> str | None:
+    """The path of the program that an audit event of STARTED starts; None where it is not found."""
+    named = arguments[0]
+    if event == "subprocess.Popen" and "-c" in arguments[1][1:2]:  # a shell
+        event, named = "os.system", arguments[1][2]
+    try:
+        words = shlex.split(os.fsdecode(named)) if event == "os.system" else [os.fsdecode(named)]
+        return os.path.abspath(found) if words and (found := shutil.which(words[0])) else None
+    except (TypeError, ValueError):
+        return None
 
 
 def _source(path: Path) -> Path:
@@ -98,7 +125,7 @@ def _left_out() -> list[Path]:
     library = Path(os.__file__).parent
     standard = [place for place in library.iterdir() if place.name not in ("site-packages", "dist-packages")]
     suite = [Path(place) for top in ("numpy", "scipy", "numba", "llvmlite") for place in sys.modules[top].__path__]
-    places = [PACKAGE, Path(tempfile.gettempdir()), *SYSTEM, *suite, *standard]
+    places = [PACKAGE, Path(sys.executable), Path(tempfile.gettempdir()), *SYSTEM, *suite, *standard]
     return [place.resolve() for place in places]
 
 

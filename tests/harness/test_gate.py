@@ -128,25 +128,32 @@ def test_what_both_versions_load_dismisses_nothing(tmp_path: Path) -> None:
 
 WRAPPER = """
 import sys
-sys.path.insert(0, {home!r})
-import wrapped
+sys.path[:0] = [{home!r}, {home!r} + '/one', {home!r} + '/two']
+import wrapped, spread.first, spread.second
 """
 READS = (
     "import numpy, runpy; numpy.load({home!r} + '/gains.npy'); runpy.run_path({home!r} + '/run.py'); "
-    "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close()"
+    "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close(); import os, subprocess; "
+    "subprocess.run([{home!r} + '/started.sh']); subprocess.run({home!r} + '/in_shell.sh', shell=True); "
+    "os.system({home!r} + '/by_os.sh 1')"
 )
-READ = ("gains.npy", "run.py", "named.txt", "both.txt")
+READ = ("gains.npy", "run.py", "named.txt", "both.txt", "started.sh", "in_shell.sh", "by_os.sh")
+SPREAD = {"spread": "one/spread", "spread 2": "two/spread"}  # a package of two folders
 
 
-@pytest.mark.parametrize("changed", ["wrapped/core.py", *READ, "problem.npz"])
+@pytest.mark.parametrize("changed", ["wrapped/core.py", "two/spread/second.py", *READ, "problem.npz"])
 def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: Path) -> None:
-    """A module of the wrapped package, files that the solver reads while it solves, in several ways, the file of a problem."""
+    """A module of the wrapped packages, files that the solver reads and programs that it starts, the file of a problem."""
+    for folder, module in ("one", "first"), ("two", "second"):
+        (tmp_path / folder / "spread").mkdir(parents=True)
+        (tmp_path / folder / "spread" / f"{module}.py").write_text("GAIN = 1.0", encoding="utf-8")
     (tmp_path / "wrapped").mkdir()
     (tmp_path / "wrapped" / "__init__.py").write_text("from wrapped import core", encoding="utf-8")
     (tmp_path / "wrapped" / "core.py").write_text("GAIN = 1.0", encoding="utf-8")
     np.save(tmp_path / "gains.npy", np.ones(3))
     for name in READ[1:]:
-        (tmp_path / name).write_text("1", encoding="utf-8")
+        (tmp_path / name).write_text("#!/bin/sh" if name.endswith(".sh") else "1", encoding="utf-8")
+        (tmp_path / name).chmod(0o755)
     save(block(), tmp_path / "problem.npz")
     home = str(tmp_path)
     plugin = write(tmp_path / "guest.py", first=WRAPPER.format(home=home), body=READS.format(home=home))
@@ -161,11 +168,11 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     loaded = store.read_manifest(tmp_path / "run")["loaded"][str(plugin)]
     found = {name: place for name, place in loaded.items() if not place.startswith(dependencies.VERSION)}
     assert found == {"guest.py": str(plugin), "wrapped": str(tmp_path / "wrapped")} | {
-        name: str(tmp_path / name) for name in READ
+        name: str(tmp_path / place) for name, place in {**SPREAD, **dict(zip(READ, READ, strict=True))}.items()
     }
     again()
     (tmp_path / changed).write_bytes((tmp_path / changed).read_bytes() + b" ")
-    with pytest.raises(ResultsError, match=f"{tmp_path / changed.partition('/')[0]}: has another content"):
+    with pytest.raises(ResultsError, match=f"{tmp_path / (changed.rpartition('/')[0] or changed)}: has another content"):
         again()
 
 
