@@ -1,9 +1,9 @@
 """The sparse LU beside scipy's splu, and with its vector instructions left out.
 
-The matrices are Newton's of the interior point in its sixth iteration, as the predictor-corrector meets them. In a group
-(matrix, operation) the rows are
+The matrices are Newton's of the interior point in its sixth iteration, as the predictor-corrector meets them. In the group
+of a matrix the rows are
 
-    ours           factorise or solve_factorised, the order of elimination found beforehand by `analyse`,
+    ours           factorise, the order of elimination found beforehand by `analyse`,
     plain          the same with plain loops in place of the vector instructions of sparse_lu.vectors in wide fronts,
     COLAMD, ...    splu with this ordering, which it computes each time,
     NATURAL        splu in our order of elimination, so that it computes none.
@@ -11,12 +11,7 @@ The matrices are Newton's of the interior point in its sixth iteration, as the p
 An interior point method factorises some ten to a thousand matrices of one pattern, for which splu would compute its ordering
 each time. The best of splu is the smallest of its rows.
 
-Measured on a shared two-core virtual machine with AVX-512, smallest of twenty: factorising, splu with the best of its own
-orderings takes 5 times as long as ours on a stack of 50, 4 on one of 1000, 7 and 28 on pyramids of 15 and 40 rows, 3 on 250
-cubes, 7 and 2 on pyramids of spheres of 6 and 10 levels; in our order, with no ordering to compute, 4, 3, 4, 6, 2, 5 and 1.0.
-Solving, the best of splu takes 0.5 to 1.7 times as long: it stores no zeros, of which fronts have many in cubes. Plain loops
-take as long as the vector instructions on stacks and cubes, whose fronts are narrow, 1.3 and 2.3 times as long on pyramids of
-15 and 40 rows, and 4 times on pyramids of spheres.
+Measured: docs/architecture.md.
 """
 
 from functools import cache
@@ -73,40 +68,32 @@ def matrix(name: str):
 
 
 @cache
-def plain(name: str):
-    """factorise or solve_factorised, compiled to take every front as a narrow one."""
-    function = getattr(multifrontal, name).py_func
+def plain():
+    """factorise, compiled to take every front as a narrow one."""
+    function = multifrontal.factorise.py_func
     return njit(error_model="numpy")(FunctionType(function.__code__, vars(multifrontal) | {"NARROW": NEVER}))
 
 
 @pytest.mark.parametrize("method", ["ours", "plain", *ORDERINGS])
-@pytest.mark.parametrize("operation", ["factorise", "solve"])
 @pytest.mark.parametrize("name", MATRICES)
-def test_newton_matrix(benchmark, name, operation, method) -> None:
-    benchmark.group = f"{name}, {operation}"
+def test_newton_matrix(benchmark, name, method) -> None:
+    benchmark.group = name
     system, assembled, A = matrix(name)
-    b, x = np.ones(A.shape[0]), np.ones(A.shape[0])
+    b = np.ones(A.shape[0])
     benchmark.extra_info.update(variables=A.shape[0], entries=A.nnz)
     if method in ORDERINGS:
         options = SYMMETRIC if method in ("MMD_AT_PLUS_A", "NATURAL") else {}
-        lu = splu(A, permc_spec=method, **options)
-        x = lu.solve(b)
-        benchmark.extra_info["fill"] = lu.L.nnz + lu.U.nnz
-        if operation == "factorise":
-            benchmark.pedantic(splu, args=(A, method), kwargs=options, rounds=20)
-        else:
-            benchmark.pedantic(lu.solve, args=(b,), rounds=20, iterations=10)
+        lu = benchmark.pedantic(splu, args=(A, method), kwargs=options, rounds=20)
+        x, fill = lu.solve(b), lu.L.nnz + lu.U.nnz
     else:
-        chosen = plain if method == "plain" else {"factorise": multifrontal.factorise, "solve_factorised": solve_factorised}.get
-        factorise, solve = chosen("factorise"), chosen("solve_factorised")
-        storage, swap = assembled.copy(), np.zeros(len(b), np.int64)
-        factorise(system.fronts, storage, swap, PIVOT)
-        solve(system.fronts, storage, swap, x)
-        benchmark.extra_info["fill"] = len(storage)
-        if operation == "factorise":
-            benchmark.pedantic(
-                factorise, setup=lambda: ((system.fronts, assembled.copy(), swap, PIVOT), {}), rounds=20, warmup_rounds=1
-            )
-        else:
-            benchmark.pedantic(solve, args=(system.fronts, storage, swap, x.copy()), rounds=20, iterations=10)
+        factorise = plain() if method == "plain" else multifrontal.factorise
+        storage, swap, x, fill = np.empty_like(assembled), np.zeros(len(b), np.int64), b.copy(), len(assembled)
+
+        def again():
+            storage[:] = assembled
+            return (system.fronts, storage, swap, PIVOT), {}
+
+        benchmark.pedantic(factorise, setup=again, rounds=20, warmup_rounds=1)
+        solve_factorised(system.fronts, storage, swap, x)
+    benchmark.extra_info["fill"] = fill
     assert np.abs(A @ x - b).max() <= 1e-6 * np.abs(A).max() * np.abs(x).max()

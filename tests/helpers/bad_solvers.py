@@ -3,10 +3,9 @@
 import ctypes
 import os
 import signal
-import subprocess
 import sys
 import time
-from functools import cache, wraps
+from functools import wraps
 
 import numpy as np
 from numba import njit
@@ -67,33 +66,11 @@ def spin():
 
 
 @bad
-def hangs(problem):
-    """Loops for ever in native code and ignores SIGTERM."""
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    spin()
-
-
-@bad
 def exhausts_memory(problem):
     """Allocates memory until the limit is reached."""
     arrays = []
     while True:
         arrays.append(np.empty(2**24))
-
-
-@cache
-def slow_to_compile():
-    statements = "\n".join(f"    x = np.sin(x) * {i} + np.cumsum(x)" for i in range(20))
-    space = {"np": np}
-    exec(f"def slow(x):\n{statements}\n    return x", space)
-    return njit(space["slow"])
-
-
-@bad
-def compiles_slowly(problem):
-    """Compiles a kernel of its own for longer than the time limit, in a cell and not when it is warmed up."""
-    slow_to_compile()(np.ones(3))
-    return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
 
 
 @bad
@@ -242,12 +219,4 @@ def writes_to_fds(problem):
             os.write(number, b"\0\1\2 rubbish \n" * 1000)
         except OSError:
             continue
-    return answer(problem)
-
-
-@bad
-def starts_programs(problem):
-    """Starts programs in sessions of their own that run longer than the cell."""
-    for _ in range(3):
-        subprocess.Popen([sys.executable, "-c", "import time; time.sleep(3600)"], start_new_session=True)
     return answer(problem)

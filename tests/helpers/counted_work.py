@@ -1,6 +1,6 @@
 """Script that solves problems with every solver, uncompiled, and counts the calls of the kernels independently of the solvers.
 
-Prints JSON: [solver, its work counters, {kernel: calls}, names of nested solvers] for each case.
+Prints JSON: [solver, its work counters, {kernel: calls}] for each case.
 """
 
 import json
@@ -26,8 +26,6 @@ KERNELS = (
     ("frictionbench.solvers.admm", "_alternate", "alternations", lambda arguments: arguments[-1]),
 )
 calls: Counter[str] = Counter()
-running: list[str] = []
-nested: set[str] = set()
 
 
 def count(module, name, label, amount):
@@ -42,20 +40,6 @@ def count(module, name, label, amount):
         for key, value in list(vars(known).items()):
             if value is original:
                 setattr(known, key, counted)
-
-
-def recorded(name, original):
-    """Wrap a solve method to record the solvers that run nested in another solver."""
-
-    def solve(self, *arguments, **options):
-        nested.update([name] if running else [])
-        running.append(name)
-        try:
-            return original(self, *arguments, **options)
-        finally:
-            running.pop()
-
-    return solve
 
 
 def cases():
@@ -77,13 +61,9 @@ if __name__ == "__main__":
     lemke.draw = lambda seed, drawn, draw=lemke.draw: draw(seed % 2**64, drawn)  # -1 wraps around in compiled code
     for kernel in KERNELS:
         count(*kernel)
-    originals = {name: info.make.solve for name, info in available().items()}  # before any is replaced: some are inherited
-    for name, original in originals.items():
-        available()[name].make.solve = recorded(name, original)
     found = []
     for name, problem, tol, limit in cases():
         calls.clear()
-        nested.clear()
         answer = solve(problem, name, tol=tol, limit=limit)
-        found.append((name, {unit: int(n) for unit, n in answer.work.items()}, dict(calls), sorted(nested)))
+        found.append((name, {unit: int(n) for unit, n in answer.work.items()}, dict(calls)))
     print(json.dumps(found))

@@ -52,7 +52,7 @@ def test_plugin_is_imported_in_workers_only(tmp_path) -> None:
 )
 def test_import_error_has_file_and_line(tmp_path, monkeypatch, first, told) -> None:
     plugin = write(tmp_path / "guest.py", first=first)
-    monkeypatch.setattr("frictionbench.harness.cells.worker.IMPORT_SECONDS", 2.0)
+    monkeypatch.setattr("frictionbench.harness.workers.inputs.IMPORT_SECONDS", 2.0)
     with pytest.raises(InputError, match=rf"solver: .*guest\.py.*{told}"):
         load_plugins([str(plugin)])
 
