@@ -7,7 +7,7 @@ from frictionbench.solvers import Answer, Status, solver
 from frictionbench.solvers.outside.children.child import child
 
 SCRIPT = str(Path(__file__).with_name("fake_library_child.py"))
-KINDS = ("abort", "exit", "hang", "leak", "child", "print", "slow", "big")
+KINDS = ("abort", "exit", "hang", "child", "print", "slow", "big")
 
 
 @solver("fake_library", family="bad", model="coulomb", variants=tuple(f"does={kind}" for kind in KINDS))

@@ -17,10 +17,6 @@ def answer(do, n=0):
     if do == "hang":
         while True:
             np.linalg.svd(np.random.default_rng(0).standard_normal((2000, 2000)))  # seconds each, in native code
-    if do == "leak":
-        arrays = []
-        while True:
-            arrays.append(np.empty(2**24))
     if do == "child":
         subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1000)", "orphan of a fake library"])
     if do == "print":

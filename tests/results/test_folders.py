@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from frictionbench.problems import InputError
-from frictionbench.problems.recorded import own
+from frictionbench.problems.recorded import fclib, own, read
 from frictionbench.problems.scenes import scene
 from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
@@ -21,7 +21,7 @@ from frictionbench.results.maps import maps_of
 from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
 from frictionbench.results.store import new_shard
 from tests.helpers.command_line import frictionbench
-from tests.helpers.edits import CASES, mutated
+from tests.helpers.edits import CASES, edited, mutated
 from tests.helpers.made_results import solve_row, write_folder
 
 SCHEMA = arrow_schema("solves")
@@ -107,25 +107,34 @@ def test_invalid_manifest(tmp_path, text) -> None:
 def complaints(*reads: Callable[[], object]) -> list[str]:
     """The messages of ResultsError and InputError raised by the given reads; other errors propagate."""
     found = []
-    for read in reads:
+    for one in reads:
         try:
-            read()
+            one()
         except (ResultsError, InputError) as error:
             found.append(str(error))
     return found
 
 
-@pytest.mark.parametrize("kind", ["problem.npz", "solves.parquet", "manifest.json"])
+SLOW = [
+    pytest.param(kind, marks=pytest.mark.slow) for kind in ("problem.hdf5", "manifest.json")
+]  # a child process, a report each
+
+
+@pytest.mark.parametrize("kind", ["problem.npz", "solves.parquet", *SLOW])
 def test_mutated_files(tmp_path, kind) -> None:
+    """Bytes changed, and of a manifest values, which stay JSON."""
     random = np.random.default_rng(12)
     folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("b", "p")])
     own.save(scene("stack", blocks=2).problem(), folder / "problem.npz")
+    fclib.write(scene("stack", blocks=2).problem(), folder / "problem.hdf5")
     content = (folder / kind).read_bytes()
     told = []
     for _ in range(CASES):
-        (folder / kind).write_bytes(mutated(content, random))
-        if kind == "problem.npz":
-            told += complaints(lambda: own.load(folder / kind))
+        whole = kind == "manifest.json"
+        changed = json.dumps(edited(json.loads(content), random)).encode() if whole else mutated(content, random)
+        (folder / kind).write_bytes(changed)
+        if kind.startswith("problem"):
+            told += complaints(lambda: read(folder / kind))
         else:
             told += complaints(lambda: compare(folder, folder), lambda: write_report(folder))
     assert told
