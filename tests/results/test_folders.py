@@ -115,9 +115,8 @@ def complaints(*reads: Callable[[], object]) -> list[str]:
     return found
 
 
-SLOW = [
-    pytest.param(kind, marks=pytest.mark.slow) for kind in ("problem.hdf5", "manifest.json")
-]  # a child process, a report each
+# Of the slow ones the quick tests see edits that are listed by name; each takes a child process or a report.
+SLOW = [pytest.param(kind, marks=pytest.mark.slow) for kind in ("problem.hdf5", "manifest.json")]
 
 
 @pytest.mark.parametrize("kind", ["problem.npz", "solves.parquet", *SLOW])
