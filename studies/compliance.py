@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 
 import frictionbench as fb
 from frictionbench.problems import comply, impact
-from frictionbench.reports import ALARM, Panel
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import ALARM
 from studies.motions import FINEST, SAMPLES, by_events, sampled
 from studies.study import Row, Study, Summary, Tables, finish, listing, order, require
 

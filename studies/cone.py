@@ -12,7 +12,8 @@ from scipy import sparse
 import frictionbench as fb
 from frictionbench.harness import Source
 from frictionbench.problems import FrictionProblem, simulation
-from frictionbench.reports import INK, Panel
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import INK
 from frictionbench.solvers import solve
 from studies.motions import apart
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require

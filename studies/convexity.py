@@ -18,7 +18,8 @@ from frictionbench.problems import (
     recorded_steps,
     simulation,
 )
-from frictionbench.reports import ALARM, INK, Panel
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import ALARM, INK
 from studies.motions import coulomb, thrown
 from studies.study import Row, Study, Summary, Tables, finish, require, share
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 import frictionbench as fb
 from frictionbench.problems import SCHEMES, ReducedScene, simulation, start
-from frictionbench.reports import Panel
+from frictionbench.reports.drawing.figures import Panel
 from studies.motions import exact
 from studies.study import Row, Study, Summary, Tables, finish, order, require
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 import frictionbench as fb
 from frictionbench.problems import SCHEMES, NoSolution, impact, newton, start
-from frictionbench.reports import Panel
+from frictionbench.reports.drawing.figures import Panel
 from studies.motions import FINEST, SAMPLES, by_events, exact, sampled
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require
 

@@ -9,7 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.reports import INK, Panel
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import INK
 from studies.study import Array, Row, Study, Summary, Tables, finish, listing, require
 
 REFERENCE, TWIN, MUJOCO, RELAXED = "reference", "twin", "MuJoCo", "relaxation"

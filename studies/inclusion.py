@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 import frictionbench as fb
 from frictionbench.problems import SCHEMES, simulation
-from frictionbench.reports import Panel
+from frictionbench.reports.drawing.figures import Panel
 from studies.motions import by
 from studies.study import Row, Study, Summary, Tables, curve, finish, listing, widest
 

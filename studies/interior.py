@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem, first_problem, is_p0, relaxation_residual
-from frictionbench.reports import INK, Panel
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import INK
 from frictionbench.solvers import one_start, solve
 from studies.motions import thrown
 from studies.study import Row, Study, Summary, Tables, curve, finish, share, wilson

@@ -13,7 +13,8 @@ from matplotlib.axes import Axes
 
 import frictionbench as fb
 from frictionbench.problems import SCHEMES, NoSolution, Scene, simulation
-from frictionbench.reports import INK, Panel
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import INK
 from studies.motions import by
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require, widest
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 import frictionbench as fb
 from frictionbench.problems import GRAVITY, SCHEMES, Scene, Scheme, Solve, Solved, Step, newton, start
-from frictionbench.reports import Panel
+from frictionbench.reports.drawing.figures import Panel
 from studies.motions import FINEST, by_events, coulomb, exact
 from studies.study import Row, Slope, Study, Summary, Tables, curve, finish, listing, order
 

@@ -12,7 +12,8 @@ from scipy.stats import fisher_exact
 from frictionbench import Verdict
 from frictionbench.harness import Plan, families
 from frictionbench.problems import measured
-from frictionbench.reports import Look, Panel, looks
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import Look, looks
 from studies.study import Study, Summary, Tables, finish
 
 LOOSE, TIGHT = 1e-4, 1e-8

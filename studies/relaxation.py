@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 
 import frictionbench as fb
 from frictionbench.problems import GRAVITY
-from frictionbench.reports import INK, Panel
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import INK
 from frictionbench.solvers import solve
 from studies.motions import apart, coulomb, path, relaxed
 from studies.study import Row, Study, Summary, Tables, curve, finish, order, require

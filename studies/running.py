@@ -24,7 +24,8 @@ import pyarrow.parquet as pq
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from frictionbench.harness import Progress, content, run_plan
-from frictionbench.reports import escaped, save_sheet
+from frictionbench.reports.drawing.files import save_sheet
+from frictionbench.reports.drawing.text import escaped
 from frictionbench.results import read_table, subfolder, write_text
 from studies.study import Study, Summary, Tables
 

@@ -19,7 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import t as student
 
 from frictionbench.harness import Plan
-from frictionbench.reports import GRID, Look, Panel, percent, plain
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import GRID, Look
+from frictionbench.reports.drawing.text import percent, plain
 from frictionbench.results import ResultsError
 
 Z = NormalDist().inv_cdf(0.975)

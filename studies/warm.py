@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 
 from frictionbench.harness import Plan, Source
 from frictionbench.problems import ACCEPTED
-from frictionbench.reports import INK, Panel
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import INK
 from frictionbench.results import COLD, SHUFFLED, WARM
 from studies.study import Study, Summary, Tables, finish, listing, require
 

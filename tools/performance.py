@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from textwrap import fill
 
-from frictionbench.reports import HEADER, METHOD, RateTable, rate_tables
+from frictionbench.reports.batches import HEADER, METHOD, RateTable, rate_tables
 from frictionbench.results import ResultsError, read_table
 from tools import large_problems
 

@@ -12,7 +12,7 @@ from typing import Any
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
-from frictionbench.reports import count, power, seconds
+from frictionbench.reports.drawing.text import count, power, seconds
 from frictionbench.results import RankBy
 from tools.publish.site import Entry, write_site
 from tools.publish.summary import Summary, read

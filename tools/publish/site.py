@@ -12,7 +12,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from frictionbench.reports import OVERALL, environment, script, write_report
+from frictionbench.reports.accuracy import OVERALL
+from frictionbench.reports.page import write_report
+from frictionbench.reports.templates import environment, script
 from frictionbench.results import TABLES, RankBy, read_table, subfolder, write_text
 from tools.publish.summary import Summary, page_of, write
 

@@ -28,8 +28,10 @@ import numpy as np
 import pandas as pd
 
 import frictionbench as fb
-from frictionbench import reports
-from frictionbench.reports import Kind, MapCells, Run
+from frictionbench.reports import choice, robustness, tables
+from frictionbench.reports.choice import Kind
+from frictionbench.reports.robustness import MapCells
+from frictionbench.reports.run import Run
 from frictionbench.results import RankBy, ResultsError, measured, read_json, scene_title, write_text
 
 FORMAT = 1
@@ -161,8 +163,8 @@ def summarise(run: Run) -> Summary:
     of_machine = sha256(repr(sorted(machine.items())).encode()).hexdigest()[:6]
     name = "-".join((str(settings.get("suite")), version, of_machine, re.sub(r"\D", "", finished)[:14]))
     runs = (run, run.ranked_by(run.rank_by.other)) if run.times else ()
-    ranked = {one.rank_by: reports.choices(one) for one in runs}
-    facts, maps = run.rows[run.rows["problem"] != ""].drop_duplicates("problem_id"), reports.map_cells(run)
+    ranked = {one.rank_by: choice.choices(one) for one in runs}
+    facts, maps = run.rows[run.rows["problem"] != ""].drop_duplicates("problem_id"), robustness.map_cells(run)
     libraries = run.rows.dropna(subset=["version"]).drop_duplicates("solver").set_index("solver")["version"].astype(str)
     return {
         "name": re.sub(r"[^\w.+-]", "_", name),
@@ -182,9 +184,9 @@ def summarise(run: Run) -> Summary:
             "hashes": _hashes(facts, maps),
         },
         "checks": _checks(run, facts, version),
-        "headline": reports.headline(ranked, run.outer_targets[-1]) if ranked else [],
+        "headline": choice.headline(ranked, run.outer_targets[-1]) if ranked else [],
         "rankings": [row for by, kinds in ranked.items() for kind in kinds for row in _places(run, by, kind)],
-        "reliability": [_plain(one) for one in reports.reliabilities(run).to_dict("records")] if ranked else [],
+        "reliability": [_plain(one) for one in tables.reliabilities(run).to_dict("records")] if ranked else [],
         "scenes": _scenes(run, maps),
     }
 
@@ -218,13 +220,13 @@ def held(folder: Path, names: set[str]) -> tuple[bool, str]:
 
 def _checks(run: Run, facts: pd.DataFrame, version: str) -> list[list[Any]]:
     idle = float((facts["trivial"] | facts["idle"]).mean()) if len(facts) else 0.0
-    crowded = reports.workers_on_all_cores(run.manifest)
+    crowded = tables.workers_on_all_cores(run.manifest)
     checks = [
         ("tables", True, "All columns are those of the schema."),
         ("problems", *held(run.folder, set(run.rows["problem"]) - {""})),
         ("version", "dirty" not in version, f"The code is {version}" + ", a changed checkout." * ("dirty" in version)),
         ("friction at work", idle <= 0.5, f"{100 * idle:.0f} % of the problems are trivial or idle and not ranked."),
-        ("timing noise", True, reports.disturbed(run) or "No cell waited for its core."),
+        ("timing noise", True, tables.disturbed(run) or "No cell waited for its core."),
         ("cores", not crowded, "Workers had all cores." if crowded else "A core was left free, or there was one worker."),
     ]
     return [[what, bool(holds), text] for what, holds, text in checks]
