@@ -32,23 +32,6 @@ def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
     assert "all cores but one" in " ".join(output_of("run", "--help").split())
 
 
-@pytest.mark.parametrize(
-    ("arguments", "option"),
-    [
-        (("run", "--jobs", "0"), "--jobs"),
-        (("map", "stack", "--x", "a", "--y", "b", "--steps", "-1"), "--steps"),
-        (("compare", "a", "b", "--slowdown", "0.9"), "--slowdown"),
-        (("export", "stack", "--pick", "-1", "--out", "c"), "--pick"),
-        (("report", "a", "--width", "3m"), "--width"),
-        (("report", "a", "--font", "comic"), "--font"),
-    ],
-)
-def test_invalid_option_values_are_named(arguments, option) -> None:
-    done = CliRunner().invoke(app, arguments)
-    assert done.exit_code == 2
-    assert f"Invalid value for '{option}': " in done.output.splitlines()[-1]
-
-
 @pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
 def test_lists_are_json_too(what) -> None:
     listed = json.loads(output_of("list", what, "--json"))

@@ -8,10 +8,9 @@ from frictionbench.problems.analysis.census import census
 from frictionbench.problems.analysis.labels import pointedness
 from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.residual import residual, residual_floor
+from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
 from tests.helpers.friction_problems import contacts_of
-from tests.helpers.paths import DATA
 
 
 def jam(mu=0.5, bias=(0.0, 0.0)) -> FrictionProblem:
@@ -23,12 +22,6 @@ def wedge(angle, mu) -> FrictionProblem:
     """A particle pressed into a wedge of two walls, each at `angle` from its axis."""
     normal = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), np.sin(angle)]])
     return contacts_of(normal, np.column_stack([normal[:, 1], -normal[:, 0]]), mu, [0, -1])
-
-
-def near_jam() -> FrictionProblem:
-    """One step of three blocks; an opposed pair of vertices, -7e-6 m apart, holds the first two almost without a way out."""
-    data = np.load(DATA / "near_jam.npz")
-    return contacts_of(data["N"].T, data["T"].T, np.full(6, float(data["mu"])), data["vfree"], mass=data["M"], bias=data["b"])
 
 
 def on_arc(t, mu) -> np.ndarray:
@@ -90,25 +83,3 @@ def test_wedge_impulses_are_unbounded_above_threshold(angle, factor) -> None:
     assert any(len(piece.rays) for piece in found.pieces) is (factor >= 1)
     assert found.velocity_count == 1
     assert found.velocities[0].vertices == pytest.approx(np.zeros((1, 4)), abs=1e-10)
-
-
-@pytest.mark.slow  # the set of solutions near the jam by many solves
-def test_near_jam() -> None:
-    """16 kN s between blocks of a few kilograms, and 6.4 J more, in an exact solution that is the only one.
-
-    Two contacts bear, with free velocities of 1 mm/s; those that open at up to 14 m/s are not part of the residual's unit, and
-    impulses of 16 kN s leave 1e-7 of it to rounding.
-    """
-    problem = near_jam()
-    found = census(problem)
-    assert found.count == 1
-    assert problem.units == pytest.approx(1.357e-3, rel=1e-3)
-    assert solve(problem, "interior_point", tol=5e-8).status is Status.ROUNDING
-    answer = solve(problem, "lemke", tol=1e-6)
-    assert answer.status is Status.SOLVED
-    for r in (found.pieces[0].vertices.reshape(6, 2), answer.impulse):
-        assert residual(problem, r) <= residual_floor(problem, r) <= 2e-7
-        assert r[:, 0].max() == pytest.approx(1.6e4, rel=0.02)
-        v, free = problem.velocity(r), problem.free_velocity
-        assert (v @ (problem.mass @ v) - free @ (problem.mass @ free)) / 2 == pytest.approx(6.4, abs=0.1)
-    assert pointedness(problem) > 1.9

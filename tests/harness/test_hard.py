@@ -5,15 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.plans.hard import ANSWERS, FEWEST, METHODS, TOL, admitted, families, kept_answer
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.thresholds import gaps_only, is_pointed
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.problems.scenes import scene
-from tests.helpers.frictionless import friction_at_work
 from tools.admit import admissible, fewest_contacts
 
 ROWS = admitted()
@@ -51,13 +48,6 @@ def test_a_solution_is_known(row) -> None:
         assert problem.mechanical
         assert not problem.joint_bias.any()
         assert gaps_only(problem) or is_pointed(problem)
-
-
-@pytest.mark.parametrize("row", SMALL[::5], ids=[f"{row['scene']} {row['parameters']}" for row in SMALL[::5]])
-def test_friction_is_at_work(row) -> None:
-    problem = problem_of(row)
-    assert friction_at_work(problem)
-    assert not idle(problem, Reference())
 
 
 @pytest.mark.parametrize(

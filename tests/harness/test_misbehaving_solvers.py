@@ -28,7 +28,6 @@ VERDICTS = {
     "wrong_zero": ("wrong", "claimed solved within"),
     "nan_impulse": ("wrong", "not finite"),
     "modifies_friction": ("wrong", "changed its input"),
-    "raises": ("crashed", "no idea"),
     "reports_stalled": ("unsolved", "no further progress"),
     "blocks_signals": ("timeout", "limit of 1 s"),
     "hangs_in_warm_up": ("timeout", "limit of 1 s"),

@@ -62,29 +62,6 @@ def test_different_plan_is_refused(tmp_path) -> None:
     assert [path.name for path in stranger.iterdir()] == ["holiday.txt"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [
-        (("run", "no_such_suite"), "suite: unknown suite"),
-        (("run", "smoke", "--solver", "nsgs[relaxation=much]"), "takes a float"),
-        (("run", "smoke", "--solver", "ccp[backend=abacus]"), "abacus"),
-        (("run", "smoke", "--solver", "nothing_here.py"), "nothing_here.py"),
-        (("run", "smoke", "--tol", "tight"), "tol: cannot read"),
-        (("run", "smoke", "--tol", "-1"), "tol: must lie between"),
-        (("run", "smoke", "--time-limit", "0"), "time-limit: must be positive"),
-        (("run", "smoke", "--jobs", "1000"), "jobs: at most"),
-        (("report", "no_such_folder"), "no such results folder"),
-        (("compare", "no_such_folder", "nor_this"), "no_such_folder"),
-        (("solve", "no_such_file.npz"), "no_such_file.npz: no such file"),
-    ],
-)
-def test_unusable_input_is_reported_in_one_line(tmp_path, arguments, complaint) -> None:
-    done = frictionbench(*arguments, cwd=tmp_path)
-    assert done.returncode == 2
-    assert complaint in done.stderr + done.stdout
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_rerun_is_bitwise_equal(tmp_path) -> None:
     folder = tmp_path / "run"
     run(small_plan(), folder, 1, quiet())

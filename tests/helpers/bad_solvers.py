@@ -94,12 +94,6 @@ def modifies_friction(problem):
 
 
 @bad
-def raises(problem):
-    """Raises an exception."""
-    raise RuntimeError("no idea")
-
-
-@bad
 def reports_stalled(problem):
     """Reports STALLED."""
     return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)

@@ -151,12 +151,6 @@ def test_damaged_sparse_matrices(matrix) -> None:
         FrictionProblem.from_delassus(matrix, np.ones(6), [0.5] * 3, 2)
 
 
-@pytest.mark.parametrize("dimension", [2.0, None, "2", [2], 4, float("nan")])
-def test_dimension(dimension) -> None:
-    with pytest.raises(InputError, match=r"^d: must be 2 or 3"):
-        FrictionProblem.from_delassus(np.eye(2), np.ones(2), [0.5], dimension)
-
-
 def test_entries_that_overflow() -> None:
     for W in (np.full((4, 4), 1e308), np.eye(4) * 1e308, np.eye(4) * 1e200):
         with pytest.raises(InputError, match=r"^W: its entries must be below 1e\+150"):

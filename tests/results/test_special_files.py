@@ -5,15 +5,13 @@ import os
 import struct
 import tracemalloc
 import zipfile
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from frictionbench.problems import InputError
-from frictionbench.problems.recorded import archive, own, read
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.recorded import archive, read
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import SETTINGS, solve_row, write_folder
 
@@ -152,15 +150,3 @@ def test_directory_of_an_archive(tmp_path) -> None:
         read(path)
     assert tracemalloc.get_traced_memory()[1] < 4 * archive.CHUNK
     tracemalloc.stop()
-
-
-def test_damaged_compression(tmp_path) -> None:
-    own.save(scene("stack", blocks=2).problem(), tmp_path / "good.npz")
-    with np.load(tmp_path / "good.npz") as arrays:
-        np.savez_compressed(tmp_path / "packed.npz", **arrays)
-    content = (tmp_path / "packed.npz").read_bytes()
-    assert read(tmp_path / "packed.npz").contacts == 4
-    for i in range(30, len(content), len(content) // 8):
-        (tmp_path / "bad.npz").write_bytes(content[:i] + bytes([content[i] ^ 255]) + content[i + 1 :])
-        with suppress(InputError):  # other errors propagate
-            read(tmp_path / "bad.npz")

@@ -88,12 +88,6 @@ def test_the_rank_does_not_depend_on_units_or_masses():
     assert found.condition == pytest.approx(1)
 
 
-def test_islands_are_counted():
-    assert labels(scene("two_blocks").problem()).islands == 2
-    assert labels(scene("stack", blocks=3).problem()).islands == 1
-    assert labels(scene("long_bar").problem()).islands == 0
-
-
 def test_rows_of_joints_are_counted() -> None:
     """A contact, a frictionless contact with its tangents, a limit, dry friction, and a locked contact with friction."""
     N, T = np.zeros((5, 3)), np.zeros((10, 3))
