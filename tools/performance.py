@@ -29,14 +29,9 @@ def rates(folder: Path) -> str:
 
 
 def _table(table: RateTable) -> str:
-    told = (
-        f"{table.problems} problems, to {table.tol:g}; {100 * table.active:.0f} % of the contacts carry load, and in "
-        f"{100 * table.idle:.0f} % of the problems friction is idle. Ratios are over single calls of {table.base}."
-    )
-    rows = [[rate.variant, rate.way, rate.start, *rate.texts] for rate in table.rates]
     marks = ["---"] * 3 + ["--:"] * (len(HEADER) - 3)
-    lines = [f"| {' | '.join(row)} |" for row in [[*HEADER], marks, *rows]]
-    return "\n\n".join([f"### {table.title}", _wrapped(told), "\n".join(lines)])
+    lines = [f"| {' | '.join(row)} |" for row in [[*HEADER], marks, *table.rows]]
+    return "\n\n".join([f"### {table.title}", _wrapped(table.told), "\n".join(lines)])
 
 
 def _wrapped(text: str) -> str:

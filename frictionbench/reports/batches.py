@@ -52,66 +52,41 @@ def write_batches(folder: Path) -> Path:
     return path
 
 
-class Rate(NamedTuple):
-    """A row of a table. refused: why there is no rate, else empty.
-
-    rate: problems a second of one core, of the fastest round. ratio: over that of single calls of the base. percentiles
-    (PERCENTILES): the time of a problem over the mean time of such a call.
-    """
-
-    variant: str
-    way: str
-    start: str
-    refused: str
-    rate: float
-    ratio: float
-    percentiles: list[float]
-
-    @property
-    def texts(self) -> list[str]:
-        """Rate, ratio and percentiles in digits; a dash where nothing was measured, and only the reason where refused."""
-        if self.refused:
-            return [self.refused, *["–"] * 4]
-        shares = [f"{share:.2f}" for share in self.percentiles] or ["–"] * 3
-        return [f"{self.rate:,.0f}", f"{self.ratio:.2g}", *shares]
-
-
 class RateTable(NamedTuple):
-    """The rates of the same problems, to one tolerance. active, idle: shares as in results.schema."""
+    """The rates of the same problems, to one tolerance: a title, what the problems are, and rows of texts below HEADER."""
 
     title: str
-    problems: int
-    active: float
-    idle: float
-    base: str
-    tol: float
-    rates: list[Rate]
+    told: str
+    rows: list[list[str]]
 
 
 def rate_tables(rows: pd.DataFrame) -> list[RateTable]:
     """The tables of the rows of batches, in their order; cells without a result are refused by their reason."""
     found = []
     for (scene, parameters, tol), own in rows.groupby(["scene", "parameters", "tol"], sort=False):
-        ran = own[own["contacts"].notna()]
-        facts: dict[str, Any] = (ran if len(ran) else own).iloc[0].to_dict()
-        space = "the plane" if facts["dimension"] == 2 else "space"
-        title = f"{facts['contacts']:.0f} contacts in {space}" if len(ran) else "not run"
-        numbers = int(facts["problems"]), float(facts["active"]), float(facts["idle"]), str(facts["base"] or "")
-        rates = [rate_of(row) for row in own.to_dict("records")]
-        found.append(RateTable(f"{title}: {scene_title(scene, parameters)}", *numbers, float(tol), rates))
+        ran, (title, told) = own[own["contacts"].notna()], ("not run", "")
+        if len(ran):
+            facts = ran.iloc[0]
+            title = f"{facts['contacts']:.0f} contacts in {'the plane' if facts['dimension'] == 2 else 'space'}"
+            told = (
+                f"{facts['problems']} problems, to {tol:g}; {100 * facts['active']:.0f} % of the contacts carry load, and "
+                f"in {100 * facts['idle']:.0f} % of the problems friction is idle. Ratios are over single calls of "
+                f"{facts['base']}."
+            )
+        found.append(RateTable(f"{title}: {scene_title(scene, parameters)}", told, [*map(rate_of, own.to_dict("records"))]))
     return found
 
 
-def rate_of(row: dict[str, Any]) -> Rate:
-    """The rate of a row of the table of batches."""
-    names = str(row["variant"]), str(row["way"]), str(row["start"])
+def rate_of(row: dict[str, Any]) -> list[str]:
+    """The texts of a row of the table of batches, as METHOD says; a dash where nothing was measured, and only the reason where
+    its rate is refused."""
+    names = [str(row[name]) for name in ("variant", "way", "start")]
     times, singles, each = (_seconds(row[name]) for name in ("times", "base_times", "problem_times"))
-    why = refusal(row)
-    if why or not len(times) or not len(singles):
-        return Rate(*names, why or "not timed", np.nan, np.nan, [])
+    if why := refusal(row) or ("" if len(times) and len(singles) else "not timed"):
+        return [*names, why, *["–"] * 4]
     single = singles.min()
-    shares = [float(np.percentile(each, p)) / single for p in PERCENTILES] if len(each) else []
-    return Rate(*names, "", 1 / times.min(), single / times.min(), shares)
+    shares = [f"{share:.2f}" for share in np.percentile(each, PERCENTILES) / single] if len(each) else ["–"] * 3
+    return [*names, f"{1 / times.min():,.0f}", f"{single / times.min():.2g}", *shares]
 
 
 def refusal(row: dict[str, Any]) -> str:

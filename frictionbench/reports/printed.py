@@ -9,16 +9,13 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from frictionbench.problems.verdicts import measured
 from frictionbench.reports import tables
-from frictionbench.reports.accuracy import LEVELS, OVERALL, in_order, overall, percentiles, shown_levels
+from frictionbench.reports.accuracy import LEVELS, in_order, overall, percentiles, shown_levels
 from frictionbench.reports.choice import Choice, Kind, choices
 from frictionbench.reports.drawing.text import percent, power, residual, seconds
 from frictionbench.reports.latex import cited
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import ENDINGS
-
-BANDS = {"1 to 4": (0, 4), "5 to 20": (4, 20), "21 to 100": (20, 100), "more than 100": (100, np.inf)}  # contacts
 
 
 class Cited(NamedTuple):
@@ -134,31 +131,6 @@ def _solvability(run: Run) -> list[Table]:
     return [Table("solvability", caption, ["solver", *columns, *["error"] * with_error], rows)]
 
 
-def _sizes(run: Run) -> list[Table]:
-    """Medians of form, setup and solve over the problems whose own model is solved at the tightest tolerance, by size."""
-    found = []
-    for dimension, where in OVERALL.items():
-        ran = run.tightest[(run.tightest["dimension"] == dimension) & measured(run.tightest)]
-        rows, order = [], []
-        for label, own in ran.groupby("label", sort=False):
-            rows.append([str(label), *(_band(own, *ends) for ends in BANDS.values())])
-            order.append((-own["own_solved"].sum(), own.loc[own["own_solved"], "time"].median()))
-        rows = [rows[i] for i in sorted(range(len(rows)), key=order.__getitem__)]
-        caption = (
-            f"Medians of form + setup + solve {where}, ms, over the problems that a solver solves by its own model, whose "
-            "number stands beside that of all, by the number of contacts."
-        )
-        found.append(Table(f"sizes_{dimension}d", caption, ["solver", *BANDS], rows))
-    return found
-
-
-def _band(own: pd.DataFrame, low: float, high: float) -> str:
-    band = own[(own["contacts"] > low) & (own["contacts"] <= high)]
-    good = band[band["own_solved"]]
-    parts = [good[f"{step}_time"].median() for step in ("form", "setup", "solve")]
-    return f"{' + '.join(f'{1e3 * part:.2g}' for part in parts) if len(good) else '–'} ({len(good)}/{len(band)})"
-
-
 def _clocks(run: Run) -> list[Table]:
     """Where a library's own clock differs from the benchmark's."""
     found = tables.clocks(run).query("differs")
@@ -211,5 +183,5 @@ def _digits(value: float) -> str:
 
 
 TABLES: tuple[Callable[[Run], list[Table]], ...] = (
-    *(_choice, _solvability, _times, _percentiles, _sizes, _clocks, _problems, _solvers),
+    *(_choice, _solvability, _times, _percentiles, _clocks, _problems, _solvers),
 )
