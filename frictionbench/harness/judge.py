@@ -143,6 +143,7 @@ def judge(
     out: by default one below runs/ that is named by what is judged. Errors: InputError naming the folder or the file that
     cannot be used, and as of harness.run.run.
     """
+    require(folder.is_dir(), "folder", f"{folder} is no folder")
     paths = sorted(folder.glob("*.npz"), key=natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
     with tempfile.TemporaryDirectory() as name:

@@ -110,7 +110,11 @@ def test_unusable_folders_are_refused(tmp_path) -> None:
     write_steps(steps)
     fb.save(box(), steps / "problem.npz")
     (tmp_path / "empty").mkdir()
-    for name, told_of in (("empty", "folder: empty holds no steps"), ("steps", "problem.npz: holds a problem, but not")):
+    for name, told_of in (
+        ("none", "folder: none is no folder"),
+        ("empty", "folder: empty holds no steps"),
+        ("steps", "problem.npz: holds a problem, but not"),
+    ):
         done = frictionbench("judge", name, "--jobs", "1", cwd=tmp_path)
         assert (done.returncode, done.stdout) == (2, "")
         assert told_of in done.stderr

@@ -5,7 +5,8 @@ OPENBLAS_NUM_THREADS=1 python -m tools.robots.timing [MODEL ...]
 Models and behaviours are those of tools.robots.models, in closed loop by frictionbench.mujoco.step. Before each step both
 sides are given the same: MuJoCo its data after mj_forward, with the acceleration of the step before as a warm start, for
 mj_fwdConstraint; hybrid the assembled problem, cold or with the impulses of the step before. Needs MuJoCo and the packages of
-the models. Threads of BLAS would be timed with their waiting where the machine does other work.
+the models; Pinocchio's solver is timed where it is installed. Threads of BLAS would be timed with their waiting where the
+machine does other work.
 """
 
 import sys
@@ -18,10 +19,11 @@ import mujoco as mj
 import numpy as np
 
 import frictionbench as fb
-from frictionbench.problems import FrictionProblem
+from frictionbench.problems import FrictionProblem, InputError
 from tools.robots.models import MODELS, Model, begin
 
 WAYS = tuple((tol, warm) for tol in (1e-6, 1e-8) for warm in (False, True))
+OTHER = "pinocchio[method=admm,settings=tuned]"
 STEPS, APART, ROUNDS, LEAD = 30, 5, 5, 20  # steps timed of a motion, steps from one to the next, repeats, steps before
 HEAD = f"""## Steps of robots
 
@@ -30,8 +32,10 @@ law, warm-started. The other columns are calls of `fb.solve(problem, "hybrid")` 
 steps, form, setup and residual included: the median over the steps of µs, and of the ratio to MuJoCo; *worst*: the 99th
 percentile of the call at 1e-8 from a cold start over its median. Cold from no impulses, warm from those of the step before.
 *problem*: to make the FrictionProblem of dense arrays, checks and inverse mass included, which is before the call. Each time
-is the median of {ROUNDS} in turn. A model's steps are of two motions, the first and the last of its behaviours, in closed loop
-with our steps.
+is the median of {ROUNDS} in turn. *pinocchio*: `{OTHER}`, of Coulomb's law and limits of joints, cold at 1e-6: the
+median over those steps that it solves, and their number where it is not all; a dash where it takes none, as it has no form for
+dry friction of joints. Drake's SAP has no column: pydrake solves by it only whole models of its own, by a soft and convex law.
+A model's steps are of two motions, the first and the last of its behaviours, in closed loop with our steps.
 """
 
 
@@ -44,6 +48,7 @@ class Timed(NamedTuple):
     made: float
     calls: tuple[float, ...]
     solved: bool
+    other: float  # NaN where it has no answer within the tolerance
 
 
 def section(names: tuple[str, ...] = ()) -> str:
@@ -51,9 +56,10 @@ def section(names: tuple[str, ...] = ()) -> str:
     titles = [f"{'warm' if warm else 'cold'} {tol:g}" for tol, warm in WAYS]
     lines = [
         HEAD,
-        f"| model | velocities | contacts | joints | steps | MuJoCo | {' | '.join(titles)} | worst | problem | unsolved |",
+        "| model | velocities | contacts | joints | steps | MuJoCo | "
+        f"{' | '.join(titles)} | worst | problem | pinocchio | unsolved |",
     ]
-    lines.append("|---|" + "--:|" * (len(titles) + 8))
+    lines.append("|---|" + "--:|" * (len(titles) + 9))
     ratios, worst = [], []
     for model in MODELS:
         if not names or model.name in names:
@@ -73,8 +79,25 @@ def _line(model: Model, found: list[Timed], calls: Any, ratio: Any, worst: float
     middle, soft = np.median(calls, axis=0), float(np.median([step.soft for step in found]))
     cells = [f"{time:.0f} ({times:.1f})" for time, times in zip(middle, ratio, strict=True)]
     contacts, joints = (int(np.median([getattr(step, name) for step in found])) for name in ("contacts", "joints"))
+    answered = [step for step in found if step.other > 0]
+    other = "–"
+    if answered:
+        time, over = np.median([(step.other, step.other / step.soft) for step in answered], axis=0)
+        count = "" if len(answered) == len(found) else f", {len(answered)} solved"
+        other = f"{time:.0f} ({over:.0f}){count}"
     made, unsolved = np.median([step.made for step in found]), sum(not step.solved for step in found)
-    known = [model.name, model.load().nv, contacts, joints, len(found), f"{soft:.1f}", *cells, f"{worst:.1f}", f"{made:.0f}"]
+    known = [
+        model.name,
+        model.load().nv,
+        contacts,
+        joints,
+        len(found),
+        f"{soft:.1f}",
+        *cells,
+        f"{worst:.1f}",
+        f"{made:.0f}",
+        other,
+    ]
     return f"| {' | '.join(map(str, known))} | {unsolved or ''} |"
 
 
@@ -112,7 +135,17 @@ def _step(model: Any, engine: Any, problem: FrictionProblem, start: Any) -> Time
         solved = solved and fb.residual(problem, call(problem).impulse) <= tol
     fields = {name: getattr(problem, name) for name in ("free_velocity", "bias", "friction", "friction_bias", "joint_bias")}
     fields |= {name: getattr(problem, name).toarray() for name in ("mass", "normal", "tangent", "joints")}
-    return Timed(problem.contacts, len(problem.joint_bias), _median(soft), _median(made), tuple(calls), solved)
+    return Timed(problem.contacts, len(problem.joint_bias), _median(soft), _median(made), tuple(calls), solved, _other(problem))
+
+
+def _other(problem: FrictionProblem) -> float:
+    """The time of OTHER in µs; NaN where it is not installed, does not take the problem or has no answer within 1e-6."""
+    call = partial(fb.solve, spec=OTHER, tol=1e-6, time_limit=1.0)
+    try:
+        solved = fb.residual(problem, call(problem.fresh()).impulse) <= 1e-6
+    except InputError:
+        return np.nan
+    return _median(call, problem.fresh) if solved else np.nan
 
 
 def _median(call: Callable[[Any], Any], given: Callable[[], Any] = lambda: None) -> float:

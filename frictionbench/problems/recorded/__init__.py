@@ -8,13 +8,13 @@ arrays in an .npz         problems.recorded.plain       M, N, T, mu, v or W, q, 
 
 from pathlib import Path
 
-from frictionbench.problems.check import Array, InputError
+from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded import fclib, own, plain, siconos
 from frictionbench.problems.recorded.archive import MAX_BYTES, opened, read_arrays
 
-HDF5, ZIP = b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
+HDF5, ZIP, NUMPY = b"\x89HDF\r\n\x1a\n", b"PK\x03\x04", b"\x93NUMPY"
 
 
 def read(path: Path) -> FrictionProblem | LCP:
@@ -28,6 +28,8 @@ def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]
         head = file.read(8)
     if head[:4] == ZIP:
         return _archive(path), ()
+    require(bool(head), str(path), "is empty")
+    require(not head.startswith(NUMPY), str(path), "holds one array; numpy.savez writes an .npz with those of a problem")
     hdf5 = head == HDF5
     try:
         return fclib.read(path) if hdf5 else (siconos.read(path), ())

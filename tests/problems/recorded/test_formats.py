@@ -262,7 +262,6 @@ def test_crash_of_hdf5_library(tmp_path, monkeypatch) -> None:
 
 W4 = "0\n4\n4\n4 4\n" + "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n"
 BAD_TEXT = {
-    "empty": ("", "dimension"),
     "claims": ("2\n2\n0\n1000000000\n1000000000\n1000000000 1000000000\n1", "first matrix, rows"),
     "claims blocks": ("2\n2\n1\n4\n4\n9999999\n2\n2\n", "first matrix, number of blocks"),
     "claims triplets": ("2\n2\n2\n4\n4\n1\nCSparse\ntriplet: 4-by-4, nzmax: 9 nnz: 99999999\n 0 0 : 1\n", "first matrix"),
@@ -294,6 +293,12 @@ def test_unknown_files(tmp_path) -> None:
         read(tmp_path / "nothing.npz")
     with pytest.raises(InputError, match=str(tmp_path)):
         read(tmp_path)
+    (tmp_path / "none.npz").touch()
+    with pytest.raises(InputError, match=r"none\.npz: is empty"):
+        read(tmp_path / "none.npz")
+    np.save(tmp_path / "one.npy", np.ones(3))
+    with pytest.raises(InputError, match=r"one\.npy: holds one array"):
+        read(tmp_path / "one.npy")
     np.savez(tmp_path / "p.npz", a=np.ones(3))
     with pytest.raises(InputError, match=r"p\.npz: holds a; expected"):
         read(tmp_path / "p.npz")
