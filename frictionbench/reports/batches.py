@@ -16,13 +16,11 @@ from frictionbench.results.conventions import DRAWN, NEARBY, WAYS, scene_title
 from frictionbench.results.files import write_text
 from frictionbench.results.store import read_manifest, read_table
 
-PERCENTILES = (50, 95, 100)
-HEADER = ("solver", "way", "start", "problems a second", "ratio", "p50", "p95", "worst")
+HEADER = ("solver", "way", "start", "problems a second", "ratio")
 METHOD = (  # how the figures were measured, in words for reports
     "Problems a second of one core, by the processor's time, of the fastest round. Each problem of a batch has its own "
     + ", ".join(f"{name.replace('_', ' ')} ({low:g} to {high:g})" for name, (low, high) in DRAWN.items())
-    + ". ratio: over the rate of single calls of the solver that is named, on the same problems, timed in turn. p50, p95, "
-    "worst: the time of a problem, repeated in the same way, over the mean time of such a call.",
+    + ". ratio: over the rate of single calls of the solver that is named, on the same problems, timed in turn.",
     "Ways: "
     + "; ".join(f"{way}: {meaning.replace('`', '')}" for way, meaning in WAYS.items())
     + ". All include form, solve and, but for calls, the residual of every answer. Cold starts are from zero "
@@ -81,12 +79,10 @@ def rate_of(row: dict[str, Any]) -> list[str]:
     """The texts of a row of the table of batches, as METHOD says; a dash where nothing was measured, and only the reason where
     its rate is refused."""
     names = [str(row[name]) for name in ("variant", "way", "start")]
-    times, singles, each = (_seconds(row[name]) for name in ("times", "base_times", "problem_times"))
+    times, singles = (_seconds(row[name]) for name in ("times", "base_times"))
     if why := refusal(row) or ("" if len(times) and len(singles) else "not timed"):
-        return [*names, why, *["–"] * 4]
-    single = singles.min()
-    shares = [f"{share:.2f}" for share in np.percentile(each, PERCENTILES) / single] if len(each) else ["–"] * 3
-    return [*names, f"{1 / times.min():,.0f}", f"{single / times.min():.2g}", *shares]
+        return [*names, why, "–"]
+    return [*names, f"{1 / times.min():,.0f}", f"{singles.min() / times.min():.2g}"]
 
 
 def refusal(row: dict[str, Any]) -> str:

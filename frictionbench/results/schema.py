@@ -115,12 +115,10 @@ solve_times        reals s   solve time of every repeat, in order
 _SIMULATIONS = """
 scheme             text      time-stepping scheme
 after_failure      text      how the motion continues after a failed step: answer, velocity or relaxation
-step_size          real  s   time step h
 steps              whole     steps planned
 steps_done         whole     steps taken
 problems           whole     number of friction problems
 unsolved           whole     number of problems whose verified residual exceeds the tolerance
-most_contacts      whole     largest number of contacts in a problem
 worst_residual     real  1   largest verified residual
 worst_energy_defect real  1   largest defect of the energy balance over the scene's energy scale
 energy_scale       real  J   largest kinetic energy plus largest change of potential energy
@@ -148,7 +146,6 @@ work               text      deterministic counters, summed over the problems, a
 times              reals s   processor's time, or the duration if it waited, over the number of problems, of each round
 base               text      solver of the single calls to which rates are relative
 base_times         reals s   the same of such a single call, measured in turn with `times`
-problem_times      reals s   the same of each problem of a sample, solved many times over; null if results are reused
 """
 
 

@@ -248,7 +248,7 @@ def batch_times(monkeypatch: pytest.MonkeyPatch, solve) -> tuple[store.Row, int]
         return [solve(problem, spec, tol=tol) for problem in problems]
 
     monkeypatch.setattr(batch, "_calls", calls)
-    for name, value in {"ROUNDS": 2, "SHORT": 0.0, "AGAIN": 1, "SAMPLE": 1}.items():
+    for name, value in {"ROUNDS": 2, "SAMPLE": 1}.items():
         monkeypatch.setattr(batch, name, value)
     cell = BatchCell("stack", {"blocks": 1}, 3, "lemke", "calls", 1e-8)
     return time_batch(cell, batch_of("stack", '{"blocks": 1}', 3), find("lemke")[0]), len(seen)

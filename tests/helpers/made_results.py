@@ -89,4 +89,4 @@ def batch_row(variant: str, way: str, start: str = "cold", **given: Any) -> dict
     }
     row |= {"way": way, "start": start, "dimension": 2, "contacts": 4, "problems": 100, "active": 1.0, "idle": 0.0}
     row |= {"verified": 1.0, "residual": 1e-12, "work": '{"pivots": 900}', "base": "lemke"}
-    return row | {"times": [1e-3] * 3, "base_times": [2e-3] * 3, "problem_times": [1e-3] * 4} | given
+    return row | {"times": [1e-3] * 3, "base_times": [2e-3] * 3} | given

@@ -11,7 +11,6 @@ A warm start is the answer of the same problem with a push smaller by NEARBY, as
 """
 
 import json
-import math
 import os
 from collections import Counter
 from collections.abc import Callable
@@ -39,10 +38,8 @@ from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, Answers, SolverInfo, solve, solve_many
 
 BASE = {2: "lemke", 3: "hybrid"}  # by dimension
-TOL, ROUNDS, SAMPLE, AGAIN, SEED = 1e-8, 5, 20, 10, 1
-SHORT = 0.01  # s: in shorter runs a call's own time counts
+TOL, ROUNDS, SAMPLE, SEED = 1e-8, 5, 20, 1
 WAITS = 1.2  # between them lies what a virtual machine's host takes
-REUSED = 4.0  # times as long: fewer is the difference between few problems together and many
 
 
 @dataclass(frozen=True)
@@ -94,15 +91,7 @@ def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
     again = _verified(cell, problems, _one_by_one(last), info)
     if again["verified"] < row["verified"]:
         row |= again | {"work": row["work"]}
-    row |= {"times": times, "base_times": singles}
-    if row["verified"] < 1:  # its rate is refused: what it would cost to measure more is saved
-        return row
-    each = _each(cell, batch, max(AGAIN, math.ceil(SHORT / min(times))))
-    if REUSED * sum(each) >= min(times) * len(each):
-        row["problem_times"] = each
-    else:
-        row["reason"] = "it reuses earlier results: the times of single problems, solved many times over, are left out"
-    return row
+    return row | {"times": times, "base_times": singles}
 
 
 def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array) -> Callable[[], Any]:
@@ -126,16 +115,6 @@ def _one_by_one(found: Answers | list[Answer]) -> list[Answer]:
         return found
     counts = [(name, count.tolist()) for name, count in found.work.items()]
     return [Answer(found[k], found.status[k], {name: count[k] for name, count in counts}) for k in range(len(found))]
-
-
-def _each(cell: BatchCell, batch: Problems, repeats: int) -> list[float]:
-    """The time of each problem of the sample, solved so many times over."""
-    times, nc, d = [], batch.facts["contacts"], batch.dimension
-    for k, problem in enumerate(batch.problems[:SAMPLE]):
-        before = np.tile(batch.before[k * nc * d : (k + 1) * nc * d], repeats)
-        way = _way(cell, (problem,) * repeats, before)
-        times.append(min(_worked(way)[0] for _ in range(2)) / repeats)
-    return times
 
 
 def _verified(cell: BatchCell, problems: tuple[FrictionProblem, ...], answers: list[Answer], info: SolverInfo) -> Row:

@@ -40,7 +40,6 @@ class _ClosedLoop:
     def __init__(self, info: SolverInfo, solver: Solver, cell: SimulationCell) -> None:
         self._info, self._solver, self._tol, self._after = info, solver, cell.tol, cell.after
         self.verdicts: Counter[Verdict] = Counter()
-        self.most_contacts = 0
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
 
     def __call__(self, problem: FrictionProblem) -> Array:
@@ -55,7 +54,6 @@ class _ClosedLoop:
     def _verified(self, problem: FrictionProblem) -> tuple[Verdict, Array]:
         """The verdict on the solver's answer, and the impulses that were verified."""
         given = duplicate(problem)
-        self.most_contacts = max(self.most_contacts, problem.contacts)
         try:
             call = clean_call(lambda: timed_call(self._solver, given, lambda ready: self._solver.solve(ready, self._tol, None)))
         except AnswerError as error:
@@ -133,12 +131,10 @@ def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver
     return {
         "verdict": verdict,
         "reason": reason,
-        "step_size": stage.step,
         "steps": planned,
         "steps_done": done,
         "problems": loop.verdicts.total(),
         "unsolved": loop.verdicts.total() - loop.verdicts[Verdict.SOLVED],
-        "most_contacts": loop.most_contacts,
         "worst_residual": loop.worst_residual,
         "worst_energy_defect": loop.worst_defect / scale,
         "energy_scale": scale,
