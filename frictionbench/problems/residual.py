@@ -18,8 +18,8 @@ Without the shift, g(u) = u, the first term measures the convex relaxation's own
 
 Every term has a rounding error of some eps: s r, the terms of the sum u, and mu times those of u_t. The sum of these errors
 over the unit is the residual's floor, below which an answer cannot be judged: for impulses so large that eps s r exceeds it,
-the computed residual may be 0 for wrong answers. Where a contact is open beyond the errors, P_K(r - g/s) lies in the disc of
-b_f whatever they are.
+the computed residual may be 0 for wrong answers. Where a contact is open beyond the errors, those of u_n do not matter, and
+P_K(r - g/s) lies in the disc of b_f.
 """
 
 from typing import Any
@@ -225,7 +225,7 @@ def _contact_floor(r, u, terms, s, mu, b, unit, shift):  # type: ignore[no-untyp
     for k in range(1, len(u)):
         sliding += abs(u[k])
     if u[0] > (1 + mu) * impulse + (1 - shift) * mu * sliding + 2 * EPSILON * impulse + moved:
-        moved = min(moved, 2 * s * b)
+        moved = min(2 * EPSILON * length(terms[1:], 0, len(r) - 1), 2 * s * b)
     return relative_defect(2 * EPSILON * impulse + moved, unit)
 
 

@@ -124,6 +124,8 @@ def test_the_bias_of_a_row_without_a_normal_enters_no_unit(free) -> None:
     for turn in (lambda p: p, lambda p: contact_space(p.W, p.q, p.friction, 2, friction_bias=p.friction_bias)):
         one, other = turn(dry.replace(bias=[0.0, 1.0])), turn(dry.replace(bias=[0.0, 1e9]))
         np.testing.assert_array_equal(one.units, other.units)
+        impulse = np.array([[0.0, 0.0], [0.0, 1e-4]])
+        assert residual_floor(one, impulse) == residual_floor(other, impulse)
 
 
 def test_what_the_unit_hides_is_a_share_of_the_speeds() -> None:
