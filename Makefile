@@ -57,9 +57,11 @@ test-all: test
 .PHONY: compiled-plane compiled-space
 compiled-plane: install
 	$(BIN)/frictionbench solve 'stack[blocks=2]' > /dev/null
+	$(BIN)/python -c 'import frictionbench as fb; [fb.solve_many([fb.problem("stack")], spec) for spec in ("lemke", "nsgs", "interior_point", "hybrid")]'
 
 compiled-space: install
 	$(BIN)/frictionbench solve 'cubes[boxes=2]' > /dev/null
+	$(BIN)/python -c 'import frictionbench as fb; [fb.solve_many([fb.problem("cubes")], spec) for spec in ("nsgs", "interior_point", "hybrid")]'
 
 .PHONY: checked
 checked: install
