@@ -2,7 +2,6 @@
 our own or that of plug-ins that the user names in this command. The file named in the manifest is shown and never run.
 """
 
-import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +16,7 @@ from frictionbench.problems.instances import instances
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.spec import split
 from frictionbench.results import store
-from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, WARM, WAYS
+from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, WARM, WAYS, json_object
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row
 from frictionbench.solvers import available, find
@@ -45,7 +44,7 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
     require(type(memory) is int and LEAST_MEMORY <= memory < 2**60, "settings.memory_limit", f"cannot be {memory!r:.100}")
     texts = ("variant", "scene", "verdict", "parameters", *(["scheme"] if table == "simulations" else ["start"]))
     usable = {name: isinstance(row[name], str) for name in texts}
-    usable["parameters"] = usable["parameters"] and _is_object(row["parameters"])
+    usable["parameters"] = row["parameters"] == "{}" or bool(json_object(row["parameters"]))
     usable |= {"tol": _between(row["tol"], 0.0, 1e300), "time_limit": _between(row["time_limit"], LEAST_SECONDS, MOST_SECONDS)}
     if table == "simulations":
         usable["after_failure"] = row["after_failure"] in (KEEP_ANSWER, KEEP_VELOCITY, RELAX)
@@ -61,14 +60,6 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
     for name, can in usable.items():
         require(can, name, f"cannot be {row[name]!r:.100}")
     return StoredCell(table, row, settings, memory)
-
-
-def _is_object(text: str) -> bool:
-    """Whether a text is a JSON object."""
-    try:
-        return isinstance(json.loads(text), dict)
-    except (ValueError, RecursionError):
-        return False
 
 
 def _between(value: float | None, least: float, most: float) -> bool:
