@@ -53,9 +53,6 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
             known = {name: value for name, value in store.read_manifest(folder).items() if name != "finished"}
             store.write_manifest(folder, known | {"workers": None if cluster else jobs, "walls": pool.sandbox})
             records = _collect(plan, pool, progress)
-            motions = [Task(worker.run_motion, (shown,), plan.simulation_limit) for shown in plan.shown()]
-            for _ in progress.follow("motions", pool, motions):
-                pass  # the report does without those that fail
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
             if not plan.expects:
                 progress.tell(_announced(plan, cells, records))

@@ -6,26 +6,17 @@ only, by its hash.
 """
 
 from pathlib import Path
-from typing import Any, NamedTuple
-from urllib.parse import quote
+from typing import Any
 
 import numpy as np
 
 from frictionbench.reports.templates import as_json, environment, script
-from frictionbench.results.files import ResultsError, subfolder, write_text
-from frictionbench.results.motion import Array, Motion, Outline, plain, read_motion
+from frictionbench.results.files import write_text
+from frictionbench.results.motion import Array, Motion, Outline, plain
 
 MOST_NUMBERS = 250_000  # on a page, which makes it about 2 MB
 DIGITS = 5  # significant digits of each number, finer than a pixel
 MARGIN = 0.1  # around the motion, relative to its size
-
-
-class Animation(NamedTuple):
-    """A page in a results folder: the scene, its title with parameters, and the address relative to the folder."""
-
-    scene: str
-    title: str
-    address: str
 
 
 def write_animation(motion: Motion, path: Path) -> Path:
@@ -45,20 +36,6 @@ def write_animation(motion: Motion, path: Path) -> Path:
     )
     write_text(path, page)
     return path
-
-
-def write_animations(folder: Path) -> list[Animation]:
-    """Write DIR/motion/NAME.html for every recorded motion DIR/motion/NAME.json; other files are ignored."""
-    pages = []
-    for path in sorted((folder / "motion").glob("*.json")):
-        try:
-            motion = read_motion(path)
-        except ResultsError:
-            continue
-        subfolder(folder, "motion")
-        page = write_animation(motion, path.with_suffix(".html"))
-        pages.append(Animation(motion.scene, motion.title, f"motion/{quote(page.name)}"))
-    return pages
 
 
 def _data(motion: Motion) -> dict[str, Any]:

@@ -14,7 +14,6 @@ import pandas as pd
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports import robustness, tables
 from frictionbench.reports.accuracy import OVERALL, overall, percentiles
-from frictionbench.reports.animation import Animation, write_animations
 from frictionbench.reports.batches import has_batches, write_batches
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
@@ -42,14 +41,14 @@ Panels = Sequence[Panel] | Sequence[Drawing]
 
 
 def write_report(folder: Path, run: Run | None = None) -> Path:
-    """Write DIR/report.html, the animations in DIR/motion and the failed cells of maps in DIR/failures.txt; return the report.
+    """Write DIR/report.html, and the failed cells of maps in DIR/failures.txt; return the report.
 
     run: the result of read_run(folder), if at hand.
     Errors: results.files.ResultsError if DIR is not a results folder or a file in it cannot be read.
     """
     if has_batches(folder):
         return write_batches(folder)
-    page = view(run or read_run(folder), write_animations(folder))
+    page = view(run or read_run(folder))
     if len(failed := page["maps"]["failed"]):
         write_text(folder / "failures.txt", failures(folder, failed, page["run"].plugins))
     path = folder / "report.html"
@@ -72,9 +71,8 @@ def failures(folder: Path, failed: pd.DataFrame, plugins: Sources) -> str:
     )
 
 
-def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
-    """What the page of a run shows; the templates know each value by its name. animations: those at hand, shown with their
-    scenes."""
+def view(run: Run) -> Values:
+    """What the page of a run shows; the templates know each value by its name."""
     claims = tables.wrong_claims(run)
     scenes = set(run.rows["scene"])
     runs = [run, run.ranked_by(run.rank_by.other)]
@@ -101,9 +99,8 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
         },
         "maps": _maps(run),
         "recorded": recorded_problems(run),
-        "classes": _classes(run, simulated, animations),
+        "classes": _classes(run, simulated),
         "simulated_only": [row for scene, rows in simulated.items() if scene not in scenes for row in rows],
-        "animations": [one for one in animations if one.scene not in scenes],
         "sheets": sheets(run),
         "claims": claims.head(MOST_CLAIMS),
         "claims_count": len(claims),
@@ -198,15 +195,10 @@ def _simulated(run: Run) -> dict[str, Records]:
     }
 
 
-def _classes(run: Run, simulated: dict[str, Records], animations: Sequence[Animation]) -> Records:
+def _classes(run: Run, simulated: dict[str, Records]) -> Records:
     """The classes of problems. facts: the row of tables.problem_classes."""
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
     return [
-        {
-            "facts": facts,
-            "simulations": simulated.get(scene_of[name], []),
-            "animations": [one for one in animations if one.scene == scene_of[name]],
-        }
+        {"facts": facts, "simulations": simulated.get(scene_of[facts["problem_class"]], [])}
         for facts in tables.problem_classes(run).to_dict("records")
-        for name in [facts["problem_class"]]
     ]

@@ -1,4 +1,4 @@
-"""A recorded motion of one scene: plain arrays, stored in DIR/motion/NAME.json.
+"""A recorded motion of one scene: plain arrays.
 
     n frames, nb bodies, all in SI units. Frame k is the state at the end of step k, from which step k + 1 starts. The contacts
     and the residual of a frame are those of the step that starts there, so the last frame has none.
@@ -9,19 +9,18 @@ forces, the work of the hinges, and the remainder: the error of the time-steppin
 
 import json
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.results.conventions import scene_title
-from frictionbench.results.files import ResultsError, read_json, subfolder, write_text
+from frictionbench.results.files import ResultsError
 
 Array = NDArray[np.float64]
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
 SHOWN = 3  # digits of a parameter in a title
-DIGITS = 12  # significant digits in the file: a defect is the small difference of large energies
+DIGITS = 12  # significant digits of what is encoded: a defect is the small difference of large energies
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,14 +89,8 @@ class Motion:
         return self.energy - self.energy[0] - self.friction - self.normal - self.joints
 
 
-def write_motion(path: Path, motion: Motion) -> None:
-    """Write the motion atomically."""
-    subfolder(path.parent.parent, path.parent.name)
-    write_text(path, json.dumps(encoded(motion), separators=(",", ":")))
-
-
 def encoded(motion: Motion) -> dict[str, Any]:
-    """The motion in types that JSON has, as in its file."""
+    """The motion in types that JSON has."""
     return {name: plain(value, DIGITS) for name, value in asdict(motion).items()}
 
 
@@ -110,11 +103,6 @@ def plain(value: Any, digits: int) -> Any:
     if isinstance(value, np.ndarray):
         return plain(value.tolist(), digits)
     return float(f"{value:.{digits}g}") if isinstance(value, float) else value
-
-
-def read_motion(path: Path) -> Motion:
-    """The motion in a file. Errors: ResultsError naming the file, if it is not a recorded motion."""
-    return decoded(read_json(path), str(path))
 
 
 def decoded(found: Any, origin: str) -> Motion:

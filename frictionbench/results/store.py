@@ -3,7 +3,6 @@
     DIR/manifest.json             what was run, on which machine, with which versions and settings
     DIR/convergence.json          convergence histories on a few problems, see results.histories
     DIR/maps/NAME.json            thresholds on the maps, see results.maps
-    DIR/motion/NAME.json          recorded motions, see results.motion; NAME.html animates one
     DIR/problems/HASH.npz         the problems, so that any cell can be rerun
     DIR/shards/TABLE-*.jsonl      rows in order of arrival, one file per writer, appended and flushed row by row
     DIR/solves.parquet, simulations.parquet    the merged shards

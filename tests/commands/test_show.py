@@ -10,19 +10,16 @@ import pytest
 from matplotlib.image import imread
 
 from frictionbench.commands.show import recorded
-from frictionbench.harness.cells.motion import record_motion, store_motion
-from frictionbench.harness.plans.plan import Source
+from frictionbench.harness.cells.motion import record_motion
 from frictionbench.problems import InputError
 from frictionbench.problems.scenes import scene, scenes
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.simulate import simulate
-from frictionbench.reports.animation import write_animation, write_animations
-from frictionbench.reports.page import write_report
+from frictionbench.reports.animation import write_animation
 from frictionbench.results.files import ResultsError
-from frictionbench.results.motion import read_motion, write_motion
+from frictionbench.results.motion import decoded, encoded
 from frictionbench.solvers import available, solve
 from tests.helpers.browser import browse, in_browser
-from tests.helpers.made_results import simulation_row, solve_row, write_folder
 from tests.helpers.page import Page, digest, with_more_script
 from tests.helpers.paths import BAD_SOLVERS
 
@@ -111,10 +108,9 @@ def test_plugin_runs_in_separate_process(tmp_path) -> None:
     assert "outsider" not in available()
 
 
-def test_motion_file_round_trip(tmp_path) -> None:
+def test_encoded_motion_round_trip() -> None:
     motion = record_motion(scene("slider_crank"), "lemke", steps=40)
-    write_motion(tmp_path / "m.json", motion)
-    again = read_motion(tmp_path / "m.json")
+    again = decoded(json.loads(json.dumps(encoded(motion))), "worker")
     assert again.parameters == motion.parameters
     for name in ("times", "poses", "energy", "kinetic", "friction", "normal", "joints", "residual", "hinges"):
         assert getattr(again, name) == pytest.approx(getattr(motion, name), rel=1e-11)
@@ -122,17 +118,13 @@ def test_motion_file_round_trip(tmp_path) -> None:
     assert [o.body for o in again.outlines] == [2, -1, -1, 0, 1]
 
 
-def test_invalid_motion_files_are_refused(tmp_path) -> None:
-    path = tmp_path / "m.json"
-    write_motion(path, record_motion(scene("jam"), "lemke", steps=2))
-    good = json.loads(path.read_text())
+def test_invalid_motions_are_refused() -> None:
+    good = encoded(record_motion(scene("jam"), "lemke", steps=2))
     bad = [{"times": [0.0]}, {"poses": [[1.0]]}, {"energy": [0, 0, float("nan")]}, {"outlines": [{}]}]
     bad += [{"contacts": [[1], [], []]}, {"parameters": 3}, {"hinges": [[7, 0, 0]]}]
-    for text in ("[]", "{}", *(json.dumps(good | change) for change in bad)):
-        path.write_text(text)
-        with pytest.raises(ResultsError, match="not a recorded motion"):
-            read_motion(path)
-    assert write_animations(tmp_path.parent) == []
+    for found in ([], {}, *(good | change for change in bad)):
+        with pytest.raises(ResultsError, match="worker: not a recorded motion"):
+            decoded(found, "worker")
 
 
 def test_every_scene_has_a_self_contained_page(tmp_path) -> None:
@@ -162,22 +154,6 @@ def test_untrusted_text_is_escaped(tmp_path) -> None:
     assert "b" not in page.count
     assert "{{ 7 * 7 }}" in page.text
     assert "<" not in "".join(page.scripts["application/json"])
-
-
-def test_report_links_to_motions(tmp_path) -> None:
-    folder = write_folder(tmp_path, [solve_row("a", "p", scene="stack"), solve_row("a", "q")], [simulation_row("a")])
-    source = Source("stack", {"blocks": 2}, steps=2)
-    store_motion(folder, source)
-    (made,) = (folder / "motion").iterdir()
-    written = made.stat().st_mtime_ns
-    store_motion(folder, source)  # is there
-    assert made.stat().st_mtime_ns == written
-    (folder / "motion" / "broken.json").write_text("{")
-    page = Page(write_report(folder))
-    links = [reference for reference in page.references if not reference.startswith(("#", "data:"))]
-    assert links == [f"motion/{made.stem}.html"]  # on the sheet of its scene
-    assert (folder / links[0]).exists()
-    assert "stack[blocks=2" in page.text
 
 
 @in_browser

@@ -27,7 +27,7 @@ from tests.helpers.made_results import solve_row, write_folder
 SCHEMA = arrow_schema("solves")
 
 
-@pytest.mark.parametrize("name", ["motion", "shards", "problems", "paper", "shrunk"])
+@pytest.mark.parametrize("name", ["shards", "problems", "paper", "shrunk"])
 def test_folder_links_are_not_followed(tmp_path, name) -> None:
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "run").mkdir()

@@ -20,7 +20,7 @@ from tools.publish.summary import Summary, page_of, write
 
 HERE = Path(__file__).parent
 COPIED = (
-    *("manifest.json", "convergence.json", "maps/*.json", "motion/*.json"),
+    *("manifest.json", "convergence.json", "maps/*.json"),
     *(f"{table}.parquet" for table in TABLES),
 )
 

@@ -8,38 +8,28 @@ middle velocity w = (v + v+)/2 the kinetic energy changes by exactly
 
 from functools import partial
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.cells.simulation import DIVERGED, energy_scale
-from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.generalised import GeneralisedScene
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes import scene, scenes
+from frictionbench.problems.scenes import scenes
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.spatial.bodies import SpatialGeometry, Sphere
 from frictionbench.problems.spatial.collision import CORNERS
 from frictionbench.problems.spatial.rotation import frames
 from frictionbench.results.conventions import DEFAULT_SCHEME
-from frictionbench.results.motion import Motion, Outline, write_motion
+from frictionbench.results.motion import Motion, Outline
 from frictionbench.solvers import solve
 
 TOLERANCE = 1e-8  # as in the suites' simulations
-
-
-def store_motion(folder: Path, source: Source) -> None:
-    """Write the source's motion by verified reference answers to folder/motion, unless it has been written."""
-    path = folder / "motion" / f"{source.scene}-{source.key.removeprefix('source-')}.json"
-    if not path.exists():
-        write_motion(path, record_motion(scene(source.scene, **source.parameters), Reference(), steps=source.steps))
 
 
 def _changed(stage: Scene) -> dict[str, Any]:
@@ -48,23 +38,22 @@ def _changed(stage: Scene) -> dict[str, Any]:
     return {name: value for name, value in stage.parameters.items() if name not in defaults or value != defaults[name]}
 
 
-def record_motion(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_SCHEME, steps: int | None = None) -> Motion:
-    """The motion of a scene with a solver, or with reference answers. It ends early where the scheme has no solution, the
-    solver gives no usable answer, or the energy diverges.
+def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps: int | None = None) -> Motion:
+    """The motion of a scene with a solver. It ends early where the scheme has no solution, the solver gives no usable answer,
+    or the energy diverges.
 
     Errors: InputError where the solver cannot be used or the scheme refuses the scene.
     """
     taken: list[Step] = []
-    answer = solver if isinstance(solver, Reference) else partial(_usable, solver=solver)
     ended, start = "", stage.energy(stage.q0, stage.v0)
     most = DIVERGED * energy_scale(stage, [start], [stage.kinetic(stage.q0, stage.v0)])
     try:
-        for step in simulate(stage, answer, SCHEMES[scheme], steps):
+        for step in simulate(stage, partial(_usable, solver=solver), SCHEMES[scheme], steps):
             if not abs(stage.energy(step.q, step.v) - start) <= most:
                 ended = f"diverged in step {len(taken)}"
                 break
             taken.append(step)
-    except (NoSolution, NoReference, _NoAnswer) as finding:
+    except (NoSolution, _NoAnswer) as finding:
         ended = str(finding)
     parts = [_balance(stage, before, after) for before, after in pairwise(taken)]
     work = np.cumsum([np.zeros(3), *(work for _, work, _ in parts)], axis=0)
@@ -72,7 +61,7 @@ def record_motion(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_S
         scene=stage.name,
         parameters=stage.parameters,
         changed=_changed(stage),
-        solver=str(solver),
+        solver=solver,
         scheme=scheme,
         step=stage.step,
         coefficient=stage.friction,

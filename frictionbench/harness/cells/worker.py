@@ -20,7 +20,7 @@ import numpy as np
 from frictionbench.harness import machine, process
 from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.cells.collect import Record, collect, stored, stored_answer, stored_start
-from frictionbench.harness.cells.motion import record_motion, store_motion
+from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.cells.rows import finding_columns, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, time_solver
@@ -208,11 +208,6 @@ def run_check(variant: str, check: str, violations: Callable[[SolverInfo, Solver
         _warm_up(variant, dimension, False, limit)
     with _worker.deadline.within(limit), process.no_forked_child():
         return violations(info, solver, check)
-
-
-def run_motion(source: Source) -> None:
-    """Record the motion of a scene by reference answers."""
-    store_motion(_worker.folder, source)
 
 
 def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None) -> dict[str, Any]:

@@ -17,7 +17,6 @@ from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
 NO_SETTINGS = ("expects", "options", "map_sources", "map_simulations")
-MOST_SHOWN = 100  # steps of a motion that is recorded only for the report's animation
 MEMORY_LIMIT = 4 * 2**30  # bytes that a worker may allocate: more than the suites need, less than a machine has for each core
 
 
@@ -243,15 +242,6 @@ class Plan:
     def owner(self, variant: str) -> str:
         """The owner of a variant among the plan's plug-ins."""
         return owner(variant, self.plugins)
-
-    def shown(self) -> list[Source]:
-        """The motions to record for the report: every simulation, and a short motion of each other scene."""
-        simulated = {simulation.scene for simulation in self.simulations}
-        others: dict[str, Source] = {}
-        for source in self.sources:
-            if source.moves and source.scene not in simulated:
-                others.setdefault(source.scene, replace(source, steps=source.steps or MOST_SHOWN))
-        return [*self.simulations, *others.values()]
 
 
 def plugin_of(variant: str, plugins: tuple[Plugin, ...]) -> Plugin | None:
