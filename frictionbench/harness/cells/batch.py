@@ -50,10 +50,6 @@ class Problems:
     before: Array
     facts: Row
 
-    @property
-    def dimension(self) -> int:
-        return self.problems[0].dimension
-
 
 @lru_cache(maxsize=1)  # the cells of a batch come one after another
 def batch_of(name: str, parameters: str, count: int) -> Problems:

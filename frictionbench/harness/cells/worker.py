@@ -180,7 +180,8 @@ def run_batch(cell: BatchCell, limit: float) -> Row:
     with _worker.deadline.within(limit, COMPILE_SECONDS):
         batch = batch_of(cell.scene, json.dumps(cell.parameters), cell.count)
     reason = info.missing or next(filter(None, map(info.refuses, batch.problems)), None)
-    return batch.facts | _row(cell.variant, (batch.dimension, False), limit, reason, lambda: time_batch(cell, batch, info))
+    kind = batch.facts["dimension"], False
+    return batch.facts | _row(cell.variant, kind, limit, reason, lambda: time_batch(cell, batch, info))
 
 
 def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None, measure: Callable[[], Row]) -> Row:
