@@ -53,11 +53,11 @@ def revision() -> str:
 
 @cache
 def content(folders: tuple[str, ...] = FOLDERS) -> str:
-    """Hash of this project's code on disk, or of the part in some of its folders."""
+    """Hash of this project's code on disk, or of the part in some of its folders; baselines are results."""
     found = sha256()
     for folder in folders:
         for path in sorted((PACKAGE / folder).rglob("*")):
-            if path.suffix in (".py", ".html", ".js"):
+            if path.suffix in (".py", ".html", ".js", ".txt", ".tsv") and "baselines" not in path.parts:
                 found.update(f"{path.relative_to(PACKAGE)}\0".encode() + path.read_bytes() + b"\0")
     return found.hexdigest()
 
