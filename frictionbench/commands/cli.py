@@ -192,9 +192,15 @@ def report(
 
 @_command()
 def compare(
-    baseline: Annotated[Path, typer.Argument(metavar="BASELINE", help="A baseline file or a results folder.")],
-    folder: options.Folder,
+    runs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="DIR",
+            help="A baseline file or a results folder, and a results folder. With --history any number.",
+        ),
+    ],
     accept: Annotated[bool, typer.Option("--accept", help="Write the run DIR as the baseline BASELINE.")] = False,
+    history: Annotated[bool, typer.Option("--history", help="Show verdicts, work and times of all runs over time.")] = False,
     confirm: Annotated[bool, typer.Option("--confirm", help="Run the cells with alerts again before exiting with 1.")] = False,
     code: Annotated[
         str | None,
@@ -224,18 +230,26 @@ def compare(
         ),
     ] = None,
 ) -> None:
-    """Compare two runs as Markdown.
+    """Compare two runs as Markdown, or show runs over time.
 
     Exit code 0: nothing is worse; 1: a regression; 2: unusable input.
     """
     from frictionbench.problems import InputError
     from frictionbench.reports.comparison.files import write_files
+    from frictionbench.reports.comparison.history import history as over_time
+    from frictionbench.reports.comparison.history import lines
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits
     from frictionbench.results.compare import accept as accept_run
     from frictionbench.results.compare import compare as compare_runs
     from frictionbench.results.known import acknowledge, read
 
+    if history:
+        _show_markdown(over_time(lines(runs)))
+        return
+    if len(runs) != 2:
+        raise InputError("DIR: give a baseline and one results folder, or --history for a table of many")
+    baseline, folder = runs
     if folder.is_file():
         raise InputError(f"DIR: {folder} is a file; the second is the folder of a run, which a baseline's file cannot replace")
     if accept:

@@ -53,6 +53,7 @@ def test_comparison_with_unwritable_output(runs, pair, ending, code, told) -> No
 def test_comparison_in_ascii(runs, environment) -> None:
     for folder, code in (("same", 0), ("worse", 1)):
         assert shell(f"{SHELL} compare {runs['before']} {runs[folder]}", **environment) == (code, "")
+    assert shell(f"{SHELL} compare --history {runs['before']} {runs['worse']}", **environment) == (0, "")
 
 
 def test_error_of_our_own(monkeypatch, capsys) -> None:

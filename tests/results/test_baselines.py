@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from frictionbench.reports.comparison import history as runs_over_time
 from frictionbench.reports.comparison.markdown import markdown
 from frictionbench.results import cells, known
 from frictionbench.results.changes import Flip
@@ -171,3 +172,14 @@ def test_unreadable_acknowledged_changes(tmp_path, text, told):
     (tmp_path / "known.toml").write_text(text, encoding="utf-8")
     with pytest.raises(ResultsError, match=told):
         known.read(tmp_path / "known.toml")
+
+
+def test_history_uses_common_cells(tmp_path):
+    first = run(tmp_path / "first", finished="2026-01-02T00:00")
+    second = run(tmp_path / "second", 20, "wrong", finished="2026-01-01T00:00")
+    accept(first, tmp_path / "made.tsv")
+    told = runs_over_time.history(runs_over_time.lines([first, second, tmp_path / "made.tsv"]))
+    lines = [line.replace("|", " ").split() for line in told.splitlines()]
+    assert [(line[0], line[1]) for line in lines if "pivots" in line][:2] == [("a", str(second)), (str(first), "2026-01-02")]
+    assert [line[line.index("pivots") + 1] for line in lines if "pivots" in line] == ["60,", "30,", "30,"]
+    assert sum("wrong" in line for line in lines) == 1

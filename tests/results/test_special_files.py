@@ -32,8 +32,8 @@ def put(kind: str, path: Path) -> None:
 
 
 FILES = {
-    "manifest.json": ["report", "compare", "accept", "export", "rerun", "shrink"],
-    "solves.parquet": ["report", "compare", "accept"],
+    "manifest.json": ["report", "compare", "history", "accept", "export", "rerun", "shrink"],
+    "solves.parquet": ["report", "compare", "history", "accept"],
     "simulations.parquet": ["report", "compare"],
     "convergence.json": ["report"],
     "shards/solves-test.jsonl": ["rerun", "shrink"],
@@ -52,6 +52,7 @@ def test_special_files_in_a_folder(tmp_path, kind, name, commands) -> None:
     arguments = {
         "report": ["report", str(folder)],
         "compare": ["compare", str(good), str(folder)],
+        "history": ["compare", "--history", str(folder)],
         "accept": ["compare", str(tmp_path / "x.tsv"), str(folder), "--accept"],
         "rerun": ["rerun", str(folder), "lemke"],
         "shrink": ["rerun", str(folder), "lemke", "--shrink"],

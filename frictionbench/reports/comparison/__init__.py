@@ -1,1 +1,1 @@
-"""The comparison of two runs as people and machines read it."""
+"""The comparison of two runs as people and machines read it, and runs over time."""

@@ -1,0 +1,70 @@
+"""Runs over time: for each solver a line per run that measured it, with verdicts, work and time over the cells that all of
+these runs measured."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from frictionbench.problems.verdicts import ACCEPTED
+from frictionbench.reports.drawing.text import escaped, pipe, seconds
+from frictionbench.results.cells import Cells, format_counts, parse_counts, read
+from frictionbench.results.files import ResultsError
+
+
+class Line(NamedTuple):
+    """A solver in one run: the verdicts of the cells, and over those that every run solves the sums of the counters and the
+    geometric mean of the times, s."""
+
+    run: Cells
+    verdicts: Counter[str]
+    work: Counter[str]
+    time: float
+
+
+def lines(paths: Iterable[Path]) -> dict[str, list[Line]]:
+    """By solver its lines in the runs, results folders or baselines, the oldest first.
+
+    Errors: ResultsError if one cannot be read, or if nothing was measured in any.
+    """
+    runs = sorted(map(read, paths), key=lambda run: run.made)
+    measured = [(run, run.measured) for run in runs]
+    found = {}
+    for variant in sorted({variant for _, cells in measured for variant in cells["variant"]}):
+        own = [(run, cells[cells["variant"] == variant]) for run, cells in measured if variant in set(cells["variant"])]
+        common = _common([cells for _, cells in own])
+        good = [key for key in common if all(cells["verdict"][key] in ACCEPTED for _, cells in own)]
+        found[variant] = [_line(run, cells.loc[common], good) for run, cells in own]
+    if not found:
+        raise ResultsError("history: no cell was measured in these runs")
+    return found
+
+
+def history(found: dict[str, list[Line]]) -> str:
+    """The lines as a table of Markdown."""
+    rows = []
+    for variant, own in found.items():
+        for i, line in enumerate(own):
+            verdicts = ", ".join(f"{count} {verdict}" for verdict, count in line.verdicts.most_common())
+            results = (str(line.verdicts.total()), verdicts, format_counts(dict(line.work)), seconds(line.time))
+            names = ("" if i else variant, str(line.run.path), line.run.made[:10], line.run.code)
+            rows.append([*map(escaped, (*names, *results))])
+    return "\n".join(pipe(("solver", "run", "made", "code", "cells", "verdicts", "work", "time"), rows))
+
+
+def _common(tables: Sequence[pd.DataFrame]) -> pd.Index:
+    common = tables[0].index
+    for table in tables[1:]:
+        common = common.intersection(table.index)
+    return common
+
+
+def _line(run: Cells, cells: pd.DataFrame, good: list[str]) -> Line:
+    work: Counter[str] = Counter()
+    for text in cells.loc[good, "work"]:
+        work.update(parse_counts(text))
+    mean = float(np.exp(np.log(cells.loc[good, "seconds"]).mean())) if len(good) else np.nan
+    return Line(run, Counter(cells["verdict"]), work, mean)
