@@ -88,7 +88,9 @@ def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
         raise InputError(f"{kind}: expected its name as text, got {name!r:.100}")
     known = scenes() | instances()
     if name not in known:
-        raise InputError(f"{kind}: unknown {kind} {name!r}{near(name, known)}; scenes and instances are {', '.join(known)}")
+        like = near(name, known)
+        others = "`frictionbench list scenes` names all" if like else f"scenes and instances are {', '.join(known)}"
+        raise InputError(f"{kind}: unknown {kind} {name!r}{like}; {others}")
     found = known[name]
     if found.kind != kind:
         raise InputError(f"{kind}: {name!r} is no {kind}; frictionbench.problem({name!r}) makes the problem of one step")

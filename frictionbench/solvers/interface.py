@@ -285,7 +285,9 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         return _found[spec]
     name, settings = split("solver", spec)
     if name not in _solvers:
-        raise InputError(f"solver: unknown solver {name!r}{near(name, _solvers)}; known are {', '.join(sorted(_solvers))}")
+        like = near(name, _solvers)
+        others = "`frictionbench list solvers` names all" if like else f"known are {', '.join(sorted(_solvers))}"
+        raise InputError(f"solver: unknown solver {name!r}{like}; {others}")
     info = _solvers[name]
     instance: Any = info.make()
     kinds = {field.name: type(getattr(instance, field.name)) for field in fields(instance)}
