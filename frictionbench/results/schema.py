@@ -5,16 +5,13 @@
     batches       a row per batch of small problems, solver, way to solve them all, start and tolerance
 
 Rows are in the order of the run's plan; while the run has not finished they are ordered by key. Lists hold single repeats or
-curves. The text columns `parameters` and `work` hold JSON objects. A number that was not measured is null.
-
-columns.txt has a line for each column: its name, its type, its unit and, from the same place in further lines, its meaning;
-first those that all tables have, then those of each. docs/columns.md is made from it by tools/columns.py.
+curves. The text columns `parameters` and `work` hold JSON objects. A number that was not measured is null. docs/columns.md is
+made from this file by tools/columns.py.
 """
 
 import re
 from collections.abc import Iterator
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple
 
 import pyarrow as pa
@@ -24,6 +21,132 @@ from frictionbench.results.conventions import WAYS
 
 SCHEMA_VERSION = 3  # of files and columns; folders and baselines of another version are refused
 TYPES = {"text": pa.string(), "real": pa.float64(), "whole": pa.int64(), "flag": pa.bool_(), "reals": pa.list_(pa.float64())}
+VERDICTS = "; ".join(f"{each}: {each.meaning}" for each in Verdict)
+
+# A line for each column: its name, its type, its unit and, from the same place in further lines, its meaning.
+_CELL = f"""
+key                text      identity of the cell; the same cell of another run has the same key
+scene              text      name of the scene, or of the collection that a recorded problem comes from
+parameters         text      the scene's parameters, a JSON object
+solver             text      name of the solver
+variant            text      name and settings of the solver in the notation of the command line
+family             text      family of methods
+model              text      the model that the solver solves: coulomb, lcp, relaxation or regularised
+members            text      the solvers that a portfolio may run, separated by commas; empty for a single method
+version            text      version of the library that implements the method
+tol                real  1   requested residual
+time_limit         real  s   enforced limit on form, setup and solve together
+verdict            text      result of the verification: {VERDICTS}
+reason             text      explanation of the verdict, if any
+host               text      machine that ran the cell
+core               whole     processor core that ran the cell alone
+core_wait          real  s   time for which the process was runnable but its core ran another one
+disturbed          flag      no dedicated core, or core_wait above 2 % of the timed seconds
+wall_time          real  s   duration of the cell including verification and repeats, excluding loading and compilation
+overhead           real  s   part of wall_time outside form, setup and solve; of a simulation, verification and recording
+peak_memory        real  B   largest resident memory of the process during the cell
+"""
+_SOLVES = """
+problem            text      content hash of the problem
+step               whole     number of the time step in which the problem occurs
+phase              text      step, compression or decompression, with the scheme unless it is the default
+reference          text      solvers of the verified reference answers of the preceding steps, and why the motion ended early
+contacts           whole     number of contacts
+dimension          whole     2 planar, 3 spatial
+velocities         whole     number of velocities
+size               whole     unknowns of the friction LCP
+rank               whole     rank of the Delassus matrix W
+condition          real  1   condition number of W on its range
+redundancy         whole     number of rows of W minus its rank
+pointedness        real  1   0 if the friction cone is pointed; else the size of impulses in it that cancel
+p0_margin          real  1   least (a - mu |b|)/a over the contacts' blocks of W; below 0 a contact's own LCP is not P0
+mass_ratio         real  1   largest effective mass at a contact over the smallest
+largest_friction   real  1   largest coefficient of friction
+asymmetry          real  1   largest |W - W'| over the largest |W|, for problems given by W; 0 for mechanical ones
+indefiniteness     real  1   estimate of the most negative eigenvalue of W over the largest, for problems given by W
+islands            whole     number of connected components of the contact graph, between which no velocity is transmitted
+island_ratio       real  1   largest over smallest unit of velocity of a contact, the largest closing speed in its island; 1
+                             where nothing moves
+limits             whole     how many of the contacts are limits of joints
+dry_friction       whole     how many of the contacts are dry friction of joints
+trivial            flag      no contact, no friction, or zero impulses are the answer
+idle               flag      friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8
+sticking           whole     number of contacts that stick in the reference answer; null without one
+sliding            whole     number of contacts that slide in the reference answer; null without one
+open               whole     number of contacts without impulse in the reference answer; null without one
+solutions          text      shape of the set of solutions: none, one, convex, isolated, not convex; null if not enumerated
+outcomes           whole     number of distinct velocities among the solutions; null if not enumerated
+existence          text      proof of existence of a solution: gaps or pointed (theorems), counted (enumeration); none: proved
+                             to be none
+proved_infeasible  flag      contacts or joints contradict each other, proved (Farkas): no impulses have a residual of 1e-8;
+                             looked for where there is no reference answer
+sensitivity        real  1   relative change of the solution's velocities over that of q; large for ill-posed problems
+mode_distance      real  1   distance of a solution from the nearest change of mode, as a relative velocity; 0 on a tie
+start              text      cold (zero), warm (impulses of the previous problem), shuffled (those of another step of the
+                             motion)
+status             text      status reported by the solver
+claimed            flag      the solver reports that it solved the problem
+residual           real  1   verified residual of the exact problem, as a relative contact velocity
+model_residual     real  1   verified residual of the solver's own model
+residual_floor     real  1   bound on the rounding error of the residual
+fclib_error        real      FCLIB's error, for comparison with published work
+signorini          real  1   defect of 0 <= u_n _|_ r_n >= 0, as a relative contact velocity
+dissipation        real  1   distance of r_t from the maximum-dissipation solution
+ncp                real  1   defect of the cone complementarity: r in K, u + mu |u_t| e_n in K*, and their product
+backward_error     real  1   smallest relative change of (q, mu) for which the answer is exact
+energy_defect      real  1   defect of the energy balance over the kinetic energy of the free motion
+velocity_error     real  1   |v - v*| / |v* - v_0| in the metric of the mass, v* of the refined reference answer, v_0 without
+                             impulses; an error where the problem has one outcome, null without a reference
+outcome_distance   real  1   the same of the answer refined to rounding, from a residual of 1e-4: distances more than 1e-3 apart
+                             are of different outcomes; null where it is not refined that far
+mode               text      state of each contact in the answer: o open, s sticking, l, r sliding; null if too many
+work               text      deterministic counters, a JSON object
+first_time         real  s   form, setup and solve of the first call; null if something was compiled or loaded in it
+form_time          real  s   median of form_times: conversion of the problem to the method's form
+setup_time         real  s   median of setup_times: preparation by the method or its library
+solve_time         real  s   median of solve_times: the rest of the call
+clock_time         real  s   median of the solve time measured by the library itself, if it does
+call_time          real  s   median of setup and solve, transfer included, of a library in another process, whose solve_time is
+                             its clock
+form_times         reals s   form time of every repeat, in order
+setup_times        reals s   setup time of every repeat, in order
+solve_times        reals s   solve time of every repeat, in order
+"""
+_SIMULATIONS = """
+scheme             text      time-stepping scheme
+after_failure      text      how the motion continues after a failed step: answer, velocity or relaxation
+steps              whole     steps planned
+steps_done         whole     steps taken
+problems           whole     number of friction problems
+unsolved           whole     number of problems whose verified residual exceeds the tolerance
+worst_residual     real  1   largest verified residual
+worst_energy_defect real  1   largest defect of the energy balance over the scene's energy scale
+energy_scale       real  J   largest kinetic energy plus largest change of potential energy
+energy_drift       real  1   energy at the end minus energy at the start, over the energy scale
+energy_rise        real  1   largest increase of energy in one step, over the energy scale
+worst_penetration  real  m   largest penetration of two bodies
+path_error         real  m   largest distance of a centre of mass from the scene's closed form; null without one
+contact_free_steps whole     number of steps without any contact
+solver_time        real  s   form, setup and solve, summed over all problems
+times              reals s   time at the end of each step
+energies           reals J   kinetic plus potential energy at these times
+penetrations       reals m   largest penetration at these times
+"""
+_BATCHES = f"""
+way                text      how all problems are solved: {"; ".join(f"{way}: {means}" for way, means in WAYS.items())}
+start              text      cold (zero) or warm (impulses of the same problems at a smaller push)
+dimension          whole     2 planar, 3 spatial
+contacts           whole     number of contacts of each problem
+problems           whole     number of problems
+active             real  1   share of the contacts that bear in the answers of `base`
+idle               real  1   share of problems, of a sample, whose answer without friction satisfies Coulomb's law
+verified           real  1   share of problems whose verified residual is within the tolerance
+residual           real  1   largest verified residual
+work               text      deterministic counters, summed over the problems, a JSON object
+times              reals s   processor's time, or the duration if it waited, over the number of problems, of each round
+base               text      solver of the single calls to which rates are relative
+base_times         reals s   the same of such a single call, measured in turn with `times`
+"""
 
 
 class Column(NamedTuple):
@@ -41,19 +164,13 @@ def cut(text: str, *places: int) -> Iterator[list[str]]:
         yield [line[start:end].strip() for start, end in pairwise((0, *places, None))]
 
 
-def _tables() -> dict[str, tuple[Column, ...]]:
-    text = Path(__file__).with_name("columns.txt").read_text(encoding="utf-8")
-    text = text.replace("@VERDICTS", "; ".join(f"{each}: {each.meaning}" for each in Verdict))
-    text = text.replace("@WAYS", "; ".join(f"{way}: {means}" for way, means in WAYS.items()))
-    common, *own = (
-        tuple(Column(name, TYPES[kind], unit, meaning) for name, kind, unit, meaning in cut(part, 19, 25, 29))
-        for part in text.split("---\n")
-    )
-    return {table: common + each for table, each in zip(("solves", "simulations", "batches"), own, strict=True)}
+def _columns(*texts: str) -> tuple[Column, ...]:
+    lines = (line for text in texts for line in cut(text, 19, 25, 29))
+    return tuple(Column(name, TYPES[kind], unit, meaning) for name, kind, unit, meaning in lines)
 
 
-TABLES = _tables()
-SOLVES = TABLES["solves"]
+SOLVES = _columns(_CELL, _SOLVES)
+TABLES = {"solves": SOLVES, "simulations": _columns(_CELL, _SIMULATIONS), "batches": _columns(_CELL, _BATCHES)}
 
 
 def arrow_schema(table: str) -> pa.Schema:
