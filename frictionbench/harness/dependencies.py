@@ -23,16 +23,9 @@ from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results import store
 from frictionbench.solvers import executable, plugins
 
-SYSTEM = tuple(
-    Path(place) for place in ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/bin", "/bin", "/etc", "/proc", "/sys", "/dev")
-)
+SYSTEM = tuple(map(Path, ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/bin", "/bin", "/etc", "/proc", "/sys", "/dev")))
 MOST = 20_000  # files read: a plug-in that reads more, several times what large frameworks do, is not followed further
-STARTED = (
-    "subprocess.Popen",
-    "os.posix_spawn",
-    "os.exec",
-    "os.system",
-)  # audit events of which the first argument is a program
+STARTED = ("subprocess.Popen", "os.posix_spawn", "os.exec", "os.system")  # audit events that begin with a program
 MOST_FILES, LARGEST = 50_000, 16 * 2**30  # files and bytes of a package: more than any has, and hashed in a minute
 COMPILED = (".pyc", ".nbi", ".nbc")  # suffixes of what is made from modules
 VERSION = "version "  # before the version of a library, which stands in place of a path
@@ -82,9 +75,10 @@ def loaded() -> Loaded:
         if top in _watch.known:
             found[top] = f"{VERSION}{getattr(module, '__version__', '')}"
             continue
-        for part, place in enumerate(getattr(module, "__path__", None) or filter(None, [getattr(module, "__file__", None)])):
-            folder = Path(place).name if name.startswith(plugins.MODULE) else top
-            found[f"{folder} {part + 1}" if part else folder] = str(Path(place).resolve())  # a namespace has several
+        for part, place in enumerate(getattr(module, "__path__", None) or [getattr(module, "__file__", None)], 1):
+            if place:  # a namespace has several
+                folder = Path(place).name if name.startswith(plugins.MODULE) else top
+                found[f"{folder} {part}" if part > 1 else folder] = str(Path(place).resolve())
     places = [Path(place) for place in found.values()]
     places += [_watch.folder, *_left_out()]
     others = {_source(Path(path)).resolve() for path in {*_mapped(), *_watch.read} - _watch.libraries - _watch.written}

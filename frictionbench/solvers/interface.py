@@ -49,7 +49,7 @@ from numpy.typing import NDArray
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.answer import Answer, Status
-from frictionbench.problems.catalogue import near
+from frictionbench.problems.catalogue import near, near_or_all
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms.definite import DIGITS
 from frictionbench.problems.friction import require_problem
@@ -285,9 +285,7 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         return _found[spec]
     name, settings = split("solver", spec)
     if name not in _solvers:
-        like = near(name, _solvers)
-        others = "`frictionbench list solvers` names all" if like else f"known are {', '.join(sorted(_solvers))}"
-        raise InputError(f"solver: unknown solver {name!r}{like}; {others}")
+        raise InputError(f"solver: unknown solver {name!r}{near_or_all(name, sorted(_solvers), 'known are', 'solvers')}")
     info = _solvers[name]
     instance: Any = info.make()
     kinds = {field.name: type(getattr(instance, field.name)) for field in fields(instance)}

@@ -24,6 +24,7 @@ from tools.robots.models import MODELS, Model, begin
 
 WAYS = tuple((tol, warm) for tol in (1e-6, 1e-8) for warm in (False, True))
 OTHER = "pinocchio[method=admm,settings=tuned]"
+TIMES, FREE = (5, 3, 6, 4), 25  # of each of WAYS: as many times MuJoCo's time, or µs if that is more, count as near
 STEPS, APART, ROUNDS, LEAD = 30, 5, 5, 20  # steps timed of a motion, steps from one to the next, repeats, steps before
 HEAD = f"""## Steps of robots
 
@@ -60,45 +61,46 @@ def section(names: tuple[str, ...] = ()) -> str:
         f"{' | '.join(titles)} | worst | problem | pinocchio | unsolved |",
     ]
     lines.append("|---|" + "--:|" * (len(titles) + 9))
-    ratios, worst = [], []
+    ratios, medians, worst = [], [], []
     for model in MODELS:
         if not names or model.name in names:
             found = [step for behaviour in (model.behaviours[0], model.behaviours[-1]) for step in _timed(model, behaviour)]
             if found:
                 calls, soft = np.array([step.calls for step in found]), np.array([step.soft for step in found])
                 ratios.append(np.median(calls / soft[:, None], axis=0))
+                medians.append(np.median(calls, axis=0))
                 worst.append(float(np.percentile(calls[:, -2], 99) / np.median(calls[:, -2])))
                 lines.append(_line(model, found, calls, ratios[-1], worst[-1]))
                 print(lines[-1], file=sys.stderr, flush=True)
     middle = np.median(ratios, axis=0)
     told = ", ".join(f"{title} {ratio:.1f}" for title, ratio in zip(titles, middle, strict=True))
-    return "\n".join(lines) + f"\n\nThe median over the models of the ratio: {told}; of *worst* {np.median(worst):.1f}.\n"
+    near = ((np.round(ratios, 1) <= TIMES) | (np.round(medians) <= FREE)).sum(axis=0)
+    counts = ", ".join(f"{title} {count}" for title, count in zip(titles, near, strict=True))
+    times = ", ".join(map(str, TIMES))
+    summary = f"""The median over the models of the ratio: {told}; of *worst* {np.median(worst):.1f}.
+
+Of {len(ratios)} models those within {times} times MuJoCo's time or within {FREE} µs, by the figures of the table:
+{counts}."""
+    return "\n".join([*lines, "", summary, ""])
 
 
 def _line(model: Model, found: list[Timed], calls: Any, ratio: Any, worst: float) -> str:
     middle, soft = np.median(calls, axis=0), float(np.median([step.soft for step in found]))
     cells = [f"{time:.0f} ({times:.1f})" for time, times in zip(middle, ratio, strict=True)]
     contacts, joints = (int(np.median([getattr(step, name) for step in found])) for name in ("contacts", "joints"))
-    answered = [step for step in found if step.other > 0]
-    other = "–"
-    if answered:
-        time, over = np.median([(step.other, step.other / step.soft) for step in answered], axis=0)
-        count = "" if len(answered) == len(found) else f", {len(answered)} solved"
-        other = f"{time:.0f} ({over:.0f}){count}"
     made, unsolved = np.median([step.made for step in found]), sum(not step.solved for step in found)
-    known = [
-        model.name,
-        model.load().nv,
-        contacts,
-        joints,
-        len(found),
-        f"{soft:.1f}",
-        *cells,
-        f"{worst:.1f}",
-        f"{made:.0f}",
-        other,
-    ]
+    sizes, ends = [model.load().nv, contacts, joints, len(found)], [f"{worst:.1f}", f"{made:.0f}", _told(found)]
+    known = [model.name, *sizes, f"{soft:.1f}", *cells, *ends]
     return f"| {' | '.join(map(str, known))} | {unsolved or ''} |"
+
+
+def _told(found: list[Timed]) -> str:
+    """The times of OTHER on the steps that it solves, their ratio to MuJoCo's, and how many they are unless all."""
+    answered = [(step.other, step.other / step.soft) for step in found if step.other > 0]
+    if not answered:
+        return "–"
+    time, over = np.median(answered, axis=0)
+    return f"{time:.0f} ({over:.0f})" + f", {len(answered)} solved" * (len(answered) < len(found))
 
 
 def _timed(model: Model, behaviour: str) -> Iterator[Timed]:
