@@ -24,7 +24,7 @@ A row per cell: one problem, solver, start and tolerance; in the order of the ru
 
 ## simulations
 
-A row per scene, scheme, solver and way to continue after a failed step, run in closed loop; in the same order.
+A row per scene, scheme and solver, run in closed loop; in the same order.
 
 {simulations}
 

@@ -190,7 +190,7 @@ def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
     if table == "batches":
         cell: Cell = BatchCell(scene, parameters, row["problems"], variant, row["way"], tol, row["start"])
     else:
-        cell = SimulationCell(scene, parameters, variant, tol, row["scheme"], row["steps"], row["after_failure"])
+        cell = SimulationCell(scene, parameters, variant, tol, row["scheme"], row["steps"])
     return cell_task(cell, limit, plugins)
 
 

@@ -16,7 +16,7 @@ from frictionbench.problems.instances import instances
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.spec import split
 from frictionbench.results import store
-from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, WARM, WAYS, json_object
+from frictionbench.results.conventions import COLD, WARM, WAYS, json_object
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row
 from frictionbench.solvers import available, find
@@ -47,7 +47,6 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
     usable["parameters"] = row["parameters"] == "{}" or bool(json_object(row["parameters"]))
     usable |= {"tol": _between(row["tol"], 0.0, 1e300), "time_limit": _between(row["time_limit"], LEAST_SECONDS, MOST_SECONDS)}
     if table == "simulations":
-        usable["after_failure"] = row["after_failure"] in (KEEP_ANSWER, KEEP_VELOCITY, RELAX)
         usable["scheme"] = row["scheme"] in SCHEMES
         usable["steps"] = row["steps"] is None or 0 < row["steps"] <= MOST_STEPS
         usable["scene"] = row["scene"] in scenes()

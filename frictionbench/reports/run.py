@@ -31,7 +31,7 @@ from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.commands import sources
-from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy, json_object
+from frictionbench.results.conventions import COLD, RankBy, json_object
 from frictionbench.results.histories import ConvergenceHistory, read_histories
 from frictionbench.results.maps import GridPoint, maps_of, read_thresholds
 from frictionbench.results.outcomes import with_outcomes
@@ -181,13 +181,11 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
 
 
 def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the simulations table with the column label, which names the way to continue after a failed step if unusual."""
+    """A copy of the simulations table with the column label."""
     rows = simulations.reset_index(drop=True)
-    texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme", "after_failure", "key"]
+    texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme", "key"]
     rows[texts] = rows[texts].fillna("")
-    label = rows["variant"] + _mark(rows)
-    usual = rows["after_failure"].isin(["", KEEP_ANSWER])
-    return rows.assign(label=label.where(usual, label + ", else " + rows["after_failure"]))
+    return rows.assign(label=rows["variant"] + _mark(rows))
 
 
 def _mark(rows: pd.DataFrame) -> pd.Series:

@@ -103,7 +103,7 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
             seconds=[times.min(initial=np.inf) for times in totals],
             disturbed=solves["disturbed"].fillna(False).astype(bool) & few,
         ),
-        simulations.rename(columns={"worst_residual": "residual", "scheme": "phase", "after_failure": "start"}).assign(
+        simulations.rename(columns={"worst_residual": "residual", "scheme": "phase"}).assign(
             table="simulation",
             step=None,
             work=[

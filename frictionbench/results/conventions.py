@@ -1,5 +1,5 @@
-"""What writers and readers of results call things: the values of the columns `scheme`, `start`, `after_failure`, `phase` and
-`way` (results.schema), the settings of batches, the two times by which solvers are ranked, and what a solver solves in place of
+"""What writers and readers of results call things: the values of the columns `scheme`, `start`, `phase` and `way`
+(results.schema), the settings of batches, the two times by which solvers are ranked, and what a solver solves in place of
 Coulomb's law, by which the verdict `relaxed` is split:
 
     another law   the convex relaxation, or soft contact: sliding contacts open, or rest contacts creep
@@ -19,7 +19,6 @@ if TYPE_CHECKING:  # the command line imports this file for its options
 
 DEFAULT_SCHEME = "anitescu_potra"  # of time stepping, where none is named
 COLD, WARM, SHUFFLED = "cold", "warm", "shuffled"  # starts: zero; the impulses before; impulses drawn from the whole motion
-KEEP_ANSWER, KEEP_VELOCITY, RELAX = "answer", "velocity", "relaxation"  # what moves the bodies after a failed step
 
 DRAWN = {"push": (0.2, 2.0), "friction": (0.2, 0.8), "mass_ratio": (1.0, 10.0)}  # of each problem of a batch, the bounds
 NEARBY = 0.02  # by how much smaller the push is, in whose answers a batch starts warm

@@ -1,7 +1,7 @@
 """The three tables of a run: type, unit and meaning of every column.
 
     solves        a row per cell: one problem, solver, start and tolerance
-    simulations   a row per scene, scheme, solver and way to continue after a failed step, run in closed loop
+    simulations   a row per scene, scheme and solver, run in closed loop
     batches       a row per batch of small problems, solver, way to solve them all, start and tolerance
 
 Rows are in the order of the run's plan; while the run has not finished they are ordered by key. Lists hold single repeats or
@@ -114,7 +114,6 @@ solve_times        reals s   solve time of every repeat, in order
 """
 _SIMULATIONS = """
 scheme             text      time-stepping scheme
-after_failure      text      how the motion continues after a failed step: answer, velocity or relaxation
 steps              whole     steps planned
 steps_done         whole     steps taken
 problems           whole     number of friction problems

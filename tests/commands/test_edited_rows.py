@@ -8,7 +8,7 @@ import pytest
 from frictionbench.problems.recorded.own import save
 from frictionbench.problems.scenes import scene
 from frictionbench.results import store
-from frictionbench.results.conventions import DEFAULT_SCHEME, KEEP_ANSWER
+from frictionbench.results.conventions import DEFAULT_SCHEME
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import SETTINGS, simulation_row, solve_row, write_folder
 
@@ -19,7 +19,7 @@ KEEP = "<kept>"
 def finished(tmp_path_factory):
     problem = scene("stack", blocks=1).problem()
     given = {"scene": "stack", "parameters": '{"blocks": 1}', "verdict": "unsolved", "time_limit": 5.0}
-    simulation = simulation_row("lemke", **given, scheme=DEFAULT_SCHEME, after_failure=KEEP_ANSWER, steps=2)
+    simulation = simulation_row("lemke", **given, scheme=DEFAULT_SCHEME, steps=2)
     folder = write_folder(
         tmp_path_factory.mktemp("run"),
         [solve_row("lemke", problem.hash, **given)],
@@ -67,7 +67,7 @@ def test_edited_solve_rows(finished, tmp_path, columns) -> None:
         assert "\x1b" not in done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("columns", [{"scheme": None}, {"scheme": "x"}, {"after_failure": "x"}, {"steps": 10**15}], ids=str)
+@pytest.mark.parametrize("columns", [{"scheme": None}, {"scheme": "x"}, {"steps": 10**15}], ids=str)
 def test_edited_simulation_rows(finished, tmp_path, columns) -> None:
     folder, key = edited(finished, tmp_path, "simulations", {}, **columns)
     done = frictionbench("rerun", str(folder), key)

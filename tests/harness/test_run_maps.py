@@ -14,9 +14,7 @@ from frictionbench.harness.cells.simulation import run_closed_loop
 from frictionbench.harness.maps import crossings, finer, run_maps
 from frictionbench.harness.plans import atlas as of_suite
 from frictionbench.harness.plans.atlas import axis
-from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
-from frictionbench.harness.run import run
-from frictionbench.harness.workers.inputs import load_plugins
+from frictionbench.harness.plans.plan import Plan, SimulationCell
 from frictionbench.problems import InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.scenes import scene
@@ -30,7 +28,6 @@ from frictionbench.results import store
 from frictionbench.results.maps import Axis, Map
 from frictionbench.solvers import find
 from tests.helpers.command_line import frictionbench
-from tests.helpers.paths import BAD_SOLVERS
 from tests.helpers.runs import quiet
 
 MAPS = {spec.name: spec for spec in of_suite.atlas()}
@@ -201,33 +198,3 @@ def test_first_steps_are_not_divergence() -> None:
     cell = SimulationCell("bowl", {"step": 1e-4}, "lemke", 1e-8, "stewart_trinkle", steps=3)
     row = run_closed_loop(cell, scene("bowl", step=1e-4), *find("lemke"))
     assert (row["verdict"], row["reason"], row["steps_done"]) == ("solved", "", 3)
-
-
-def test_after_failure_policies(tmp_path) -> None:
-    _, plugins = load_plugins([str(BAD_SOLVERS)])
-    made = Plan(
-        suite="test",
-        sources=(),
-        solvers=("relaxation_ip",),
-        tolerances=(1e-6,),
-        simulations=(
-            Source("two_corner_block", {"velocity": 0.0, "fall": 1.0}, steps=3),
-            Source("stack", {"blocks": 2, "push": 0.0}, steps=3),
-        ),
-        simulation_solvers=("reports_stalled", "lemke"),
-        after_failure=("answer", "velocity", "relaxation"),
-        plugins=plugins,
-    )
-    run(made, tmp_path / "run", 1, quiet())
-    simulations = read_run(tmp_path / "run").simulations
-    assert len(simulations) == 2 * 2 * 3
-    assert set(simulations["label"]) >= {"lemke", "lemke, else velocity", "lemke, else relaxation"}
-    assert set(simulations.loc[simulations["variant"] == "lemke", "unsolved"]) == {0}
-    stalled = simulations[(simulations["variant"] == "reports_stalled") & (simulations["scene"] == "stack")].set_index(
-        "after_failure"
-    )
-    assert (stalled["unsolved"] == 3).all()
-    # Without impulses the stack falls freely, at the velocity before it stands still, and the relaxation holds it.
-    fallen = scene("stack").gravity[1] * scene("stack").step ** 2 * 6
-    assert stalled.loc["answer", "worst_penetration"] == pytest.approx(-fallen)
-    assert abs(stalled.loc[["velocity", "relaxation"], "worst_penetration"]).max() < 1e-9

@@ -30,12 +30,11 @@ PROBLEM_FACTS = (
     *("trivial", "idle", "sticking", "sliding", "open"),
     *("solutions", "outcomes", "existence", "proved_infeasible", "sensitivity", "mode_distance"),
 )
-COLUMNS = {"after": "after_failure", "count": "problems"}  # whose names are others in a cell
 
 
 def known_row(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Row | None = None) -> Row:
     """The columns of a cell and of its solver. record: of the problem of a solve cell, whose facts are columns as well."""
-    own = {COLUMNS.get(name, name): value for name, value in vars(cell).items() if name != "origin"}
+    own = {"problems" if name == "count" else name: value for name, value in vars(cell).items() if name != "origin"}
     if record is None:
         own["parameters"] = json.dumps(own["parameters"], sort_keys=True)
     facts = {} if record is None else {name: record[name] for name in PROBLEM_FACTS}

@@ -1,13 +1,8 @@
 """A scene in closed loop: the solver's answers move the bodies, and each answer is verified.
 
-After a failed step, one whose verdict is not `solved`, the motion continues in one of three ways, as in simulators:
-
-    answer        the answer moves the bodies as it is
-    velocity      the step is skipped, and the bodies keep their velocities
-    relaxation    the convex relaxation's answer moves them
-
-A malformed answer (of the wrong shape, or not finite) is replaced by zero impulses. The motion ends as diverged when its energy
-is not finite or a million times the scene's; it also ends when the scheme's equations have no solution.
+An answer moves the bodies also where its verdict is not `solved`; a malformed one (of the wrong shape, or not finite) is
+replaced by zero impulses. The motion ends as diverged when its energy is not finite or a million times the scene's; it also
+ends when the scheme's equations have no solution.
 """
 
 from collections import Counter
@@ -23,32 +18,26 @@ from frictionbench.problems.answer import AnswerError
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
+from frictionbench.problems.schemes import SCHEMES, NoSolution
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import verify
-from frictionbench.results.conventions import KEEP_VELOCITY, RELAX
-from frictionbench.solvers import Solver, SolverInfo, solve
+from frictionbench.solvers import Solver, SolverInfo
 
 DIVERGED = 1e6  # of the scene's energy: no inaccurate but stable motion gains nearly as much
-FALLBACK = "relaxation_ip"  # the convex relaxation's solver for `relaxation` above
 
 
 class _ClosedLoop:
     """The solver as a scheme calls it; collects verdicts, residuals and times of its answers."""
 
     def __init__(self, info: SolverInfo, solver: Solver, cell: SimulationCell) -> None:
-        self._info, self._solver, self._tol, self._after = info, solver, cell.tol, cell.after
+        self._info, self._solver, self._tol = info, solver, cell.tol
         self.verdicts: Counter[Verdict] = Counter()
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
 
     def __call__(self, problem: FrictionProblem) -> Array:
         verdict, impulse = self._verified(problem)
         self.verdicts[verdict] += 1
-        if verdict != Verdict.SOLVED and self._after == KEEP_VELOCITY:
-            raise _StepSkipped
-        if verdict != Verdict.SOLVED and self._after == RELAX:
-            return _usable(problem, solve(problem, FALLBACK, tol=self._tol).impulse)
         return impulse
 
     def _verified(self, problem: FrictionProblem) -> tuple[Verdict, Array]:
@@ -76,22 +65,6 @@ class _ClosedLoop:
         return worst, f"of {self.verdicts.total()} problems {', '.join(failed)}" if failed else ""
 
 
-class _StepSkipped(Exception):  # noqa: N818  # control flow, not an error
-    """The step is skipped because its problem was not solved."""
-
-
-def _skipping_failures(scheme: Scheme) -> Scheme:
-    """The scheme, with skipped steps taken at the velocity before them."""
-
-    def advance(scene: Scene, now: Step, solve: Solve) -> Step:
-        try:
-            return scheme.advance(scene, now, solve)
-        except _StepSkipped:
-            return Step(now.time + scene.step, scene.moved(now.q, scene.step * now.v), now.v, now.contacts)
-
-    return Scheme(advance, scheme.lacks, scheme.events)
-
-
 def _usable(problem: FrictionProblem, impulse: Array) -> Array:
     """The impulses (nc, d); zero where the answer is malformed."""
     zero = np.zeros((problem.contacts, problem.dimension))
@@ -106,7 +79,7 @@ def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver
     times, energies, kinetic, penetrations, errors, contact_free = [], [], [], [], [], 0
     ended = ""
     try:
-        for step in simulate(stage, loop, _skipping_failures(SCHEMES[cell.scheme]), planned):
+        for step in simulate(stage, loop, SCHEMES[cell.scheme], planned):
             start_time = perf_counter()
             times.append(step.time)
             contact_free += not len(step.contacts)

@@ -12,7 +12,7 @@ from typing import Any
 
 from frictionbench.problems.catalogue import instances, is_spatial
 from frictionbench.problems.check import require
-from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER, WARM
+from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, WARM
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
@@ -78,7 +78,7 @@ class SolveCell:
 
 @dataclass(frozen=True)
 class SimulationCell:
-    """One scene in closed loop with one solver. after: what moves the bodies after a failed step (harness.cells.simulation)."""
+    """One scene in closed loop with one solver."""
 
     scene: str
     parameters: dict[str, Any]
@@ -86,7 +86,6 @@ class SimulationCell:
     tol: float
     scheme: str = DEFAULT_SCHEME
     steps: int | None = None
-    after: str = KEEP_ANSWER
 
     table = "simulations"
 
@@ -164,7 +163,6 @@ class Plan:
     simulations: tuple[Source, ...] = ()
     simulation_solvers: tuple[str, ...] = ()
     schemes: tuple[str, ...] = (DEFAULT_SCHEME,)
-    after_failure: tuple[str, ...] = (KEEP_ANSWER,)
     maps: tuple[Map, ...] = ()
     batches: tuple[BatchSource, ...] = ()
     simulation_tol: float = 1e-8
@@ -201,13 +199,10 @@ class Plan:
 
     def simulation_cells(self) -> list[SimulationCell]:
         simulated = [
-            SimulationCell(
-                simulation.scene, simulation.parameters, variant, self.simulation_tol, scheme, simulation.steps, after
-            )
+            SimulationCell(simulation.scene, simulation.parameters, variant, self.simulation_tol, scheme, simulation.steps)
             for simulation in self.simulations
             for scheme in self.schemes
             for variant in (self.lineup(3) if simulation.spatial else self.simulation_solvers)
-            for after in self.after_failure
         ]
         return [*simulated, *self.map_simulations]
 
@@ -261,6 +256,4 @@ def origin(record: dict[str, Any]) -> str:
 
 
 def _key(kind: str, value: Source | Cell) -> str:
-    """A hash of the value's fields, without the default of `after`, which older runs did not have."""
-    fields = {name: part for name, part in asdict(value).items() if (name, part) != ("after", KEEP_ANSWER)}
-    return kind + "-" + sha256(json.dumps(fields, sort_keys=True).encode()).hexdigest()[:16]
+    return kind + "-" + sha256(json.dumps(asdict(value), sort_keys=True).encode()).hexdigest()[:16]

@@ -10,7 +10,7 @@ from frictionbench.harness.plans.plan import BatchSource, Plan, Source
 from frictionbench.harness.plans.recorded import LADDER, recorded, spatial, theirs
 from frictionbench.harness.plans.sealed import sealed as drawn
 from frictionbench.problems.schemes import SCHEMES
-from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM
+from frictionbench.results.conventions import COLD, SHUFFLED, WARM
 
 # Methods for the exact law that every suite compares; one of each kind for the relaxation; further methods of both. In space
 # one of each kind, the pivoting one with a polygon for the cone.
@@ -168,7 +168,6 @@ def maps() -> Plan:
         tolerances=(1e-6,),
         simulations=FAILING,
         simulation_solvers=(*MAPPED, *MAPPED_RELAXED),
-        after_failure=(KEEP_ANSWER, KEEP_VELOCITY, RELAX),
         maps=atlas(),
         simulation_tol=1e-6,
         time_limit=1.0,
