@@ -104,7 +104,7 @@ def run(
     The same command resumes an interrupted run.
     """
     from frictionbench.commands.summary import folder_for, summary
-    from frictionbench.harness.plans.choose import RunOptions, chosen, read_options
+    from frictionbench.harness.plans.choose import RunOptions, choose, read_options
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.run import drop_disturbed
     from frictionbench.harness.run import run as run_plan
@@ -115,7 +115,7 @@ def run(
     if config:
         wanted = wanted.before(read_options(config))
     variants, plugins = load_plugins(wanted.solver or [])
-    plan = chosen(wanted, variants, plugins)
+    plan = choose(wanted, variants, plugins)
     if wanted.scene:
         named = [(source.scene, source.parameters) for source in plan.sources]
         require_buildable([*named, *((batch.scene, batch.parameters) for batch in plan.batches)])
@@ -218,9 +218,6 @@ def compare(
     ] = 1.1,
     no_times: Annotated[bool, typer.Option("--no-times", help="Do not compare times.")] = False,
     rank_by: options.By = RankBy.BODIES,
-    known: Annotated[
-        Path | None, typer.Option("--known", metavar="FILE", help="Acknowledged changes with their reasons, in TOML.")
-    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -242,7 +239,6 @@ def compare(
     from frictionbench.results.compare import Limits
     from frictionbench.results.compare import accept as accept_run
     from frictionbench.results.compare import compare as compare_runs
-    from frictionbench.results.known import acknowledge, read
 
     if history:
         _show_markdown(over_time(lines(runs)))
@@ -260,14 +256,12 @@ def compare(
         return
     if code and not confirm:
         raise InputError("code: names the code that --confirm runs; give --confirm as well")
-    acknowledged = read(known) if known else []
     limits = Limits(slowdown, times=not no_times, rank_by=rank_by)
     comparison = compare_runs(baseline, folder, limits)
     if confirm:
         from frictionbench.commands.confirm import confirmed
 
         comparison = confirmed(comparison, limits, solver or [], code, lambda line: typer.echo(line, err=True))
-    comparison = acknowledge(comparison, acknowledged)
     _show_markdown(markdown(comparison))
     summarise(comparison)
     if out:

@@ -141,10 +141,6 @@ def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
     home = Path(top.decode().strip()) if top else Path.cwd()
     if not folder.is_dir():
         folder = _unpacked(code, scratch / "code")
-    if (folder / "frictionbench.py").is_file():
-        raise InputError(
-            f"code: {code} is older than the single package frictionbench and cannot be run; give a later revision"
-        )
     ours = (folder / "frictionbench" / "__main__.py").is_file()
     moved = [_moved(spec, home, folder) if not ours else spec for spec in named]
     return Code([sys.executable, "-P", "-c", START, str(folder if ours else PACKAGE.parent)], moved)

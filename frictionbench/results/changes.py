@@ -10,7 +10,7 @@ times      per solver, over the same cells: see results.times
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -24,20 +24,10 @@ PACE = 10.0  # largest ratio of the speeds of two machines that is attributed to
 
 
 @dataclass(frozen=True)
-class _OfSolver:
-    """A change in the results of one solver. known: the reason why it is acknowledged, or empty.
-
-    Each kind of change has a name, which identifies it among the solver's, and is worse or not.
-    """
-
-    variant: str
-    known: str = field(default="", kw_only=True)
-
-
-@dataclass(frozen=True)
-class Flip(_OfSolver):
+class Flip:
     """A cell whose verdict changed, or that only one of the runs measured."""
 
+    variant: str
     key: str
     table: str
     scene: str
@@ -55,21 +45,17 @@ class Flip(_OfSolver):
 
     @property
     def worse(self) -> bool:
-        return self.kind != "verdict" or RANK[self.after] > RANK[self.before]
-
-    @property
-    def kind(self) -> str:
-        """What happened to the cell: verdict (another one), gone, skipped, or new."""
-        return NEW if self.before == NEW else self.after if self.after in (GONE, Verdict.SKIPPED) else "verdict"
+        return self.before == NEW or self.after in (GONE, Verdict.SKIPPED) or RANK[self.after] > RANK[self.before]
 
 
 @dataclass(frozen=True)
-class Growth(_OfSolver):
+class Growth:
     """A change in the sum of a counter over a solver's cells. limit: the largest ratio that does not count as growth.
 
     before, after: None in a run whose cells do not have the counter, or have something there that is no count.
     """
 
+    variant: str
     counter: str
     before: int | None
     after: int | None
@@ -95,13 +81,14 @@ class Growth(_OfSolver):
 
 
 @dataclass(frozen=True)
-class Time(_OfSolver):
+class Time:
     """The times of one solver in two codes.
 
     before, after: time per cell, s, the median over n pairs of processes of the geometric mean over the cells. ratio: after /
     before, with the confidence interval (low, high) and the p-value p. limit: the largest ratio that is not a slowdown.
     """
 
+    variant: str
     before: float
     after: float
     ratio: float
@@ -131,7 +118,7 @@ class Time(_OfSolver):
         return "time"
 
 
-Change = Flip | Growth | Time
+Change = Flip | Growth | Time  # each has a name, which identifies it among those of its solver, and is worse or not
 
 
 def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:

@@ -67,8 +67,8 @@ class Comparison:
 
     @property
     def worse(self) -> list[Change]:
-        """The changes for the worse that are not acknowledged, among them lost cells and new ones that fail."""
-        return [found for found in self.changes if found.worse and not found.known]
+        """The changes for the worse, among them lost cells and new ones that fail."""
+        return [found for found in self.changes if found.worse]
 
     @property
     def better(self) -> list[Change]:
@@ -76,12 +76,11 @@ class Comparison:
 
     @property
     def counts(self) -> dict[str, int]:
-        """The numbers of changes that are worse, better and acknowledged, and of cells that are same, new, gone and skipped."""
-        lost = [flip.kind for flip in self.gone if not flip.known]
+        """The numbers of changes that are worse and better, and of cells that are same, new, gone and skipped."""
+        lost = [flip.after for flip in self.gone]
         gone, skipped = lost.count(GONE), lost.count(Verdict.SKIPPED)
         counts = {"worse": len(self.worse) - len(lost), "better": len(self.better), "same": self.same, "new": self.new}
-        known = sum(found.worse and bool(found.known) for found in self.changes)
-        return counts | {"gone": gone, "skipped": skipped} | ({"acknowledged": known} if known else {})
+        return counts | {"gone": gone, "skipped": skipped}
 
     @property
     def exit_code(self) -> int:
@@ -239,16 +238,15 @@ def _same_on_both(names: Sequence[str]) -> str:
     )
 
 
-def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
+def accept(folder: Path, path: Path) -> tuple[Comparison | None, str]:
     """Write the run in folder as the baseline at path; its comparison with the previous baseline, if any, and a summary.
 
-    path: baselines/SUITE.tsv if None. Errors: ResultsError where the run is not finished or has no cell to compare, or path is
-    not a baseline or one that the run cannot be compared with.
+    Errors: ResultsError where the run is not finished or has no cell to compare, or path is not a baseline or one that the run
+    cannot be compared with.
     """
     run, before = read(folder), None
     if unusable := compare(folder, folder, Limits(times=False)).unusable:
         raise ResultsError(f"{folder}: cannot be a baseline: {unusable}")
-    path = path or Path("baselines") / f"{_file_name(run.suite)}.tsv"
     if path.exists():
         baselines.read(path)  # refuses to overwrite a file that is not a baseline
         before = compare(path, folder, Limits(times=False))
@@ -264,13 +262,6 @@ def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
     if (run.table["verdict"] == Verdict.TIMEOUT).any():
         told += "\ntimeouts may be the machine's doing: `frictionbench run --retake` repeats them"
     return before, told
-
-
-def _file_name(suite: str) -> str:
-    """The suite as the name of a file. Errors: ResultsError where a manifest of someone else's names another folder."""
-    if Path(suite).name != suite or suite == "..":
-        raise ResultsError(f"suite: {suite!r} is not the name of a file; name the baseline's file")
-    return suite
 
 
 def _lines(run: Cells) -> list[tuple[str, ...]]:

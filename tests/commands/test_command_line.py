@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from frictionbench.commands.cli import app
 from frictionbench.commands.summary import folder_for
 from frictionbench.harness import process
-from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.choose import RunOptions, choose
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import new_shard
@@ -40,10 +40,10 @@ def test_lists_are_json_too(what) -> None:
 
 
 def test_default_folder_depends_on_settings() -> None:
-    whole, same, other = (choose("smoke", [], (), tol, None) for tol in (None, "1e-4,1e-8", "1e-6"))
+    whole, same, other = (choose(RunOptions("smoke", tol=tol)) for tol in (None, "1e-4,1e-8", "1e-6"))
     assert str(folder_for(whole)) == str(folder_for(same)) == "runs/smoke"
     assert str(folder_for(other)).startswith("runs/smoke-")
-    assert folder_for(other) == folder_for(choose("smoke", [], (), "1e-6", None))
+    assert folder_for(other) == folder_for(choose(RunOptions("smoke", tol="1e-6")))
 
 
 def test_abbreviated_keys(tmp_path) -> None:

@@ -9,7 +9,7 @@ import pytest
 from frictionbench.commands import single
 from frictionbench.commands.export import export
 from frictionbench.commands.single import rerun_row, shrink, solve_one
-from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.choose import RunOptions, choose
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.problems import InputError
@@ -48,7 +48,7 @@ def test_export(tmp_path) -> None:
 
 @pytest.mark.slow  # a spatial problem, which other rows are not
 def test_rerun_and_shrink_spatial_row(tmp_path) -> None:
-    plan = choose("spatial", ["cubes[boxes=2,mass_ratio=1e6,push=1]"], ("nsgs[relaxation=0.01]",), "1e-8", 5.0)
+    plan = choose(RunOptions("spatial", ["cubes[boxes=2,mass_ratio=1e6,push=1]"], tol="1e-8"), ("nsgs[relaxation=0.01]",))
     run(plan, tmp_path, 1, Progress())
     (key,) = read_table(tmp_path, "solves")["key"]
     row, again = rerun_row(tmp_path, key, [])
@@ -65,7 +65,7 @@ def test_run_of_bare_lcps(tmp_path) -> None:
     data.mkdir()
     np.savez(data / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
     fclib.write(random_problem(1, contacts=4), data / "whole.hdf5")
-    run(choose("recorded", [], ("nsgs", "lemke"), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    run(choose(RunOptions("recorded", tol="1e-8", data=[str(data)]), ("nsgs", "lemke")), out, 1, Progress())
     rows = read_table(out, "solves").set_index(["size", "variant"])
     assert rows["verdict"].to_dict() == {
         (2, "nsgs"): "skipped",
@@ -97,7 +97,7 @@ def test_stored_guess_is_warm_start(tmp_path) -> None:
         with h5py.File(path, "a") as file:
             file["guesses/number_of_guesses"] = np.array([1], dtype=np.int32)
             file["guesses/1/r"] = guess.ravel()
-    run(choose("recorded", [], ("nsgs", "lemke"), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    run(choose(RunOptions("recorded", tol="1e-8", data=[str(data)]), ("nsgs", "lemke")), out, 1, Progress())
     rows = read_table(out, "solves")
     sweeps = rows[rows["variant"] == "nsgs"].set_index(["parameters", "start"])["work"].map(json.loads)
     assert [start for _, start in sweeps.index] == ["cold", "warm", "cold"], "a guess of zeros is a cold start"
@@ -111,7 +111,7 @@ def test_unreadable_files_give_skipped_rows(tmp_path) -> None:
     np.savez(data / "lcp.npz", M=np.eye(2), q=np.ones(2))
     (data / "torn.dat").write_text("3\n4\n")
     fclib.write(random_problem(1, contacts=4), data / "whole.hdf5")
-    run(choose("recorded", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    run(choose(RunOptions("recorded", tol="1e-8", data=[str(data)]), ("nsgs",)), out, 1, Progress())
     lcp, torn, whole = read_table(out, "solves").to_dict("records")
     assert (lcp["verdict"], torn["verdict"], whole["verdict"]) == ("skipped", "skipped", "solved")
     assert lcp["reason"] == "nsgs solves friction problems, not bare LCPs"
@@ -139,7 +139,7 @@ def test_files_in_order_are_a_sequence(tmp_path) -> None:
     problems = [*steps, make_scene("stack", blocks=2, push=1.0).problem(), last]
     names = ["step_1.npz", "step_2.npz", "step_3.npz", "step_9.npz", "step_10.npz"]
     data, out = sequence(tmp_path / "set", names, problems), tmp_path / "out"
-    run(choose("replay", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    run(choose(RunOptions("replay", tol="1e-8", data=[str(data)]), ("nsgs",)), out, 1, Progress())
     rows = read_table(out, "solves")
     started = rows.groupby("step")["start"].agg(list).to_dict()
     assert started == {0: ["cold"], 1: ["cold", "warm"], 2: ["cold", "warm"], 3: ["cold"], 4: ["cold"]}
@@ -160,7 +160,7 @@ def test_files_in_order_are_a_sequence(tmp_path) -> None:
 )
 def test_unusable_data(tmp_path, suite, scenes, complaint) -> None:
     with pytest.raises(InputError, match=f"^data: {complaint}"):
-        choose(suite, scenes, ("nsgs",), None, None, data=(str(tmp_path),))
+        choose(RunOptions(suite, scenes, data=[str(tmp_path)]), ("nsgs",))
 
 
 def test_first_answer_is_told_before_the_table(capsys, monkeypatch) -> None:

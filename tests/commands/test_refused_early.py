@@ -5,7 +5,7 @@ import resource
 import pytest
 
 from frictionbench.harness.maps import plan_map
-from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.choose import RunOptions, choose
 from frictionbench.harness.workers import inputs
 from frictionbench.problems import InputError, catalogue
 from tests.helpers.command_line import frictionbench
@@ -14,7 +14,7 @@ from tests.helpers.command_line import frictionbench
 def test_scenes_are_not_built_in_the_main_process(monkeypatch) -> None:
     assert catalogue.scenes() | catalogue.instances()  # registered
     monkeypatch.setattr(catalogue.Generator, "make", property(lambda self: pytest.fail("built")), raising=False)
-    assert choose("smoke", ["stack[blocks=3000000]"], (), None, None).sources[0].parameters == {"blocks": 3000000}
+    assert choose(RunOptions("smoke", ["stack[blocks=3000000]"])).sources[0].parameters == {"blocks": 3000000}
     plan_map("stack[blocks=3000000]", "friction=.1:1:3", "push=0:1:3")
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from frictionbench.commands.single import rerun_row
 from frictionbench.commands.summary import summary
-from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.choose import RunOptions, choose
 from frictionbench.harness.plans.plan import BatchSource
 from frictionbench.harness.plans.suites import batch
 from frictionbench.harness.run import run
@@ -38,4 +38,4 @@ def test_a_run_writes_every_row_and_resumes(tmp_path: Path) -> None:
 
 def test_a_scene_that_is_no_batch_is_named() -> None:
     with pytest.raises(InputError, match="scene: painleve_rod cannot be a batch"):
-        choose("batch", ["painleve_rod"], (), None, None)
+        choose(RunOptions("batch", ["painleve_rod"]))

@@ -1,13 +1,11 @@
-"""Baselines as text, acknowledged changes, and histories of runs."""
+"""Baselines as text, and histories of runs."""
 
 import json
 
 import pytest
 
 from frictionbench.reports.comparison import history as runs_over_time
-from frictionbench.reports.comparison.markdown import markdown
-from frictionbench.results import cells, known
-from frictionbench.results.changes import Flip
+from frictionbench.results import cells
 from frictionbench.results.compare import accept, compare
 from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import SCHEMA_VERSION
@@ -90,88 +88,10 @@ def test_incomparable_runs_are_not_accepted(tmp_path):
     assert (path.read_bytes(), (tmp_path / "new.tsv").exists()) == (text, False)
 
 
-def test_suites_of_others_name_no_folders(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    folder = run(tmp_path / "run", settings=SETTINGS | {"suite": "../made"})
-    with pytest.raises(ResultsError, match="is not the name of a file"):
-        accept(folder, None)
-    assert [path.name for path in tmp_path.iterdir()] == ["run"]
-
-
 def test_committed_baseline():
     smoke = cells.read(SMOKE)
     assert (smoke.suite, smoke.tolerances) == ("smoke", (1e-8, 1e-4))
     assert {"lemke", "nsgs", "interior_point"} <= set(smoke.measured["variant"])
-
-
-KNOWN = """
-[[known]]
-solver = "a"
-change = "pivots"
-ratio = 1.2
-reason = "a safer | step"
-
-[[known]]
-solver = "b"
-change = "verdict"
-after = "wrong"
-reason = "under repair"
-
-[[known]]
-solver = "b"
-change = "time"
-ratio = 2
-reason = "gone by"
-"""
-
-
-def test_acknowledged_changes_pass(tmp_path):
-    (tmp_path / "known.toml").write_text(KNOWN, encoding="utf-8")
-    acknowledged, before = known.read(tmp_path / "known.toml"), run(tmp_path / "before")
-    result = known.acknowledge(compare(before, run(tmp_path / "after", 12, "wrong")), acknowledged)
-    assert (result.exit_code, result.counts["acknowledged"]) == (0, 2)
-    text = markdown(result)
-    assert "`acknowledged: a safer \\| step`" in text
-    assert "Acknowledged change not found; delete its entry: b, time." in text
-    further = known.acknowledge(compare(before, run(tmp_path / "further", 13, "crashed")), acknowledged)
-    assert [found.after if isinstance(found, Flip) else found.name for found in further.worse] == ["crashed", "pivots"]
-
-
-@pytest.mark.parametrize("change", ["gone", "skipped", "new", "pivots"])
-def test_acknowledged_losses_pass(tmp_path, change):
-    ratio = "ratio = inf" if change == "pivots" else ""
-    (tmp_path / "known.toml").write_text(
-        f"[[known]]\nsolver = 'b'\nchange = '{change}'\n{ratio}\nreason = 'x'", encoding="utf-8"
-    )
-    kept, solved = solve_row("a", "p"), solve_row("b", "p", work='{"pivots": 3}')
-    after = {"gone": [], "skipped": [unanswered_row("b", "p", "skipped")], "pivots": [solve_row("b", "p")]}
-    pair = (
-        ([kept], [kept, solve_row("b", "p", verdict="wrong")]) if change == "new" else ([kept, solved], [kept, *after[change]])
-    )
-    folders = [write_folder(tmp_path / name, rows) for name, rows in zip(("before", "after"), pair, strict=True)]
-    result = compare(*folders)
-    assert result.exit_code == 1
-    result = known.acknowledge(result, known.read(tmp_path / "known.toml"))
-    assert (result.exit_code, result.counts["acknowledged"], result.notes) == (0, 1, ())
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("known = 3", "known: Input should be a valid list"),
-        ("[[known]]\nsolver = 3", "known 1 solver: Input should be a valid string"),
-        ("[[known]]\nsolver = 'a'\nchange = 'time'\nreason = 'x'", "known 1: .*ratio is missing"),
-        ("[[known]]\nsolver = 'a'\nchange = 'time'\nreason = 'x'\nratio = nan", "known 1 ratio: Input should be greater"),
-        ("[[known]]\nsolver = 'a'\nchange = 'verdict'\nreason = 'x'\nratio = -1", "known 1 ratio: Input should be greater"),
-        ("[[known]]\nsolver = 'a'\nchange = 'gone'", "known 1 reason: Field required"),
-        ("[[known]]\nsolver = 'a'\nchange = 'gone'\nreason = 'x'\ncolour = 'a'", "known 1 colour: Unexpected keyword argument"),
-        ("[[", "cannot be read"),
-    ],
-)
-def test_unreadable_acknowledged_changes(tmp_path, text, told):
-    (tmp_path / "known.toml").write_text(text, encoding="utf-8")
-    with pytest.raises(ResultsError, match=told):
-        known.read(tmp_path / "known.toml")
 
 
 def test_history_uses_common_cells(tmp_path):

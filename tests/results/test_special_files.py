@@ -73,7 +73,6 @@ def test_special_files_as_arguments(tmp_path, kind) -> None:
         ("a.tsv", ("compare", "FILE", str(good))),
         ("a.tsv", ("compare", "FILE", str(good), "--accept")),
         ("a.json", ("compare", "FILE", "FILE")),
-        ("a.toml", ("compare", str(good), str(good), "--known", "FILE")),
         ("a.npz", ("solve", "FILE")),
         ("a.hdf5", ("solve", "FILE")),
     ):

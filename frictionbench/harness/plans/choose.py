@@ -77,51 +77,32 @@ def read_options(path: Path) -> RunOptions:
     return options
 
 
-def chosen(wanted: RunOptions, variants: tuple[str, ...], plugins: tuple[Plugin, ...]) -> Plan:
-    """The plan of these options of `run`, with the variants and plug-ins that `solver` names. Errors: as of choose."""
-    scenes, data = wanted.scene or [], tuple(wanted.data or ())
-    suite, every_one = wanted.suite or "standard", bool(wanted.all_solvers)
-    plan = choose(suite, scenes, variants, wanted.tol, wanted.time_limit, plugins, data, every_one)
-    return replace(plan, options=replace(wanted, out=None).given())
-
-
-def choose(
-    suite: str,
-    scene_specs: list[str],
-    variants: tuple[str, ...],
-    tol: str | None,
-    time_limit: float | None,
-    plugins: tuple[Plugin, ...] = (),
-    data: tuple[str, ...] = (),
-    all_solvers: bool = False,
-) -> Plan:
-    """The suite's plan with what is given in place of its own scenes, solvers and settings.
-
-    all_solvers: whether every installed solver runs, by the dimension of the problem.
-
-    Errors: InputError naming the field.
+def choose(wanted: RunOptions, variants: tuple[str, ...] = (), plugins: tuple[Plugin, ...] = ()) -> Plan:
+    """The suite's plan with the options in place of its own scenes, solvers and settings; with the variants and plug-ins that
+    `solver` names. Errors: InputError naming the field.
     """
+    suite = wanted.suite or "standard"
     if suite not in SUITES:
         raise InputError(f"suite: unknown suite {suite!r}{near(suite, SUITES)}; known are {', '.join(SUITES)}")
-    if data and scene_specs:
+    if wanted.data and wanted.scene:
         raise InputError("data: names the problems to run, and so does --scene; give one of the two")
-    if all_solvers and variants:
+    if wanted.all_solvers and variants:
         raise InputError("all-solvers: runs every solver, and --solver names some; give one of the two")
-    plan = with_data(SUITES[suite](), data)
-    if scene_specs:
-        plan = _restricted(plan, scene_specs)
+    plan = with_data(SUITES[suite](), tuple(wanted.data or ()))
+    if wanted.scene:
+        plan = _restricted(plan, wanted.scene)
     if variants:
         plan = replace(plan, solvers=variants, spatial_solvers=(), simulation_solvers=variants, plugins=plugins, expects="")
-    if all_solvers:
+    if wanted.all_solvers:  # that are installed, by the dimension of the problem
         plan = replace(plan, solvers=every(2), spatial_solvers=every(3), simulation_solvers=every(2), expects="")
-    if tol is not None:
-        plan = replace(plan, tolerances=tolerances(tol))
-    if time_limit is not None:
-        plan = replace(plan, time_limit=time_limit)
+    if wanted.tol is not None:
+        plan = replace(plan, tolerances=tolerances(wanted.tol))
+    if wanted.time_limit is not None:
+        plan = replace(plan, time_limit=wanted.time_limit)
     for variant in plan.variants:
         if not plan.owner(variant):
             find(variant)
-    return plan
+    return replace(plan, options=replace(wanted, out=None).given())
 
 
 def _restricted(plan: Plan, specs: list[str]) -> Plan:

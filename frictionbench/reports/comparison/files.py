@@ -50,7 +50,7 @@ def _values(comparison: Comparison, found: Change) -> dict[str, Any]:
 
 
 def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
-    """The comparison as JUnit's XML. An acknowledged change passes."""
+    """The comparison as JUnit's XML."""
     root = ElementTree.Element("testsuites", name="frictionbench compare")
     worse = {(found.variant, getattr(found, "key", found.name)): found for found in comparison.worse}
     suites: dict[str, ElementTree.Element] = {}

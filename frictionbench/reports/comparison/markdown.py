@@ -29,7 +29,8 @@ def markdown(comparison: Comparison) -> str:
     for variant in solvers(comparison):
         own = [found for found in comparison.changes if found.variant == variant and not isinstance(found, Time)]
         if own:
-            parts += [f"### {code(variant)}{_state(own)}", *_changes(comparison, own)]
+            state = ": worse" if any(found.worse for found in own) else ""
+            parts += [f"### {code(variant)}{state}", *_changes(comparison, own)]
     if comparison.times:
         parts += ["### Times", *_times(comparison)]
     whole = list(takewhile(lambda size: size < LONGEST, accumulate(len(part) + 2 for part in parts)))
@@ -61,38 +62,28 @@ def format_verdicts(flip: Flip) -> str:
     return f"{flip.before} → {flip.after}"
 
 
-def _state(own: Sequence[Change]) -> str:
-    if any(found.worse and not found.known for found in own):
-        return ": worse"
-    return ": acknowledged" if any(found.worse for found in own) else ""
-
-
 def _changes(comparison: Comparison, own: Sequence[Change]) -> Iterator[str]:
     flips = [found for found in own if isinstance(found, Flip)]
     work = [found for found in own if isinstance(found, Growth)]
     if flips:
-        heads = ["verdict", "scene", "step", "tolerance", "residual", "command", "remark"]
+        heads = ["verdict", "scene", "step", "tolerance", "residual", "command", "reason"]
         yield from _table(heads, [_flip(comparison, flip) for flip in flips])
     if work:
-        yield from _table(["work", "before", "after", "ratio", "cells", "remark"], [*map(_growth, work)])
+        yield from _table(["work", "before", "after", "ratio", "cells"], [*map(_growth, work)])
 
 
 def _flip(comparison: Comparison, flip: Flip) -> list[str]:
     residuals = [f"{value:.1e}" if np.isfinite(value) else "–" for value in (flip.residual_before, flip.residual_after)]
     command = rerun_command(comparison, flip)
     cell = [code(flip.scene), flip.step or flip.table, f"{flip.tol:g}"]
-    return [_bold(format_verdicts(flip), flip), *cell, " → ".join(residuals), code(command) if command else "", _remark(flip)]
+    texts = [code(text) if text else "" for text in (command, flip.reason)]
+    return [_bold(format_verdicts(flip), flip), *cell, " → ".join(residuals), *texts]
 
 
 def _growth(growth: Growth) -> list[str]:
     ratio = f"×{growth.ratio:.2f}" if np.isfinite(growth.ratio) else ""
     sums = ["none" if count is None else str(count) for count in (growth.before, growth.after)]
-    return [_bold(escaped(growth.counter), growth), *sums, ratio, str(growth.cells), _remark(growth)]
-
-
-def _remark(found: Change) -> str:
-    reason = found.reason if isinstance(found, Flip) else ""
-    return code(f"acknowledged: {found.known}" if found.known else reason) if found.known or reason else ""
+    return [_bold(escaped(growth.counter), growth), *sums, ratio, str(growth.cells)]
 
 
 def _times(comparison: Comparison) -> Iterator[str]:
@@ -113,15 +104,14 @@ def _times(comparison: Comparison) -> Iterator[str]:
 def _time(time: Time) -> list[str]:
     ratio = f"×{time.ratio:.2f}"
     interval = f"{time.low:.2f} to {time.high:.2f}" if np.isfinite(time.high) else "~"
-    known = f", acknowledged: {escaped(time.known)}" if time.known else ""
     p = f"{time.p:.2g}" if np.isfinite(time.p) else ""
     shown = f"{ratio} {'' if time.significant else '~'}".strip()
     names = [code(time.variant), seconds(time.before), seconds(time.after)]
-    return [*names, _bold(shown, time) + known, interval, p, str(time.n), str(time.cells)]
+    return [*names, _bold(shown, time), interval, p, str(time.n), str(time.cells)]
 
 
 def _bold(text: str, found: Change) -> str:
-    return f"**{text}**" if found.worse and not found.known else text
+    return f"**{text}**" if found.worse else text
 
 
 def _table(heads: list[str], rows: list[list[str]], last: list[str] | None = None) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from frictionbench.harness.plans.choose import RunOptions, chosen, read_options
+from frictionbench.harness.plans.choose import RunOptions, choose, read_options
 from frictionbench.harness.run import open_folder
 from frictionbench.problems import InputError
 
@@ -10,7 +10,7 @@ TEXT = 'suite = "smoke"\nsolver = ["lemke", "nsgs[relaxation=1.3]"]\ntol = "1e-4
 
 
 def plan_of(wanted):
-    return chosen(wanted, tuple(wanted.solver or ()), ())
+    return choose(wanted, tuple(wanted.solver or ()))
 
 
 def test_a_run_is_made_like_another(tmp_path) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.choose import RunOptions, choose
 from frictionbench.problems import InputError
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import collection, fclib, read
@@ -76,7 +76,7 @@ def test_fetch_is_cached(server) -> None:
     server.stop()
     assert len(list(collection.fetch(FAMILY))) == 3
     assert len(server.asked) == 3
-    plan = choose("recorded", [], (), None, None, data=("fclib/Chain",))
+    plan = choose(RunOptions("recorded", data=["fclib/Chain"]))
     assert [Path(source.file).name for source in plan.sources] == [f"chain-{k}.hdf5" for k in range(3)]
 
 
@@ -149,9 +149,9 @@ def test_family_names() -> None:
 
 def test_missing_data(server, tmp_path) -> None:
     for suite, data, complaint in (
-        ("recorded", (), r"^data: recorded needs --data DIR"),
-        ("recorded", (str(tmp_path / "nothing"),), r"^data: no problems in .*nothing"),
-        ("recorded", ("fclib/Chain",), r"^data: no problems in fclib/Chain; fetch it"),
+        ("recorded", [], r"^data: recorded needs --data DIR"),
+        ("recorded", [str(tmp_path / "nothing")], r"^data: no problems in .*nothing"),
+        ("recorded", ["fclib/Chain"], r"^data: no problems in fclib/Chain; fetch it"),
     ):
         with pytest.raises(InputError, match=complaint):
-            choose(suite, [], (), None, None, data=data)
+            choose(RunOptions(suite, data=data))
