@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from textwrap import fill, indent
 from typing import Any
 
 import pandas as pd
 
 from frictionbench.problems import check
 from frictionbench.reports.run import Run, read_run
-from frictionbench.results.schema import TABLES
 from frictionbench.results.store import read_manifest, read_table
 
 
@@ -25,9 +23,7 @@ class Results:
     batches      pandas.DataFrame, a row per batch of small problems, solver and way to solve them all
 
     A run that was interrupted has the rows it wrote so far. A number that was not measured is NaN. Errors: ResultsError (a
-    ValueError) naming the file and the column that cannot be read.
-
-    {columns}
+    ValueError) naming the file and the column that cannot be read. docs/columns.md describes every column.
     """
 
     folder: Path
@@ -61,20 +57,11 @@ class Results:
         return f"Results({str(self.folder)!r}: {len(self.solves)} solves, {len(self.simulations)} simulations)"
 
 
-def _columns(table: str) -> str:
-    """The columns of a table with units and meanings, as text for `help`."""
-    lines = [f"{column.name}{f' ({column.unit})' if column.unit else ''}: {column.meaning}" for column in TABLES[table]]
-    return f"Columns of `{table}`:\n\n" + "\n".join(fill(line, 118, subsequent_indent="    ") for line in lines)
-
-
-Results.__doc__ = str(Results.__doc__).replace("{columns}", indent("\n\n".join(map(_columns, TABLES)), "    ").strip())
-
-
 def read_results(folder: str | Path) -> Results:
     """The results in a folder that `frictionbench run` wrote.
 
-    Returns a Results with `solves`, `simulations` and `batches` as pandas.DataFrame and `manifest` as a dict. `help(Results)`,
-    that is `help(type(results))`, lists every column with its unit and meaning, as docs/columns.md does.
+    Returns a Results with `solves`, `simulations` and `batches` as pandas.DataFrame and `manifest` as a dict;
+    docs/columns.md lists every column with its unit and meaning.
     Errors: ResultsError (a ValueError) where the folder does not exist, holds no run, or was written with another schema;
     InputError naming folder, where it is no path.
 

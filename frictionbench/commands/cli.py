@@ -277,7 +277,6 @@ def solve(
     time_limit: options.Limit = 10.0,
     jobs: options.Jobs = None,
     rank_by: options.ByOfProblem = None,
-    budget: options.Budget = None,
     as_json: options.AsJson = False,
     quiet: options.Quiet = False,
 ) -> None:
@@ -286,8 +285,8 @@ def solve(
     from frictionbench.harness.progress import Progress
 
     progress = Progress(quiet=quiet)
-    chosen: dict[str, Any] = {"rank_by": rank_by, "budget": budget, "progress": progress, "as_json": as_json}
-    solve_one(problem, solver or [], tol, time_limit, _jobs(jobs, progress), **chosen)
+    wanted = (problem, solver or [], tol, time_limit, _jobs(jobs, progress))
+    solve_one(*wanted, rank_by=rank_by, progress=progress, as_json=as_json)
 
 
 @_command()

@@ -45,15 +45,12 @@ def solve_one(
     jobs: int,
     *,
     rank_by: RankBy | None = None,
-    budget: float | None = None,
     progress: Progress | None = None,
     as_json: bool = False,
 ) -> None:
     """Solve one problem with solvers (all if none are named), and print a table with the best first and a recommendation.
 
     rank_by: the time that ranks; by default from bodies where the problem has them, else from the method's own form.
-    budget: s, a time within which the problem has to be solved.
-
     Errors: InputError naming the field.
     """
     begun, progress = time.monotonic(), progress or Progress()
@@ -82,7 +79,7 @@ def solve_one(
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
     if as_json:
         told = {"problem": problem, **{name: facts[name] for name in ("summary", "contradiction")}, "tol": tol}
-        told |= {"rank_by": rank_by, "solvers": [_data(row) for row in applicable], "advice": advice(rows, rank_by, budget)}
+        told |= {"rank_by": rank_by, "solvers": [_data(row) for row in applicable], "advice": advice(rows, rank_by)}
         print(json.dumps(told, indent=1))
         return
     title = f"tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
@@ -93,7 +90,7 @@ def solve_one(
         print("\n".join(paragraph(f"not applicable to this problem: {', '.join(refused)}", screen(), "")))
     for reason in unusable:
         print("\n".join(paragraph(reason, screen(), "")))
-    print("\n".join(paragraph(advice(rows, rank_by, budget), screen(), "")))
+    print("\n".join(paragraph(advice(rows, rank_by), screen(), "")))
 
 
 def _data(row: Row) -> Row:
@@ -102,7 +99,7 @@ def _data(row: Row) -> Row:
     return {name: row.get(name) for name in names} | {"work": counts(row.get("work"))}
 
 
-def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES, budget: float | None = None) -> str:
+def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
     """Which solver to use, from rows with the best first; by the other ranking as well where that is another one."""
     if solved := [row for row in rows if row["verdict"] == Verdict.SOLVED]:
         best, others = solved[0], len(solved) - 1
@@ -111,9 +108,6 @@ def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES, budget: float | Non
         other = min(solved, key=lambda row: _seconds(row, rank_by.other))
         if other is not best and _seconds(other, rank_by.other) < _seconds(best, rank_by.other):
             told += f"; {rank_by.other.words} {other['variant']} is faster: {_time(_seconds(other, rank_by.other))}"
-        if budget is not None:
-            within = sum(_seconds(row, rank_by) <= budget for row in solved)
-            told += f"; within {_time(budget)}: {within} of {len(solved)}"
         return told
     answered = [row for row in rows if row.get("residual") is not None]
     if not answered:

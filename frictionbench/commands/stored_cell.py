@@ -16,6 +16,7 @@ from frictionbench.problems.instances import instances
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.spec import split
 from frictionbench.results import store
+from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, WARM, WAYS, json_object
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row
@@ -76,15 +77,8 @@ def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugi
         find(variant)
         return ()
     if not named:
-        raise InputError(
-            f"solver: {variant} is not part of frictionbench; {_origin(variant, settings)}. To run it, name it with --solver"
-        )
+        source = sources(settings).get(variant)
+        told = f"the run loaded it from {source!r}" if source else "the manifest does not name the file"
+        raise InputError(f"solver: {variant} is not part of frictionbench; {told}. To run it, name it with --solver")
     _, plugins = load_plugins(named, (variant,))
     return tuple(plugin for plugin in plugins if variant in plugin.solvers)
-
-
-def _origin(variant: str, settings: dict[str, Any]) -> str:
-    for plugin in settings.get("plugins", ()):
-        if variant in plugin["solvers"]:
-            return f"the run loaded it from {plugin['source']!r} ({str(plugin.get('content'))[:12]})"
-    return "the manifest does not name the file"

@@ -7,7 +7,7 @@ system's monotonic clock, which does not change when the date is set.
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from mmap import mmap
 from time import monotonic
@@ -37,14 +37,12 @@ class Deadline:
         self._moment[0] = monotonic() + seconds
 
     @contextmanager
-    def within(
-        self, seconds: float, compiling: float = COMPILE_SECONDS, ours: bool = False
-    ) -> Iterator[Callable[[float], None]]:
+    def within(self, seconds: float, compiling: float = COMPILE_SECONDS, ours: bool = False) -> Iterator[None]:
         """End this process if the block takes longer.
 
         compiling: seconds in which numba may compile or read its cache and which do not count; more than so many do. ours:
         whether only functions of this package stop the clock so, each once for its types. Whoever sends numba's event could
-        stop it otherwise. Yields a function that resets the time left, in seconds.
+        stop it otherwise.
         """
         from numba.core import event
 
@@ -70,7 +68,7 @@ class Deadline:
         try:
             with event.install_listener("numba:compiler_lock", Pause()):
                 self.allow(seconds)
-                yield self.allow
+                yield
         finally:
             self._moment[0] = max(outer, monotonic() + HARNESS_SECONDS)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports import choice, tables
 from frictionbench.reports.drawing.text import code, escaped, pipe
-from frictionbench.reports.printed import Cell, Cited, Table, printed
+from frictionbench.reports.printed import Table, printed
 from frictionbench.reports.run import Run
 from frictionbench.results.files import write_text
 
@@ -34,12 +34,8 @@ def _sentences(run: Run) -> list[str]:
 
 def _table(table: Table) -> str:
     """A table below its name and caption."""
-    body = "\n".join(pipe(table.header, (list(map(_cell, row)) for row in table.rows)))
+    body = "\n".join(pipe(table.header, (list(map(escaped, row)) for row in table.rows)))
     return f"## {table.name.replace('_', ' ').capitalize()}\n\n{escaped(table.caption)}\n\n{body}\n"
-
-
-def _cell(cell: Cell) -> str:
-    return ", ".join(cell.keys) if isinstance(cell, Cited) else escaped(cell)
 
 
 def _skipped(run: Run) -> str:

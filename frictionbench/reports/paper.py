@@ -21,7 +21,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import NOTHING, save_sheet
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import bibliography, escaped
-from frictionbench.reports.printed import Cell, Cited, Table, printed
+from frictionbench.reports.printed import REFERENCES, Table, printed
 from frictionbench.reports.run import Run
 from frictionbench.reports.tables import setting
 from frictionbench.results.files import ResultsError, subfolder, write_text
@@ -127,7 +127,9 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
 
 def booktabs(table: Table) -> str:
     """A tabular with the first column aligned left and the others right; its document loads booktabs and graphicx."""
-    code = [[_cell(cell) for cell in row] for row in (table.header, *table.rows)]
+    cited = [head == REFERENCES for head in table.header]
+    body = [[rf"\cite{{{cell}}}" if c else escaped(cell) for c, cell in zip(cited, row, strict=True)] for row in table.rows]
+    code = [list(map(escaped, table.header)), *body]
     lines = [" & ".join(row) + r" \\" for row in code]
     widths = [max(map(len, column)) for column in zip(*code, strict=True)]
     wide = sum(widths) + 2 * len(widths) > LETTERS
@@ -137,10 +139,6 @@ def booktabs(table: Table) -> str:
         rf"\begin{{tabular}}{{@{{}}l{'r' * (len(widths) - 1)}@{{}}}}",
         *(r"\toprule", lines[0], r"\midrule", *lines[1:], r"\bottomrule", r"\end{tabular}}\par}", ""),
     ])  # fmt: skip
-
-
-def _cell(cell: Cell) -> str:
-    return rf"\cite{{{','.join(cell.keys)}}}" if isinstance(cell, Cited) else escaped(cell)
 
 
 def captions_file(captions: Mapping[str, str], setting: str) -> str:

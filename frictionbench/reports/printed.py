@@ -18,20 +18,16 @@ from frictionbench.reports.run import Run
 from frictionbench.results.conventions import ENDINGS
 
 
-class Cited(NamedTuple):
-    """A cell that cites references by their keys."""
-
-    keys: tuple[str, ...]
-
-
-Cell = str | Cited
-
-
 class Table(NamedTuple):
+    """A column with the head REFERENCES has keys of the bibliography, separated by commas."""
+
     name: str
     caption: str
     header: Sequence[str]
-    rows: Sequence[Sequence[Cell]]
+    rows: Sequence[Sequence[str]]
+
+
+REFERENCES = "references"
 
 
 def printed(run: Run) -> list[Table]:
@@ -131,16 +127,6 @@ def _solvability(run: Run) -> list[Table]:
     return [Table("solvability", caption, ["solver", *columns, *["error"] * with_error], rows)]
 
 
-def _clocks(run: Run) -> list[Table]:
-    """Where a library's own clock differs from the benchmark's."""
-    found = tables.clocks(run).query("differs")
-    rows = [
-        [str(row.label), seconds(row.solve_time), seconds(row.clock_time), f"{row.ratio:.2g}"] for row in found.itertuples()
-    ]
-    caption = "Medians of the solve time measured by the benchmark and by the library, where they differ by more than a tenth."
-    return [Table("clocks", caption, ["solver", "benchmark", "library", "ratio"], rows)]
-
-
 def _problems(run: Run) -> list[Table]:
     rows = [
         [
@@ -163,11 +149,8 @@ def _range(row: dict[str, float], what: str) -> str:
 
 def _solvers(run: Run) -> list[Table]:
     both = pd.concat([run.rows[["solver", "model"]], run.simulations[["solver"]]]).drop_duplicates("solver").fillna("")
-    rows: list[list[Cell]] = [
-        [row.solver, row.model, Cited(tuple(keys)) if (keys := cited(row.solver)) else "–"]
-        for row in both.sort_values("solver").itertuples()
-    ]
-    return [Table("solvers", "Solvers, the model that each solves, and references.", ["solver", "solves", "references"], rows)]
+    rows = [[row.solver, row.model, ", ".join(cited(row.solver)) or "–"] for row in both.sort_values("solver").itertuples()]
+    return [Table("solvers", "Solvers, the model that each solves, and references.", ["solver", "solves", REFERENCES], rows)]
 
 
 def one_unit(times: Sequence[float]) -> tuple[str, list[str]]:
@@ -182,6 +165,4 @@ def _digits(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 99.5 else f"{value:#.3g}".rstrip(".")
 
 
-TABLES: tuple[Callable[[Run], list[Table]], ...] = (
-    *(_choice, _solvability, _times, _percentiles, _clocks, _problems, _solvers),
-)
+TABLES: tuple[Callable[[Run], list[Table]], ...] = (*(_choice, _solvability, _times, _percentiles, _problems, _solvers),)

@@ -250,7 +250,7 @@ def test_advice_by_both_rankings():
     a |= dict(zip(TIMES, (1e-4, 0.0, 1e-3), strict=True))
     b |= dict(zip(TIMES, (2e-3, 0.0, 5e-4), strict=True))
     told = "use a: solved from bodies in 1.1 ms; 1 other solves it as well; from the method's own form b is faster: 500 µs"
-    assert advice([a, b], budget=2e-3) == f"{told}; within 2 ms: 1 of 2"
+    assert advice([a, b]) == told
     assert advice([b, a], RankBy.FORM).startswith("use b: solved from the method's own form in 500 µs")
 
 

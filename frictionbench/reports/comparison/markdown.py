@@ -13,7 +13,7 @@ from frictionbench.results.commands import rerun
 from frictionbench.results.compare import Comparison
 from frictionbench.results.times import overall
 
-LISTED, FOLDED = 12, 100  # rows of a table: shown at once, about a screen, and folded below it
+LISTED = 20  # rows of a table; more are counted below it
 LONGEST = 60_000  # characters; a comment on GitHub may have 65 536
 
 
@@ -115,10 +115,7 @@ def _bold(text: str, found: Change) -> str:
 
 
 def _table(heads: list[str], rows: list[list[str]], last: list[str] | None = None) -> Iterator[str]:
-    """A table. Rows beyond LISTED are folded, except the last row."""
+    """A table. Rows beyond LISTED are counted, except the last row."""
     yield "\n".join(pipe(heads, [*rows[:LISTED], *([last] if last else [])]))
-    if rest := rows[LISTED:]:
-        cut = ["", f"and {len(rest) - FOLDED} more."] if len(rest) > FOLDED else []
-        yield "\n".join(
-            [f"<details><summary>{len(rest)} more</summary>", "", *pipe(heads, rest[:FOLDED]), *cut, "", "</details>"]
-        )
+    if len(rows) > LISTED:
+        yield f"and {len(rows) - LISTED} more, which `--out` writes as data."
