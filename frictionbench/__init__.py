@@ -29,12 +29,11 @@ if TYPE_CHECKING:
     from frictionbench.problems import LCP, Answer, FrictionProblem, InputError, Status, Verdict
     from frictionbench.problems.analysis.contradiction import contradiction
     from frictionbench.problems.batch import Batch
+    from frictionbench.problems.catalogue import instances, scene, scenes
+    from frictionbench.problems.catalogue import make_instance as instance
     from frictionbench.problems.catalogue import problem_of as problem
-    from frictionbench.problems.instances import instances
-    from frictionbench.problems.instances import make_instance as instance
     from frictionbench.problems.recorded.own import EngineStep
     from frictionbench.problems.residual import residual, residual_floor
-    from frictionbench.problems.scenes import scene, scenes
     from frictionbench.solvers import Answers, available, solve, solve_many, solver
     from frictionbench.tables import read_results
     from frictionbench.verification import verify

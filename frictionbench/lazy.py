@@ -3,7 +3,7 @@
 The folder's __init__ lists them once, as imports that only the type checker makes:
 
     if TYPE_CHECKING:
-        from frictionbench.problems.scenes import scene as scene
+        from frictionbench.problems.catalogue import scene as scene
 
     __getattr__ = importer(__name__, __file__)
 """

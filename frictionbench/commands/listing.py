@@ -6,8 +6,7 @@ from typing import Any
 
 from frictionbench.commands.table import paragraph, screen
 from frictionbench.harness.plans.suites import SUITES
-from frictionbench.problems.instances import instances
-from frictionbench.problems.scenes import scenes
+from frictionbench.problems.catalogue import instances, scenes
 from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import distribution, installed
 

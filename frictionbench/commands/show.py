@@ -11,8 +11,7 @@ from frictionbench.harness.plans.plan import MEMORY_LIMIT
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import InputError
-from frictionbench.problems.instances import instances
-from frictionbench.problems.scenes import scene, scenes
+from frictionbench.problems.catalogue import instances, scene, scenes
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
 from frictionbench.results.motion import Motion, decoded

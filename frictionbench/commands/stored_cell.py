@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
-from frictionbench.problems.catalogue import scenes
+from frictionbench.problems.catalogue import instances, scenes
 from frictionbench.problems.check import require
-from frictionbench.problems.instances import instances
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.spec import split
 from frictionbench.results import store

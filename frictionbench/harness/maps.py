@@ -22,8 +22,7 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
-from frictionbench.problems.catalogue import find_scene
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import find_scene, scene
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.simulate import first_problem_of
 from frictionbench.problems.spec import parse

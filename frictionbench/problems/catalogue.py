@@ -21,9 +21,8 @@ from inspect import getdoc, signature
 from pkgutil import iter_modules
 from typing import Any, Generic, TypeVar
 
-from frictionbench.problems.check import InputError
+from frictionbench.problems.check import InputError, number
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.parameters import number
 from frictionbench.problems.scene import Scene
 
 UNITS = ("mass_unit", "length_unit")

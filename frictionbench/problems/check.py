@@ -1,4 +1,4 @@
-"""Checks of input data. Every error names the field that it is about."""
+"""Checks of input data and of parameters of scenes. Every error names the field that it is about."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,6 +11,7 @@ from scipy import sparse
 from frictionbench.problems.rows import Rows, from_dense, from_matrix
 
 Array = NDArray[np.float64]
+MOST = 10**8  # of whatever is counted: no machine holds a problem of more
 REAL = "fiu"  # numpy's kinds of real numbers: floats, integers with and without sign
 
 
@@ -55,6 +56,34 @@ def require(condition: bool, field: str, reason: str) -> None:
 def require_installed(module: str, extra: str) -> None:
     """Errors: InputError naming a module of one of the package's extras that is missing, and the command that installs it."""
     require(find_spec(module) is not None, module, f"not installed; pip install 'frictionbench[{extra}]'")
+
+
+def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf, most: float = np.inf) -> float:
+    """A finite number with above < value, least <= value <= most. Errors: InputError naming the parameter."""
+    real = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    require(real, name, f"expected a number, got {value!r}")
+    limits = (
+        [f"above {above:g}"] * (above > -np.inf)
+        + [f"at least {least:g}"] * (least > -np.inf)
+        + [f"at most {most:g}"] * (most < np.inf)
+    )
+    inside = np.isfinite(value) and above < value and least <= value <= most
+    require(bool(inside), name, f"must be {' and '.join(['finite', *limits])}, got {value!r}")
+    return float(value)
+
+
+def count(name: str, value: Any, least: int = 1) -> int:
+    """An integer from `least` to MOST. Errors: InputError naming the parameter."""
+    require(isinstance(value, (int, np.integer)) and not isinstance(value, bool), name, f"expected an integer, got {value!r}")
+    require(value >= least, name, f"must be at least {least}, got {value!r:.100}")
+    require(value <= MOST, name, f"must be at most {MOST}, got {value!r:.100}")
+    return int(value)
+
+
+def counted(number: int, noun: str) -> str:
+    """The number with its noun: 1 contact, 12 contacts, 3 bodies."""
+    plural = noun[:-1] + "ies" if noun.endswith("y") else noun + "s"
+    return f"{number} {noun if number == 1 else plural}"
 
 
 def vector(field: str, value: Any, length: int | None = None) -> Array:

@@ -13,26 +13,22 @@ References: Anitescu and Potra 1997; Acary and Brogliato 2008, chapter 10.
 """
 
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
 from frictionbench.problems import check, sizes
-from frictionbench.problems.check import Array, require
-from frictionbench.problems.display import count
+from frictionbench.problems.check import Array, counted, require
 from frictionbench.problems.forms import delassus
-from frictionbench.problems.forms.balance import delassus_factors
+from frictionbench.problems.forms.balance import components
 from frictionbench.problems.forms.definite import DIGITS, require_semidefinite
-from frictionbench.problems.forms.delassus import Blocks
 from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands, spread
 from frictionbench.problems.forms.joints import require_consistent
 from frictionbench.problems.forms.lcp import LCP, content_hash, friction_lcp, tangent_basis
 from frictionbench.problems.forms.mass import inverse_mass
-from frictionbench.problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
+from frictionbench.problems.forms.relaxation import QP, ConeProgram, relaxation_cone, relaxation_qp
 from frictionbench.problems.mechanics import NO_ROWS, Mechanics
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
-
-LEAST_BIAS = 1e-12  # of a contact's unit: what a friction bias must be able to do to its velocity, to be part of a program
 
 
 class FrictionProblem(Mechanics):
@@ -83,20 +79,7 @@ class FrictionProblem(Mechanics):
         dimension: int = 2,
     ) -> None:
         require(_is_dimension(dimension), "dimension", f"must be 2 or 3, got {dimension!r:.100}")
-        sizes.agree(
-            dimension,
-            {
-                "normal": normal,
-                "tangent": tangent,
-                "mass": mass,
-                "free_velocity": free_velocity,
-                "bias": bias,
-                "joints": joints,
-                "joint_bias": joint_bias,
-                "friction": friction,
-                "friction_bias": friction_bias,
-            },
-        )
+        sizes.agree(dimension, locals())
         mu, b_f = _law(friction, friction_bias)
         v = check.vector("free_velocity", free_velocity)
         nc, nv = len(mu), len(v)
@@ -162,31 +145,14 @@ class FrictionProblem(Mechanics):
         min 1/2 x'Px + q'x with h - G x >= 0 and A x = b, matrices in CSC form. In space the cone's section is a polygon with
         `facets` corners; in the plane facets has no effect.
         """
-        return relaxation_qp(self._velocity_form, facets)
+        return relaxation_qp(self, facets)
 
     def cone(self) -> ConeProgram:
         """The convex relaxation as a second-order cone program in the velocities (Anitescu and Tasora 2010).
 
         min 1/2 x'Px + q'x with h - G x in second-order cones {s_0 >= |s_1:|}, one block of d rows for each, and A x = b.
         """
-        return relaxation_cone(self._velocity_form)
-
-    @property
-    def _velocity_form(self) -> VelocityForm:
-        """Without friction biases of rounding's size: in a program their slack would cost nothing, and grow without bound."""
-        bias = self.friction_bias
-        if bias.any():
-            bias = np.where(bias * self.scale > LEAST_BIAS * self.units, bias, 0.0)
-        return VelocityForm(
-            self.contact_rows,
-            self.mass_rows,
-            self.free_velocity,
-            self.offset,
-            self.friction,
-            bias,
-            self.joint_rows,
-            self.joint_bias,
-        )
+        return relaxation_cone(self)
 
     @cached_property
     def hash(self) -> str:
@@ -196,13 +162,13 @@ class FrictionProblem(Mechanics):
     @property
     def summary(self) -> str:
         """Its size in words: 9 contacts in space, 40 joint equations, 54 velocities."""
-        size = [f"{count(self.contacts, 'contact')} in {'the plane' if self.dimension == 2 else 'space'}"]
+        size = [f"{counted(self.contacts, 'contact')} in {'the plane' if self.dimension == 2 else 'space'}"]
         if not self.mechanical:
             off = self.asymmetry
             return f"{size[0]}, known by W" + (f", unsymmetric by {off:.1g}" if off > DIGITS else "")
         if len(self.joint_bias):
-            size.append(count(len(self.joint_bias), "joint equation"))
-        return ", ".join([*size, count(len(self.free_velocity), "velocity")])
+            size.append(counted(len(self.joint_bias), "joint equation"))
+        return ", ".join([*size, counted(len(self.free_velocity), "velocity")])
 
     def __repr__(self) -> str:
         return f"FrictionProblem({self.summary})"
@@ -217,17 +183,31 @@ class GivenDelassus(FrictionProblem):
     rows.
     """
 
-    DEFINED_BY = ("dimension", "friction", "friction_bias", "W", "q")
+    DEFINED_BY = (*Mechanics.DEFINED_BY[:-1], "W", "blocks", "q")
     FIELDS = ("W", "q", "friction", "friction_bias")
 
     def __init__(self, W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> None:
         require(_is_dimension(d), "d", f"must be 2 or 3, got {d!r:.100}")
-        sizes.agree(d, {"W": W, "q": q, "friction": friction, "friction_bias": friction_bias}, {"dimension": "d"})
+        sizes.agree(d, locals(), {"dimension": "d"})
         mu, b_f = _law(friction, friction_bias)
         n = len(mu) * d
         vector, matrix = check.vector("q", q, n), check.matrix("W", W, (n, n))
         require_semidefinite("W", matrix)
-        vars(self).update(dimension=d, friction=mu, friction_bias=b_f, W=matrix, q=vector)
+        identity = Rows(np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32), np.ones(n))
+        vars(self).update(
+            dimension=d,
+            friction=mu,
+            friction_bias=b_f,
+            mass_rows=identity,
+            inverse_rows=identity,
+            joint_rows=NO_ROWS,
+            free_velocity=check.vector("free_velocity", np.zeros(n)),
+            bias=check.vector("q", vector[::d]),
+            joint_bias=check.vector("joint_bias", np.zeros(0)),
+            W=matrix,
+            blocks=delassus.blocks(matrix, d),
+            q=vector,
+        )
 
     @property
     def mechanical(self) -> bool:
@@ -236,10 +216,6 @@ class GivenDelassus(FrictionProblem):
     @cached_property
     def asymmetry(self) -> float:
         return float(abs(self.W - self.W.T).max() / abs(self.W).max()) if self.W.nnz else 0.0
-
-    @cached_property
-    def blocks(self) -> Blocks:
-        return delassus.blocks(self.W, self.dimension)
 
     @cached_property
     def offset(self) -> Array:
@@ -260,44 +236,18 @@ class GivenDelassus(FrictionProblem):
     def islands(self) -> Index64:
         return islands(*delassus_graph(*self.blocks, self.scale))
 
-    def _in_like(self, units: Array) -> tuple[Self, Array]:
-        factor: Array = delassus_factors(*self.blocks[:2], units)
-        laws = {"q": self.q / np.repeat(factor, self.dimension), "friction_bias": self.friction_bias / factor}
-        check.set_read_only(tuple(laws.values()))
-        same = self._like(**laws)
-        vars(same)["blocks"] = self.blocks
-        return same, factor
+    def _over(self, factor: Array) -> dict[str, Array]:
+        return {"q": self.q / np.repeat(factor, self.dimension)}
+
+    def parts(self) -> Index64:
+        W = self.W.tocoo()
+        return components(W.row // self.dimension, W.col // self.dimension, self.contacts, self.contacts)
 
     def contact_velocity(self, impulse: Array) -> Array:
         return delassus.act(*self.blocks, self._by_contact(impulse), self.offset, False)
 
     def velocity_size(self, impulse: Array) -> Array:
         return delassus.act(*self.blocks, self._by_contact(impulse), self.offset, True)
-
-    @cached_property
-    def bias(self) -> Array:  # type: ignore[override]
-        return check.vector("q", self.q[:: self.dimension])
-
-    @cached_property
-    def mass_rows(self) -> Rows:  # type: ignore[override]
-        n = len(self.q)
-        return Rows(np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32), np.ones(n))
-
-    @property
-    def inverse_rows(self) -> Rows:  # type: ignore[override]
-        return self.mass_rows
-
-    @property
-    def joint_rows(self) -> Rows:  # type: ignore[override]
-        return NO_ROWS
-
-    @cached_property
-    def free_velocity(self) -> Array:  # type: ignore[override]
-        return check.vector("free_velocity", np.zeros(len(self.q)))
-
-    @property
-    def joint_bias(self) -> Array:  # type: ignore[override]
-        return self.free_velocity[:0]
 
     @cached_property
     def contact_rows(self) -> ByContact:  # type: ignore[override]

@@ -18,7 +18,7 @@ from frictionbench.problems import check
 from frictionbench.problems.check import Array, ReadOnly
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.arrays import CSR, Dense, csr, dense
-from frictionbench.problems.forms.balance import mechanical_factors
+from frictionbench.problems.forms.balance import components, factors
 from frictionbench.problems.forms.delassus import Blocks
 from frictionbench.problems.forms.islands import islands, mechanical_graph, mechanical_units, spread
 from frictionbench.problems.forms.joints import FEW, FewJoints, JointEquations, ManyJoints
@@ -39,8 +39,8 @@ class Mechanics(ReadOnly):
     """
 
     DEFINED_BY: ClassVar[tuple[str, ...]] = (
-        *("dimension", "friction", "friction_bias", "mass_rows", "inverse_rows", "joint_rows", "contact_rows"),
-        *("free_velocity", "bias", "joint_bias"),
+        *("dimension", "friction", "friction_bias", "mass_rows", "inverse_rows", "joint_rows"),
+        *("free_velocity", "bias", "joint_bias", "contact_rows"),
     )
     dimension: int
     friction: Array
@@ -243,21 +243,24 @@ class Mechanics(ReadOnly):
         relaxed: in like units of the convex relaxation. A method whose tolerances are relative to the fastest contact solves
         this one as well for the slow islands.
         """
-        return self._in_like(self.relaxation_units if relaxed else self.units)
-
-    def _in_like(self, units: Array) -> tuple[Self, Array]:
-        F = self.joint_rows
-        factor, by_velocity = mechanical_factors(
-            self.contact_rows.start, self.contact_rows.column, *self.mass_rows[:2], F.start, F.column, units
-        )
-        biases = {
-            "free_velocity": self.free_velocity / by_velocity,
-            "bias": self.bias / factor,
-            "friction_bias": self.friction_bias / factor,
-            "joint_bias": self.joint_bias / by_velocity[F.column[F.start[:-1]]],
-        }
+        factor = factors(self.parts(), self.relaxation_units if relaxed else self.units)
+        own = factor[: self.contacts]
+        biases = self._over(factor) | {"bias": self.bias / own, "friction_bias": self.friction_bias / own}
         check.set_read_only(tuple(biases.values()))
-        return self._like(**biases), factor
+        return self._like(**biases), own
+
+    def _over(self, factor: Array) -> dict[str, Array]:
+        """The velocities that define the problem, but for the contacts' biases, over the factors of the nodes of parts()."""
+        of_velocities, of_joints = np.split(factor[self.contacts :], [len(self.free_velocity)])
+        return {"free_velocity": self.free_velocity / of_velocities, "joint_bias": self.joint_bias / of_joints}
+
+    def parts(self) -> Index64:
+        """The part that each contact (nc,) is in, numbered from 0; with given mechanics followed by those of the velocities and
+        of the joints' equations, -1 where no contact is connected with them."""
+        nc, nv, nj = self.contacts, len(self.free_velocity), len(self.joint_bias)
+        J, M, F = (matrix.tocoo() for matrix in (self.jacobian, self.mass, self.joints))
+        row = np.concatenate([J.row // self.dimension, nc + M.row, nc + nv + F.row])
+        return components(row, nc + np.concatenate([J.col, M.col, F.col]), nc + nv + nj, nc)
 
     def velocity(self, impulse: Array) -> Array:
         """v (nv,) after the contact impulses (nc, d) or (nc*d,), the joints' equations satisfied; computed without W."""

@@ -7,8 +7,9 @@ scenes: large mu, irregular contact graphs, mass ratios, more contacts than degr
 import numpy as np
 from scipy import sparse
 
+from frictionbench.problems.check import count, number
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.parameters import count, number
+from frictionbench.problems.rows import planar_relative
 
 
 def random_problem(
@@ -32,19 +33,14 @@ def random_problem(
     angle = random.uniform(0, 2 * np.pi, contacts)
     n = np.column_stack([np.cos(angle), np.sin(angle)])
     t = np.column_stack([-n[:, 1], n[:, 0]])
-    normal, tangent = np.zeros((contacts, 3 * nb)), np.zeros((contacts, 3 * nb))
-    for i in range(contacts):
-        for body, sign in ((first[i], 1.0), (second[i], -1.0)):
-            if body >= 0:
-                arm = random.uniform(-1, 1, 2)
-                for row, e in ((normal[i], n[i]), (tangent[i], t[i])):
-                    row[3 * body : 3 * body + 3] = sign * np.array([*e, arm[0] * e[1] - arm[1] * e[0]])
+    pair, arms = np.column_stack([first, second]), np.zeros((contacts, 2, 2))
+    arms[pair >= 0] = random.uniform(-1, 1, ((pair >= 0).sum(), 2))
     mu = 10 ** random.uniform(np.log10(0.05), 1) if friction is None else number("friction", friction, least=0)
     spread = random.uniform(0.5, 1, contacts) if friction is None else np.ones(contacts)
     return FrictionProblem(
         mass=sparse.diags_array(np.column_stack([mass, mass, inertia]).ravel()),
-        normal=normal,
-        tangent=tangent,
+        normal=planar_relative(pair, arms, n),
+        tangent=planar_relative(pair, arms, t),
         friction=mu * spread,
         free_velocity=random.standard_normal(3 * nb),
         bias=np.where(random.random(contacts) < 0.3, random.random(contacts), 0.0),

@@ -86,6 +86,27 @@ def by_contact(normal: Rows, tangent: Rows, d: int) -> ByContact:
     return ByContact(_starts(place // width, nc), (place % width).astype(np.int32), value)
 
 
+def relative(bodies: Index64, along: Array, spins: Array) -> Rows:
+    """Rows (nc*k, nv) of the first body's velocity relative to the second's, at contacts of bodies (nc, 2), -1 for the ground.
+
+    along: (nc, k, d), directions, what a body's d velocities give to a row. spins: (nc, k, 2, s), what the spins of both give.
+    """
+    moves = np.broadcast_to(along[:, :, None], (*spins.shape[:3], along.shape[2]))
+    order = np.argsort(bodies, axis=1)  # columns ascending
+    value = np.take_along_axis(np.concatenate([moves, spins], axis=3) * [[1.0], [-1.0]], order[:, None, :, None], axis=2)
+    body = np.take_along_axis(bodies, order, axis=1)[:, None, :, None]
+    column = np.broadcast_to(value.shape[3] * body + np.arange(value.shape[3]), value.shape)
+    kept = (value != 0) & (body >= 0)
+    start = np.append(0, kept.sum(axis=(2, 3)).cumsum())
+    return Rows(start.astype(np.int32), column[kept].astype(np.int32), value[kept])
+
+
+def planar_relative(bodies: Index64, arms: Array, along: Array) -> Rows:
+    """The same (nc, nv) of planar bodies, along one direction (nc, 2) at each contact. arms: (nc, 2, 2), from both centres."""
+    spins = arms[:, :, 0] * along[:, None, 1] - arms[:, :, 1] * along[:, None, 0]
+    return relative(bodies, along[:, None], spins[:, None, :, None])
+
+
 @kernel
 def by_row(start, column, value, first, d):  # type: ignore[no-untyped-def]
     """The rows first, ..., d-1 of every contact of a matrix by contacts, as a matrix by rows."""

@@ -19,8 +19,7 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems import check
-from frictionbench.problems.check import Array, require
-from frictionbench.problems.display import count
+from frictionbench.problems.check import Array, counted, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.planar.bodies import Body, Geometry, Shape
 from frictionbench.problems.planar.collision import Contacts, find_contacts
@@ -244,9 +243,9 @@ class Scene:
         return f"Scene({self.name}: {', '.join(self._summary())})" if self.name else f"Scene({', '.join(self._summary())})"
 
     def _summary(self) -> list[str]:
-        hinges = [count(len(self.hinges), "hinge")] if self.hinges else []
-        time = f"{count(self.steps, 'step')} of {self.step:g} s"
-        return [count(len(self.bodies), "body"), *hinges, f"mu = {self.friction:g}", time]
+        hinges = [counted(len(self.hinges), "hinge")] if self.hinges else []
+        time = f"{counted(self.steps, 'step')} of {self.step:g} s"
+        return [counted(len(self.bodies), "body"), *hinges, f"mu = {self.friction:g}", time]
 
 
 def _lengths(path: Callable[[float], Array], length: float, time: float) -> Array:

@@ -20,27 +20,27 @@ _AXES: dict[str, tuple[str, ...]] = {
     "tangent": ("contacts", "velocities"),
     "mass": ("velocities", "velocities"),
     "free_velocity": ("velocities",),
-    "friction": ("contacts",),
     "bias": ("contacts",),
-    "friction_bias": ("contacts",),
     "joints": ("joint equations", "velocities"),
     "joint_bias": ("joint equations",),
     "W": ("contacts", "contacts"),
     "q": ("contacts",),
+    "friction": ("contacts",),
+    "friction_bias": ("contacts",),
 }
 
 
 def agree(d: int, fields: dict[str, Any], names: dict[str, str] | None = None) -> None:
     """Check that the fields of a problem of dimension d, or those of its Delassus form, state the same numbers.
 
-    fields: as they were given; None for one that was not. What has a wrong number of axes states nothing; the check of the
+    fields: as they were given, by name, perhaps among others. What has a wrong number of axes states nothing; the check of the
     field itself refuses it. names: what an error calls the fields, where not as here.
     Errors: InputError naming the field that differs from most, with both numbers.
     """
     rows, named = {"tangent": d - 1, "W": d, "q": d}, names or {}
     stated: dict[str, list[tuple[str, Shape, float]]] = {}
-    for field, value in fields.items():
-        shape, axes = _shape(value), _AXES[field]
+    for field, axes in _AXES.items():
+        shape = _shape(fields.get(field))
         for size, number in zip(shape, axes, strict=True) if len(shape) == len(axes) else ():
             if size is not None:
                 per_contact = rows.get(field, 1) if number == "contacts" else 1

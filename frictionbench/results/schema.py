@@ -90,9 +90,6 @@ residual           real  1   verified residual of the exact problem, as a relati
 model_residual     real  1   verified residual of the solver's own model
 residual_floor     real  1   bound on the rounding error of the residual
 fclib_error        real      FCLIB's error, for comparison with published work
-signorini          real  1   defect of 0 <= u_n _|_ r_n >= 0, as a relative contact velocity
-dissipation        real  1   distance of r_t from the maximum-dissipation solution
-ncp                real  1   defect of the cone complementarity: r in K, u + mu |u_t| e_n in K*, and their product
 backward_error     real  1   smallest relative change of (q, mu) for which the answer is exact
 energy_defect      real  1   defect of the energy balance over the kinetic energy of the free motion
 velocity_error     real  1   |v - v*| / |v* - v_0| in the metric of the mass, v* of the refined reference answer, v_0 without

@@ -40,7 +40,6 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import contact_residuals, residual
 from frictionbench.problems.subproblems import Parts, separate
-from frictionbench.problems.subproblems import parts as parts_of
 from frictionbench.solvers.clock import is_over
 from frictionbench.solvers.interface import Answer, Solved, Status, impulses, solve, solver
 from frictionbench.solvers.interior.central_path import Path, new_path, trace
@@ -159,7 +158,7 @@ class InteriorPoint(Phased):
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
         trapped = first_point(system)
         yield predictor_corrector, trapped, SHARE
-        if np.bincount(parts_of(problem)[: problem.contacts]).max(initial=0) < GIANT * problem.contacts:
+        if np.bincount(problem.parts()[: problem.contacts]).max(initial=0) < GIANT * problem.contacts:
             parts += separate(problem)
             return
 

@@ -23,9 +23,9 @@ from numba import njit
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.instances.spheres import sphere_pyramid
-from frictionbench.problems.scenes import scene
 from frictionbench.solvers.interior.newton import PIVOT, new_work
 from frictionbench.solvers.interior.point import start_point
 from frictionbench.solvers.interior.predictor_corrector import nothing_yet, predictor_corrector

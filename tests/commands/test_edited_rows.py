@@ -5,8 +5,8 @@ import shutil
 
 import pytest
 
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.recorded.own import save
-from frictionbench.problems.scenes import scene
 from frictionbench.results import store
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from tests.helpers.command_line import frictionbench

@@ -10,8 +10,8 @@ from frictionbench.commands.export import export
 from frictionbench.harness.cells.collect import collect, stored_start
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import InputError
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.recorded import own
-from frictionbench.problems.scenes import scene
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import write_folder
 

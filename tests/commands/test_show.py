@@ -12,7 +12,7 @@ from matplotlib.image import imread
 from frictionbench.commands.show import recorded
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.problems import InputError
-from frictionbench.problems.scenes import scene, scenes
+from frictionbench.problems.catalogue import scene, scenes
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.simulate import simulate
 from frictionbench.reports.animation import write_animation

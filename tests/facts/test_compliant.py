@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import InputError
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.compliant import comply
-from frictionbench.problems.scenes import scene
 
 
 @pytest.mark.parametrize("method", ["Radau", "BDF"])

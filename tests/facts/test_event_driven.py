@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.motion import record_motion
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
 from frictionbench.problems.schemes.event_driven import follow
 from frictionbench.problems.schemes.impact import impact

@@ -7,8 +7,8 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.analysis.census import census
 from frictionbench.problems.analysis.mode import mode
 from frictionbench.problems.analysis.polyhedra import Shape
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.residual import relaxation_residual, residual
-from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 from tests.helpers.lcp_census import lcp_census
 

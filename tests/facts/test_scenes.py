@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.schemes import Step
 from frictionbench.problems.simulate import ledger_defect, simulate
 from tests.helpers.friction_problems import lemke

@@ -7,10 +7,10 @@ import pytest
 
 from frictionbench import solvers
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import relaxation_residual
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.simulate import simulate
 from tests.helpers.friction_problems import lemke

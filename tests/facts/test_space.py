@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.scene import GRAVITY, Scene
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, Step
 from frictionbench.problems.simulate import simulate
 from frictionbench.solvers import solve

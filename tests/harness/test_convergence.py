@@ -6,8 +6,8 @@ import pytest
 from frictionbench.harness import convergence
 from frictionbench.harness.convergence import history
 from frictionbench.harness.run import run
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.residual import residual
-from frictionbench.problems.scenes import scene
 from frictionbench.reports.charts import convergence as chart
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run

@@ -8,9 +8,8 @@ import pytest
 from frictionbench.harness.plans.hard import ANSWERS, FEWEST, METHODS, TOL, admitted, families, kept_answer
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.thresholds import gaps_only, is_pointed
-from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.catalogue import instances, make_instance, scene
 from frictionbench.problems.residual import residual, residual_floor
-from frictionbench.problems.scenes import scene
 from tools.admit import admissible, fewest_contacts
 
 ROWS = admitted()

@@ -17,7 +17,7 @@ from frictionbench.harness.plans.atlas import axis
 from frictionbench.harness.plans.plan import Plan, SimulationCell
 from frictionbench.problems import InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import scene
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.tiles import Field, Grid, Tile
 from frictionbench.reports.page import write_report

@@ -8,9 +8,9 @@ import pytest
 from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.catalogue import make_instance
 from frictionbench.problems.copies import duplicate, nudged
 from frictionbench.problems.forms import delassus
-from frictionbench.problems.instances import make_instance
 from frictionbench.problems.random_problem import random_problem
 from tests.helpers.friction_problems import known_by_W
 

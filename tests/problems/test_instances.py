@@ -6,8 +6,7 @@ import pytest
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.labels import labels, pointedness
 from frictionbench.problems.analysis.thresholds import POINTED, gaps_only
-from frictionbench.problems.catalogue import problem_of, scenes
-from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.catalogue import instances, make_instance, problem_of, scenes
 from frictionbench.problems.instances.recorded_step import recorded_steps
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import solve

@@ -5,11 +5,10 @@ import pytest
 
 from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.problems.analysis.stability import backward_error
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.forms.islands import CANCELLED, COUPLED, FAR, LEVEL
-from frictionbench.problems.measures import defects
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import polygon_residual, relaxation_residual, residual, residual_floor
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block, contacts_of, known_by_W, spatial, with_joints
@@ -95,8 +94,6 @@ def test_measures_of_problems_side_by_side_are_the_largest_of_theirs(seed, conve
     for measure in (residual, relaxation_residual, residual_floor, backward_error):
         alone = max(measure(convert(part), r) for part, r in zip(parts, impulses, strict=True))
         assert measure(whole, together) == pytest.approx(alone, rel=1e-6)
-    alone = np.max([defects(convert(part), r) for part, r in zip(parts, impulses, strict=True)], axis=0)
-    assert defects(whole, together) == pytest.approx(alone, rel=1e-6)
 
 
 def test_islands_are_numbered_and_counted() -> None:

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem, InputError, mechanics
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.rod_chain import rod_chain
 from frictionbench.problems.residual import residual
-from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 
 FIELDS = {

@@ -12,7 +12,7 @@ from scipy import sparse
 
 import frictionbench as fb
 from frictionbench.problems import LCP, FrictionProblem, InputError
-from frictionbench.problems.parameters import number
+from frictionbench.problems.check import number
 
 GOOD = {
     "mass": np.diag([2.0, 3.0]),

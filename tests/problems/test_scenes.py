@@ -7,10 +7,10 @@ import pytest
 
 from frictionbench import problem
 from frictionbench.problems import InputError
+from frictionbench.problems.catalogue import scene, scenes
 from frictionbench.problems.planar.bodies import Geometry, hollow, rigid_box
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes import scene, scenes
 from frictionbench.solvers import solve
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.catalogue import scene, scenes
 from frictionbench.problems.check import Array
 from frictionbench.problems.planar.bodies import half_plane, rigid_box, rigid_disc
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes import scene, scenes
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
 from frictionbench.problems.schemes.anitescu_potra import anitescu_potra
 from frictionbench.problems.simulate import simulate

@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 from frictionbench.commands.cli import app
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.residual import residual
-from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, executable, find
 from tests.helpers.friction_problems import nothing, spatial, with_joints
 from tests.helpers.paths import ROOT

@@ -11,8 +11,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from frictionbench.problems import InputError
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.recorded import fclib, own, read
-from frictionbench.problems.scenes import scene
 from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
 from frictionbench.results.compare import compare

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.scenes import scene
 from tests.helpers.friction_problems import assert_solved, spatial
 
 PIVOTS = {"lemke": 1e-11, "path_search": 1e-8}

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import LCP
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual_with_floor
-from frictionbench.problems.scenes import scene
 from frictionbench.solvers.interface import Status, solve
 from tests.helpers.friction_problems import assert_solved
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from frictionbench.problems.instances import make_instance
+from frictionbench.problems.catalogue import make_instance
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.problems.verify import verify
 from frictionbench.solvers import find, solve

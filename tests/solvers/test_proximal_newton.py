@@ -2,7 +2,7 @@
 
 import pytest
 
-from frictionbench.problems.instances import make_instance
+from frictionbench.problems.catalogue import make_instance
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.interior.system import build_system

@@ -5,7 +5,7 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.instances import make_instance
+from frictionbench.problems.catalogue import make_instance
 from frictionbench.solvers import clock, merit_newton
 from frictionbench.solvers.clock import deadline, is_over, is_past, left, within
 from frictionbench.solvers.interface import find

@@ -7,7 +7,7 @@ import pytest
 
 from frictionbench import instance
 from frictionbench.problems import InputError
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import scene
 from frictionbench.solvers import available, find, solve
 from tests.helpers.paths import ROOT
 from tools.direct.__main__ import BLOCKS, BODIES, FAIR, TOL, charged_tables, recorded_table

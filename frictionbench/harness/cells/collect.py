@@ -33,15 +33,14 @@ from frictionbench.problems.analysis.mode import distance_to_next_mode, mode_cou
 from frictionbench.problems.analysis.outcomes import refined
 from frictionbench.problems.analysis.stability import sensitivity
 from frictionbench.problems.analysis.thresholds import existence
+from frictionbench.problems.catalogue import instances, make_instance, scene
 from frictionbench.problems.check import Array
-from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.recorded import read_recording
 from frictionbench.problems.recorded.archive import read_arrays
 from frictionbench.problems.recorded.own import load, save
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import first_problem_of, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
 from frictionbench.results.files import ResultsError, parsed, read_json, replaced, subfolder, write_text

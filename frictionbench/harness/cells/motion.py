@@ -14,12 +14,12 @@ import numpy as np
 
 from frictionbench.harness.cells.simulation import DIVERGED, energy_scale
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.catalogue import scenes
 from frictionbench.problems.check import Array
 from frictionbench.problems.generalised import GeneralisedScene
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes import scenes
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.spatial.bodies import SpatialGeometry, Sphere

@@ -14,7 +14,6 @@ from frictionbench.problems.analysis.mode import mode
 from frictionbench.problems.analysis.outcomes import refined, velocity_distance
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.check import Array
-from frictionbench.problems.measures import defects
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import Finding, verify
 from frictionbench.results.conventions import COLD
@@ -130,7 +129,6 @@ def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer,
     return {
         "residual_floor": finding.floor,
         "fclib_error": finding.fclib_error,
-        **defects(problem, answer.impulse)._asdict(),
         "backward_error": backward_error(problem, answer.impulse),
         "energy_defect": abs(finding.energy_defect) / energy,
         "mode": _mode(problem, answer),

@@ -30,9 +30,8 @@ from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, 
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.answer import AnswerError
-from frictionbench.problems.catalogue import problem_of
+from frictionbench.problems.catalogue import problem_of, scene
 from frictionbench.problems.copies import duplicate, same
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.spec import split
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import COLD

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.catalogue import make_instance, scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
-from frictionbench.problems.instances import make_instance
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.problems.verify import Finding, verify
 from frictionbench.solvers import Answer, Solver, SolverInfo

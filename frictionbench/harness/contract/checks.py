@@ -22,9 +22,8 @@ from frictionbench.harness.contract.check import (
     rotated,
 )
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.catalogue import make_instance, scene
 from frictionbench.problems.copies import duplicate, same
-from frictionbench.problems.instances import make_instance
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import Status
 

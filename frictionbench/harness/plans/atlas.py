@@ -12,8 +12,8 @@ import math
 from typing import Any, get_args
 
 from frictionbench.problems import InputError
+from frictionbench.problems.catalogue import scenes
 from frictionbench.problems.check import require
-from frictionbench.problems.scenes import scenes
 from frictionbench.problems.spec import parse
 from frictionbench.results.maps import Axis, Map, Scale
 

@@ -99,13 +99,8 @@ def _step(problem: FrictionProblem, x: Array, W: sparse.csr_array) -> Array:
     of_w[:, 1:, 1:] = np.where(stuck, np.eye(d - 1), turn)
     of_x[:, 1:, 0] = np.where((slides & closed)[:, None], -mu[:, None] * along, 0.0)
     error[:, 1:] = np.where(slides[:, None], x[:, 1:] - limit[:, None] * along, w[:, 1:])
-    J = _by_blocks(of_x) + _by_blocks(of_w) @ W
+    J = sparse.block_diag(of_x, format="csr") + sparse.block_diag(of_w, format="csr") @ W
     eye = sparse.eye_array(nc * d)
     system = sparse.csc_array(sparse.block_array([[DAMPING * eye, J.T], [J, -eye]]))
     found = splu(system).solve(np.concatenate([np.zeros(nc * d), -error.ravel()]))
     return np.asarray(found[: nc * d]).reshape(nc, d)
-
-
-def _by_blocks(blocks: Array) -> sparse.csr_array:
-    count, d, _ = blocks.shape
-    return sparse.csr_array(sparse.bsr_array((blocks, np.arange(count), np.arange(count + 1)), shape=(count * d, count * d)))

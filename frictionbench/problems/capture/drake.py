@@ -17,6 +17,7 @@ import numpy as np
 from frictionbench.problems.capture.parts import Contacts, Step, captured
 from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.recorded.own import EngineStep
+from frictionbench.problems.spatial.rotation import frames
 
 
 def drake(plant: Any, context: Any) -> EngineStep:
@@ -117,7 +118,7 @@ def _contacts(plant: Any, now: Any, results: Any, h: float) -> Contacts:
     inspector = plant.EvalSceneGraphInspector(now)
     for info in (results.point_pair_contact_info(i) for i in range(results.num_point_pair_contacts())):
         pair = info.point_pair()
-        frame = _frame(-pair.nhat_BA_W)
+        frame = frames(-pair.nhat_BA_W[None])[0]
         jacobian = _translation(plant, now, info.bodyB_index(), info.contact_point()) - _translation(
             plant, now, info.bodyA_index(), info.contact_point()
         )
@@ -127,14 +128,6 @@ def _contacts(plant: Any, now: Any, results: Any, h: float) -> Contacts:
         gaps.append(-pair.depth)
     law = np.array(friction, dtype=float), np.array(gaps), np.zeros(len(gaps))
     return Contacts(np.array(rows).reshape(-1, nv), np.array(impulses).reshape(-1, 3), *law)
-
-
-def _frame(normal: Array) -> Array:
-    """Rows (3, 3): the normal and two tangents."""
-    least = np.eye(3)[np.abs(normal).argmin()]
-    first = np.cross(normal, least)
-    first /= np.linalg.norm(first)
-    return np.array([normal, first, np.cross(normal, first)])
 
 
 def _translation(plant: Any, now: Any, body: Any, point: Array) -> Array:

@@ -1,10 +1,10 @@
-"""u = W r + q as plain arrays, for solvers that hand them to C or to a library: one compiled pass over the blocks of W each."""
+"""u = W r + q as plain arrays, for solvers that hand them to C or to a library."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from frictionbench.problems.compiled import kernel
+from frictionbench.problems.check import set_read_only
 from frictionbench.problems.forms.delassus import Blocks
 from frictionbench.problems.rows import Array, Index32
 
@@ -30,42 +30,15 @@ class CSR(NamedTuple):
 
 def dense(blocks: Blocks, q: Array) -> Dense:
     """W, given by blocks, as one array."""
-    W: Array = _dense(*blocks)
+    nc, d = len(blocks.first) - 1, blocks.block.shape[1]
+    W = np.zeros((nc * d, nc * d))
+    W.reshape(nc, d, nc, d)[np.repeat(np.arange(nc), np.diff(blocks.first)), :, blocks.neighbours] = blocks.block
     W.setflags(write=False)
     return Dense(W, q)
 
 
 def csr(blocks: Blocks, q: Array) -> CSR:
     """W, given by blocks, in compressed rows."""
-    indptr, indices, data = _csr(*blocks)
-    for array in (indptr, indices, data):
-        array.setflags(write=False)
-    return CSR(indptr, indices, data, q)
-
-
-@kernel
-def _dense(first, neighbours, block):  # type: ignore[no-untyped-def]
-    nc, d = len(first) - 1, block.shape[1]
-    W = np.zeros((nc * d, nc * d))
-    for i in range(nc):
-        for k in range(first[i], first[i + 1]):
-            for a in range(d):
-                for b in range(d):
-                    W[i * d + a, neighbours[k] * d + b] = block[k, a, b]
-    return W
-
-
-@kernel
-def _csr(first, neighbours, block):  # type: ignore[no-untyped-def]
-    nc, d = len(first) - 1, block.shape[1]
-    indptr = np.zeros(nc * d + 1, np.int32)
-    indices, data, at = np.empty(block.size, np.int32), np.empty(block.size), 0
-    for i in range(nc):
-        for a in range(d):
-            for k in range(first[i], first[i + 1]):
-                for b in range(d):
-                    if block[k, a, b] != 0:
-                        indices[at], data[at] = neighbours[k] * d + b, block[k, a, b]
-                        at += 1
-            indptr[i * d + a + 1] = at
-    return indptr, indices[:at].copy(), data[:at].copy()
+    W = blocks.matrix()
+    set_read_only(W)
+    return CSR(W.indptr, W.indices, W.data, q)

@@ -18,7 +18,10 @@ LOCKED = 1000 * float(np.finfo(float).eps)
 
 
 class Blocks(NamedTuple):
-    """A matrix by blocks: contact i and each of its neighbours[first[i]:first[i+1]], ascending, i among them, have a block."""
+    """A matrix by blocks: contact i and each of its neighbours[first[i]:first[i+1]], ascending, i among them, have a block.
+
+    With a block ij there is a block ji.
+    """
 
     first: Index32
     neighbours: Index32
@@ -35,8 +38,15 @@ class Blocks(NamedTuple):
 
 
 def blocks(W: sparse.csr_array, d: int) -> Blocks:
-    """A scipy matrix by blocks of d rows and columns."""
-    return Blocks(*_blocks(W.indptr, W.indices, W.data, d))
+    """A scipy matrix by blocks of d rows and columns, with a block of zeros for every block ij whose ji is missing."""
+    first, neighbours, block = _blocks(W.indptr, W.indices, W.data, d)
+    nc = len(first) - 1
+    row, column = np.repeat(np.arange(nc), np.diff(first)), neighbours.astype(np.int64)
+    if np.array_equal(row * nc + column, np.sort(column * nc + row)):
+        return Blocks(first, neighbours, block)
+    i, j = W.tocoo().coords
+    both = sparse.csr_array((np.append(W.data, 0 * W.data), (np.append(i, j), np.append(j, i))), shape=W.shape)
+    return blocks(both, d)
 
 
 @kernel
@@ -247,59 +257,14 @@ def write_delassus(  # type: ignore[no-untyped-def]
 
 @lean
 def write_partners(first, neighbours, partner, following):  # type: ignore[no-untyped-def]
-    """Write the place of block ji at that of block ij over partner; False where one of them is missing. following (nc,) is
-    workspace."""
+    """Write the place of block ji at that of block ij over partner. following (nc,) is workspace."""
     nc = len(first) - 1
     for i in range(nc):
         following[i] = first[i]
     for i in range(nc):
         for k in range(first[i], first[i + 1]):
-            j = neighbours[k]
-            if following[j] == first[j + 1] or neighbours[following[j]] != i:
-                return False
-            partner[k] = following[j]
-            following[j] += 1
-    left = 0
-    for i in range(nc):
-        left += first[i + 1] - following[i]
-    return left == 0
-
-
-@kernel
-def with_partners(first, neighbours, block):  # type: ignore[no-untyped-def]
-    """The same matrix, with a block of zeros for every block ij whose ji is missing."""
-    nc, d, entries = len(first) - 1, block.shape[1], len(neighbours)
-    own_first, own_neighbours, own_block = (
-        np.zeros(nc + 1, np.int32),
-        np.empty(2 * entries, np.int32),
-        np.zeros((2 * entries, d, d)),
-    )
-    place = nowhere(nc)
-    start, end, row = np.zeros(nc + 1, np.int64), np.zeros(nc, np.int64), np.empty(entries, np.int32)
-    for k in range(entries):
-        start[neighbours[k] + 1] += 1
-    for j in range(nc):
-        start[j + 1] += start[j]
-        end[j] = start[j]
-    for i in range(nc):
-        for k in range(first[i], first[i + 1]):
-            row[end[neighbours[k]]] = i
-            end[neighbours[k]] += 1
-    for i in range(nc):
-        at = own_first[i]
-        for k in range(first[i], first[i + 1]):
-            _insert(own_neighbours, place, neighbours[k], own_first[i], at)
-            at += 1
-        for k in range(start[i], start[i + 1]):
-            if place[row[k]] < own_first[i]:
-                _insert(own_neighbours, place, row[k], own_first[i], at)
-                at += 1
-        for k in range(first[i], first[i + 1]):
-            for a in range(d):
-                for b in range(d):
-                    own_block[place[neighbours[k]], a, b] = block[k, a, b]
-        own_first[i + 1] = at
-    return own_first, own_neighbours[: own_first[nc]], own_block[: own_first[nc]]
+            partner[k] = following[neighbours[k]]
+            following[neighbours[k]] += 1
 
 
 @kernel

@@ -132,11 +132,11 @@ class ManyJoints:
     def rounding(self, velocity: Array) -> Array:
         """(nv,) the size of the terms that `hold` adds to a velocity, and of what errors in them change.
 
-        |X| is not formed. Errors of each equation's terms, with signs such that those of 8 equations in a row are orthogonal,
-        are put through X instead, and the root of the mean square of the results is taken.
+        |X| is not formed. Errors of each equation's terms, with random signs, are put through X instead, and the root of the
+        mean square of the results is taken.
         """
         off = abs(self.rows.matrix(len(velocity))) @ np.abs(velocity) + np.abs(self.own_bias)
-        signs = _hadamard(PROBES)[:, np.arange(len(off)) % PROBES]
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (PROBES, len(off)))
         zero = np.zeros(len(velocity))
         spread = np.sqrt(np.mean([self._hold(sign * off, zero) ** 2 for sign in signs], axis=0))
         return np.abs(self.hold(velocity) - velocity) + DEVIATIONS * spread
@@ -212,11 +212,3 @@ def _half_bandwidth(rows: sparse.csr_array) -> int:
     filled = np.flatnonzero(np.diff(rows.indptr))
     first, last = rows.indices[rows.indptr[filled]], rows.indices[rows.indptr[filled + 1] - 1]
     return int((last - first).max(initial=0))
-
-
-def _hadamard(n: int) -> Array:
-    """Orthogonal rows of 1 and -1 (n, n), n a power of 2 (Sylvester's construction)."""
-    signs = np.ones((1, 1))
-    while len(signs) < n:
-        signs = np.block([[signs, signs], [signs, -signs]])
-    return signs

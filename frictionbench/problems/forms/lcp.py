@@ -22,9 +22,8 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems import check
-from frictionbench.problems.check import Array, ReadOnly
+from frictionbench.problems.check import Array, ReadOnly, counted
 from frictionbench.problems.compiled import kernel, lean
-from frictionbench.problems.display import count
 from frictionbench.problems.forms.delassus import LOCKED
 from frictionbench.problems.rows import Index32, Rows
 
@@ -54,8 +53,8 @@ class LCP(ReadOnly):
         self.rows = check.rows("M", M, (len(self.q), len(self.q)))
 
     @classmethod
-    def of_friction(cls, rows: Rows, q: Array, basis: Array, contacts: tuple[int, int]) -> Self:
-        """A friction problem's LCP, of parts that have been checked."""
+    def of_friction(cls, rows: Rows, q: Array, basis: Array | None, contacts: tuple[int, int]) -> Self:
+        """A friction problem's LCP, or a bare one, of parts that have been checked."""
         lcp = object.__new__(cls)
         lcp.rows, lcp.q, lcp.basis, lcp.contacts = rows, q, basis, contacts
         return lcp
@@ -79,9 +78,7 @@ class LCP(ReadOnly):
 
     def fresh(self) -> "LCP":
         """The same problem without anything derived from it."""
-        again = object.__new__(LCP)
-        again.rows, again.q, again.basis, again.contacts = self.rows, self.q, self.basis, self.contacts
-        return again
+        return LCP.of_friction(self.rows, self.q, self.basis, self.contacts)
 
     def impulse(self, z: Array) -> Array:
         """The contact impulses (nc, d) in N s, normal first, of a friction LCP's z (n,); shape (0, 0) for a bare LCP.
@@ -112,10 +109,10 @@ class LCP(ReadOnly):
     @property
     def summary(self) -> str:
         """Its size in words: LCP of 36 unknowns."""
-        return f"LCP of {count(self.size, 'unknown')}"
+        return f"LCP of {counted(self.size, 'unknown')}"
 
     def __repr__(self) -> str:
-        return f"LCP({count(self.size, 'unknown')})"
+        return f"LCP({counted(self.size, 'unknown')})"
 
 
 @cache

@@ -16,28 +16,16 @@ thus assembles the matrices of both, by columns.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.compiled import kernel
-from frictionbench.problems.rows import Array, ByContact, Rows
+from frictionbench.problems.mechanics import Mechanics
+from frictionbench.problems.rows import Array, Rows
 
+LEAST_BIAS = 1e-12  # of a contact's unit: what a friction bias must be able to do to its velocity, to be part of a program
 _EDGES = np.array([[1.0, 1.0], [1.0, -1.0]])  # the section in the plane
-
-
-class VelocityForm(NamedTuple):
-    """A friction problem in its velocities: M (v - v*) = J' r + F' lam, u = J v + offset (nc, d); friction; joints."""
-
-    contact_rows: ByContact
-    mass_rows: Rows
-    free_velocity: Array
-    offset: Array
-    friction: Array
-    friction_bias: Array
-    joint_rows: Rows
-    joint_bias: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,24 +74,26 @@ class ConeProgram(Program):
     """The program in which h - G x is in second-order cones {s_0 >= |s_1:|}, blocks of d rows."""
 
 
-def relaxation_qp(form: VelocityForm, facets: int) -> QP:
+def relaxation_qp(problem: Mechanics, facets: int) -> QP:
     """The relaxation with a polygonal section (exact in the plane) as a QP in x = (v, y)."""
-    if form.offset.shape[1] == 2:
-        return QP(*_program(form, _EDGES))
+    if problem.dimension == 2:
+        return QP(*_program(problem, _EDGES))
     angle = 2 * np.pi * np.arange(facets) / facets
-    return QP(*_program(form, np.column_stack([np.ones(facets), np.cos(angle), np.sin(angle)])))
+    return QP(*_program(problem, np.column_stack([np.ones(facets), np.cos(angle), np.sin(angle)])))
 
 
-def relaxation_cone(form: VelocityForm) -> ConeProgram:
+def relaxation_cone(problem: Mechanics) -> ConeProgram:
     """The relaxation with the circular section as a second-order cone program in x = (v, y)."""
-    return ConeProgram(*_program(form, np.eye(form.offset.shape[1])))
+    return ConeProgram(*_program(problem, np.eye(problem.dimension)))
 
 
-def _program(form: VelocityForm, section: Array) -> tuple[Rows, Array, Rows, Array, Rows, Array, Array, Array, Array]:
-    mu, b_f = form.friction, form.friction_bias
-    p_start, q, *G, h = _matrices(*form.contact_rows, *form.mass_rows, form.free_velocity, form.offset, mu, b_f, section)
-    P = Rows(p_start, form.mass_rows.column, form.mass_rows.value)
-    return P, q, Rows(*G), h, form.joint_rows, -form.joint_bias, section, mu, b_f
+def _program(problem: Mechanics, section: Array) -> tuple[Rows, Array, Rows, Array, Rows, Array, Array, Array, Array]:
+    mu, b_f, M = problem.friction, problem.friction_bias, problem.mass_rows
+    if b_f.any():  # the slack of one of rounding's size would cost nothing, and grow without bound
+        b_f = np.where(b_f * problem.scale > LEAST_BIAS * problem.units, b_f, 0.0)
+    p_start, q, *G, h = _matrices(*problem.contact_rows, *M, problem.free_velocity, problem.offset, mu, b_f, section)
+    P = Rows(p_start, M.column, M.value)
+    return P, q, Rows(*G), h, problem.joint_rows, -problem.joint_bias, section, mu, b_f
 
 
 def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:

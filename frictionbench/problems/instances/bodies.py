@@ -11,7 +11,7 @@ from scipy import sparse
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.rows import Index64
+from frictionbench.problems.rows import Index64, relative
 from frictionbench.problems.scene import GRAVITY
 
 GROUND = -1  # as the second body of a contact
@@ -33,21 +33,11 @@ def touching(
     matrix's diagonal. velocity: (nb, 6), the free one. friction: one for all or (nc,). bias: (nc,), none by default.
     joints: (nj, 6 nb), none by default.
     """
-    nc, nb = len(bodies), len(weights)
-    row, column, value = [], [], []
-    for side, sign in ((0, 1.0), (1, -1.0)):
-        held = np.flatnonzero(bodies[:, side] != GROUND)
-        spin = np.cross(arms[held, side][:, None, :], frame[held])  # (held, 3 rows, 3)
-        row.append(np.broadcast_to(3 * held[:, None, None] + np.arange(3)[:, None], (len(held), 3, 6)).ravel())
-        column.append(np.broadcast_to(6 * bodies[held, side][:, None, None] + np.arange(6), (len(held), 3, 6)).ravel())
-        value.append(sign * np.concatenate([frame[held], spin], axis=2).ravel())
-    places = np.concatenate(row), np.concatenate(column)
-    jacobian = sparse.csr_array(sparse.coo_array((np.concatenate(value), places), shape=(3 * nc, 6 * nb)))
-    normal = np.arange(3 * nc) % 3 == 0
+    nc, spins = len(bodies), np.cross(arms[:, None], frame[:, :, None])
     return FrictionProblem(
         mass=sparse.diags_array(weights.ravel()),
-        normal=jacobian[normal],
-        tangent=jacobian[~normal],
+        normal=relative(bodies, frame[:, :1], spins[:, :1]),
+        tangent=relative(bodies, frame[:, 1:], spins[:, 1:]),
         friction=np.broadcast_to(friction, nc),
         free_velocity=velocity.ravel(),
         bias=np.zeros(nc) if bias is None else bias,

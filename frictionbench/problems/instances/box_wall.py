@@ -5,10 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from frictionbench.problems.catalogue import instance
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array, count, number, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import GROUND, falling, touching
-from frictionbench.problems.parameters import count, number
 from frictionbench.problems.spatial.rotation import frames
 
 HALF = np.array([0.5, 0.25, 0.25])  # m, half the edges of a brick of 1 kg

@@ -3,9 +3,9 @@
 import numpy as np
 
 from frictionbench.problems.catalogue import instance
+from frictionbench.problems.check import count, number
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import touching
-from frictionbench.problems.parameters import count, number
 from frictionbench.problems.scene import GRAVITY
 
 

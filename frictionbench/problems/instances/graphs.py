@@ -9,10 +9,9 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from frictionbench.problems.catalogue import instance
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.parameters import count, number
-from frictionbench.problems.rows import Index64
+from frictionbench.problems.rows import Index64, planar_relative
 
 REACH = 1.05  # of the mean distance of bodies: pairs that may touch
 PAIRS = 1.6  # contacts for each body, as in a disordered packing between isostatic (1.5) and hexagonal (3)
@@ -35,7 +34,8 @@ def local_graph(seed: int = 0, bodies: int = 100, mass_ratio: float = 1.0) -> Fr
     pair = near[np.sort(random.choice(len(near), min(len(near), int(PAIRS * nb)), replace=False))]
     angle = random.uniform(0, 2 * np.pi, len(pair))
     arm = (at[pair[:, 1]] - at[pair[:, 0]]) / 2
-    return _graph(pair, (arm, -arm), angle, number("mass_ratio", mass_ratio, least=1) ** random.random(nb), random)
+    mass = number("mass_ratio", mass_ratio, least=1) ** random.random(nb)
+    return _graph(pair, np.stack([arm, -arm], axis=1), angle, mass, random)
 
 
 @instance(dimension=2)
@@ -50,30 +50,21 @@ def random_graph(seed: int = 0, bodies: int = 100) -> FrictionProblem:
     nc = int(PAIRS * nb)
     first = random.integers(nb, size=nc)
     pair = np.column_stack([first, (first + random.integers(1, nb, size=nc)) % nb])
-    arm = 0.5 * random.standard_normal((nc, 2)), 0.5 * random.standard_normal((nc, 2))
-    return _graph(pair, arm, random.uniform(0, 2 * np.pi, nc), np.ones(nb), random)
+    arms = 0.5 * np.stack([random.standard_normal((nc, 2)), random.standard_normal((nc, 2))], axis=1)
+    return _graph(pair, arms, random.uniform(0, 2 * np.pi, nc), np.ones(nb), random)
 
 
-def _graph(pair: Index64, arm: tuple[Array, Array], angle: Array, mass: Array, random: np.random.Generator) -> FrictionProblem:
-    """Bodies of these masses (nb,) in contacts between pairs (nc, 2), at arms (nc, 2) from both centres, normals at angles."""
+def _graph(pair: Index64, arms: Array, angle: Array, mass: Array, random: np.random.Generator) -> FrictionProblem:
+    """Bodies of these masses (nb,) in contacts of pairs (nc, 2), at arms (nc, 2, 2) from both centres, normals at angles."""
     nb, nc = len(mass), len(pair)
     normal = np.column_stack([np.cos(angle), np.sin(angle)])
     tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
     least, most = FRICTION
     return FrictionProblem(
         mass=sparse.diags_array((mass[:, None] * [1.0, 1.0, INERTIA]).ravel()),
-        normal=_rows(pair, arm, normal, nb),
-        tangent=_rows(pair, arm, tangent, nb),
+        normal=planar_relative(pair, arms, normal),
+        tangent=planar_relative(pair, arms, tangent),
         friction=least * (most / least) ** random.random(nc),
         free_velocity=random.standard_normal(3 * nb),
         bias=np.zeros(nc),
     )
-
-
-def _rows(pair: Index64, arm: tuple[Array, Array], along: Array, bodies: int) -> sparse.csr_array:
-    """The rows (nc, 3 nb) of relative velocities along directions (nc, 2): first body, at its arm (nc, 2), minus second."""
-    first, second = (at[:, 0] * along[:, 1] - at[:, 1] * along[:, 0] for at in arm)
-    value = np.column_stack([along, first, -along, -second])
-    column = np.column_stack([3 * pair[:, [0]] + np.arange(3), 3 * pair[:, [1]] + np.arange(3)])
-    row = np.repeat(np.arange(len(pair)), 6)
-    return sparse.csr_array((value.ravel(), (row, column.ravel())), shape=(len(pair), 3 * bodies))

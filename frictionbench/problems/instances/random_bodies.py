@@ -9,9 +9,9 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.catalogue import instance
+from frictionbench.problems.check import count, number
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import touching
-from frictionbench.problems.parameters import count, number
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.subproblems import side_by_side
 

@@ -4,9 +4,9 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.catalogue import instance
+from frictionbench.problems.check import count, number
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import GROUND, falling, touching
-from frictionbench.problems.parameters import count, number
 from frictionbench.problems.spatial.rotation import frames
 
 

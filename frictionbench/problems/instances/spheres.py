@@ -5,10 +5,9 @@ from scipy.optimize import minimize
 from scipy.spatial import cKDTree
 
 from frictionbench.problems.catalogue import instance
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import GROUND, falling, touching
-from frictionbench.problems.parameters import count, number
 from frictionbench.problems.rows import Index64
 from frictionbench.problems.spatial.rotation import frames
 

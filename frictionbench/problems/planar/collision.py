@@ -15,10 +15,9 @@ from scipy import sparse
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel
 from frictionbench.problems.planar.bodies import Geometry
 from frictionbench.problems.planar.narrow_phase import meet
-from frictionbench.problems.rows import Index64, Rows
+from frictionbench.problems.rows import Index64, Rows, planar_relative
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +54,16 @@ class Contacts:
     @cached_property
     def normal_rows(self) -> Rows:
         """(nc, nv), the relative velocity of the bodies at the point along the normal."""
-        return Rows(*_rows(self.q, self.bodies, self.place, False))
+        return self._rows(self.direction)
 
     @cached_property
     def tangent_rows(self) -> Rows:
         """(nc, nv), along the normal turned by -90 degrees."""
-        return Rows(*_rows(self.q, self.bodies, self.place, True))
+        return self._rows(self.direction[:, ::-1] * [1.0, -1.0])
+
+    def _rows(self, along: Array) -> Rows:
+        arms = self.point[:, None] - self.q.reshape(-1, 3)[self.bodies, :2]
+        return planar_relative(self.bodies, arms, along)
 
     @cached_property
     def normal(self) -> sparse.csr_array:
@@ -95,44 +98,7 @@ def _reduce(extreme: np.ufunc, corners: Array, start: Index64) -> Array:
     return np.asarray(extreme.reduceat(corners, start[:-1])) if len(start) > 1 else np.zeros((0, 2))
 
 
-@kernel
-def _rows(q: Array, bodies: Index64, place: Array, turned: bool) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
-    """Rows (nc, nv) of the first body's velocity at the point relative to the second's, along the normal or the tangent."""
-    nc, at = len(bodies), 0
-    start, column, value = np.zeros(nc + 1, np.int32), np.empty(6 * nc, np.int32), np.empty(6 * nc)
-    for i in range(nc):
-        ex, ey = place[i, 2], place[i, 3]
-        if turned:
-            ex, ey = ey, -ex
-        for k in range(2):  # columns ascending
-            side = k if bodies[i, 0] < bodies[i, 1] else 1 - k
-            body, sign = bodies[i, side], 1.0 if side == 0 else -1.0
-            if body < 0:
-                continue
-            turn = (place[i, 0] - q[3 * body]) * ey - (place[i, 1] - q[3 * body + 1]) * ex
-            for a in range(3):
-                entry = sign * (ex if a == 0 else ey if a == 1 else turn)
-                if entry != 0:
-                    column[at], value[at] = 3 * body + a, entry
-                    at += 1
-        start[i + 1] = at
-    return start, column[:at], value[:at]
-
-
 def near_pairs(low: Array, high: Array, owner: Index64, margin: float) -> Index64:
-    """Pairs (i < j) of shapes of different bodies whose boxes [low, high] come within the margin, in order: a sweep along
-    the axis on which the shapes are spread out more."""
-    if not len(owner):
-        return np.zeros((0, 2), dtype=np.int64)
-    bounded = np.isfinite(low[:, 0])
-    middle = (low[bounded] + high[bounded]) / 2
-    axis = int(np.argmax(np.ptp(middle, axis=0))) if len(middle) else 0
-    order = np.argsort(low[:, axis], kind="stable")
-    begin, end = low[order], high[order] + margin
-    reached = np.searchsorted(begin[:, axis], end[:, axis], side="right") - np.arange(len(order)) - 1  # shapes after each
-    one = np.repeat(np.arange(len(order)), reached)
-    other = one + 1 + np.arange(len(one)) - np.repeat(np.cumsum(reached) - reached, reached)
-    near = (begin[one, 1 - axis] <= end[other, 1 - axis]) & (begin[other, 1 - axis] <= end[one, 1 - axis])
-    pairs = np.sort(np.column_stack([order[one], order[other]])[near], axis=1)
-    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
-    return np.asarray(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
+    """Pairs (i < j) of shapes of different bodies whose boxes [low, high] come within the margin, in order."""
+    beyond = (low[:, None] > high + margin).any(axis=2)
+    return np.argwhere(np.triu(~(beyond | beyond.T) & (owner[:, None] != owner)))

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import kernel
-from frictionbench.problems.rows import Rows
+from frictionbench.problems.rows import Rows, relative
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +29,14 @@ class Hinge:
 
 def hinge_equations(hinges: tuple[Hinge, ...], q: Array) -> tuple[Array, Rows]:
     """The difference of each hinge's two points, Theta (2 hinges,), m, x before y, and its Jacobian F by rows."""
-    theta, *rows = _equations(*_as_arrays(hinges), check.vector("q", q))
-    return theta, Rows(*rows)
+    bodies, points = _as_arrays(hinges)
+    of_bodies = check.vector("q", q)[3 * bodies[:, :, None] + np.arange(3)]
+    pose = np.where(bodies[:, :, None] >= 0, of_bodies, 0.0)
+    cos, sin = np.cos(pose[:, :, 2:]), np.sin(pose[:, :, 2:])
+    arms = cos * points + sin * points[:, :, ::-1] * [-1.0, 1.0]
+    theta = (pose[:, 0, :2] + arms[:, 0]) - (pose[:, 1, :2] + arms[:, 1])
+    spins = arms.transpose(0, 2, 1)[:, ::-1] * [[-1.0], [1.0]]
+    return theta.ravel(), relative(bodies, np.broadcast_to(np.eye(2), arms.shape), spins[..., None])
 
 
 @lru_cache(maxsize=64)
@@ -39,30 +44,3 @@ def _as_arrays(hinges: tuple[Hinge, ...]) -> tuple[NDArray[np.int64], Array]:
     """The bodies (hinges, 2) and points (hinges, 2, 2) of the hinges."""
     bodies = np.array([hinge.bodies for hinge in hinges], np.int64).reshape(-1, 2)
     return bodies, np.array([hinge.points for hinge in hinges]).reshape(-1, 2, 2)
-
-
-@kernel
-def _equations(bodies, points, q):  # type: ignore[no-untyped-def]
-    theta, at = np.zeros(2 * len(bodies)), 0
-    start = np.zeros(2 * len(bodies) + 1, np.int32)
-    column, value = np.empty(8 * len(bodies), np.int32), np.empty(8 * len(bodies))
-    for k in range(len(bodies)):
-        for axis in range(2):
-            for n in range(2):  # columns ascending
-                side = n if bodies[k, 0] < bodies[k, 1] else 1 - n
-                body, sign, x, y = bodies[k, side], 1.0 if side == 0 else -1.0, points[k, side, 0], points[k, side, 1]
-                if body < 0:
-                    theta[2 * k + axis] += sign * (y if axis else x)
-                    continue
-                cos, sin = np.cos(q[3 * body + 2]), np.sin(q[3 * body + 2])
-                arm, across = cos * x - sin * y, sin * x + cos * y
-                if axis:
-                    arm, across = across, -arm
-                theta[2 * k + axis] += sign * (q[3 * body + axis] + arm)
-                column[at], value[at] = 3 * body + axis, sign
-                at += 1
-                if across != 0:
-                    column[at], value[at] = 3 * body + 2, -sign * across
-                    at += 1
-            start[2 * k + axis + 1] = at
-    return theta, start, column[:at], value[:at]

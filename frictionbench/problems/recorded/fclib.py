@@ -17,7 +17,7 @@ import subprocess
 import sys
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,15 +36,11 @@ OURS = "frictionbench/free_velocity"
 Arrays = dict[str, Array]
 
 
-class Recording(NamedTuple):
-    """A problem, and the initial guesses (nc, d) of its impulses that the file contains."""
+def read(path: Path) -> tuple[FrictionProblem, tuple[Array, ...]]:
+    """The problem in an HDF5 file, and the initial guesses (nc, d) of its impulses that the file contains.
 
-    problem: FrictionProblem
-    guesses: tuple[Array, ...] = ()
-
-
-def read(path: Path) -> Recording:
-    """The recording in an HDF5 file. Errors: InputError naming the field."""
+    Errors: InputError naming the field.
+    """
     arrays = _unpack(path)
     forms = {name.split("/")[0] for name in arrays} & {"fclib_local", "fclib_global"}
     require(
@@ -57,7 +53,7 @@ def read(path: Path) -> Recording:
     shape = (problem.contacts, problem.dimension)
     offered = [arrays[name] for name in sorted(arrays) if name.startswith("guesses/") and name.endswith("/r")]
     guesses = tuple(r.reshape(shape) for r in offered if r.size == shape[0] * shape[1] and np.isfinite(r).all())
-    return Recording(problem, guesses)
+    return problem, guesses
 
 
 def _unpack(path: Path) -> Arrays:

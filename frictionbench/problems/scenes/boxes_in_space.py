@@ -8,8 +8,7 @@ from functools import partial
 import numpy as np
 
 from frictionbench.problems.catalogue import generator
-from frictionbench.problems.check import Array
-from frictionbench.problems.parameters import count, number
+from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.scene import GRAVITY, Scene
 from frictionbench.problems.scenes.one_block import sliding
 from frictionbench.problems.spatial.bodies import HalfSpace, solid_box

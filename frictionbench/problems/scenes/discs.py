@@ -6,7 +6,7 @@ Between walls the friction cones of a disc's two contacts can contain opposite d
 import numpy as np
 
 from frictionbench.problems.catalogue import generator
-from frictionbench.problems.parameters import number
+from frictionbench.problems.check import number
 from frictionbench.problems.planar.bodies import Body, Shape, half_plane, hollow, rigid_disc, vertical_wall
 from frictionbench.problems.scene import Scene
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from frictionbench.problems.catalogue import generator
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.generalised import ReducedScene
-from frictionbench.problems.parameters import count, number
 from frictionbench.problems.planar.bodies import Body, box, half_plane, rigid_box, rigid_rod
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene

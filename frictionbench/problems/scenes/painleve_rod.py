@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from frictionbench.problems.catalogue import generator
-from frictionbench.problems.parameters import number
+from frictionbench.problems.check import number
 from frictionbench.problems.planar.bodies import half_plane, rigid_rod
 from frictionbench.problems.scene import Scene
 

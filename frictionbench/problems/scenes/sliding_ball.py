@@ -5,8 +5,7 @@ from functools import partial
 import numpy as np
 
 from frictionbench.problems.catalogue import generator
-from frictionbench.problems.check import Array
-from frictionbench.problems.parameters import number
+from frictionbench.problems.check import Array, number
 from frictionbench.problems.scene import GRAVITY, Scene
 from frictionbench.problems.spatial.bodies import HalfSpace, solid_sphere
 from frictionbench.problems.spatial.rotation import AT_REST

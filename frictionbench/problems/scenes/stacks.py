@@ -7,8 +7,7 @@ them, unless they tip over, and where they slide or fall it acts against that.
 import numpy as np
 
 from frictionbench.problems.catalogue import generator
-from frictionbench.problems.check import Array
-from frictionbench.problems.parameters import count, number
+from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.planar.bodies import Body, half_plane, rigid_box, rigid_disc
 from frictionbench.problems.scene import GRAVITY, Scene
 

@@ -7,8 +7,7 @@ outwards.
 import numpy as np
 
 from frictionbench.problems.catalogue import generator
-from frictionbench.problems.check import Array
-from frictionbench.problems.parameters import count, number
+from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.planar.bodies import Body, Shape, box, half_plane, homogeneous, rigid_box
 from frictionbench.problems.scene import Scene
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from frictionbench.problems.catalogue import generator
-from frictionbench.problems.parameters import number
+from frictionbench.problems.check import number
 from frictionbench.problems.planar.bodies import Shape, box, half_plane, rigid_box, vertical_wall
 from frictionbench.problems.scene import Scene
 

@@ -18,7 +18,7 @@ import numpy as np
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.planar.collision import Contacts
-from frictionbench.problems.rows import Rows, from_dense
+from frictionbench.problems.rows import Rows, relative
 from frictionbench.problems.spatial.bodies import Cuboid, SpatialGeometry, Sphere
 from frictionbench.problems.spatial.rotation import frames, matrices
 
@@ -48,18 +48,10 @@ class SpatialContacts(Contacts):
 
     def _rows(self, along: Array) -> Rows:
         """Rows (nc k, nv) along k directions (nc, k, 3)."""
-        nc, k, _ = along.shape
         pose = self.q.reshape(-1, 7)
-        centre, turn = pose[:, :3], matrices(pose[:, 3:])
-        dense = np.zeros((nc, k, self.velocities))
-        for side, sign in ((0, 1.0), (1, -1.0)):
-            (held,) = np.nonzero(self.bodies[:, side] >= 0)
-            body = self.bodies[held, side]
-            arm = self.point[held] - centre[body]
-            spin = np.einsum("cka,cab->ckb", np.cross(arm[:, None], along[held]), turn[body])  # in the body's frame
-            both = sign * np.concatenate([along[held], spin], axis=2)
-            dense[held[:, None, None], np.arange(k)[:, None], 6 * body[:, None, None] + np.arange(6)] = both
-        return from_dense(dense.reshape(nc * k, self.velocities))
+        arms, turns = self.point[:, None] - pose[self.bodies, :3], matrices(pose[:, 3:])[self.bodies]
+        spins = np.cross(arms[:, None], along[:, :, None])
+        return relative(self.bodies, along, np.einsum("cksa,csab->cksb", spins, turns))  # in the bodies' frames
 
 
 def find_spatial_contacts(geometry: SpatialGeometry, q: Array, margin: float) -> SpatialContacts:

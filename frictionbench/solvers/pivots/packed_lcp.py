@@ -71,9 +71,9 @@ def scaled_lcp_of(packed, k, basis, space):  # type: ignore[no-untyped-def]
         fits = write_delassus(*moving, space.places, space.response, first, neighbours, block)
     else:
         first, neighbours, block = known_blocks(packed, k)
-    fits = fits and write_partners(first, neighbours, space.partner, space.places)
     stretch, M, right, unit = space.stretch[:n], space.matrix, space.right[:n], space.unit[: 2 * n].reshape(2, n)
     if fits:
+        write_partners(first, neighbours, space.partner, space.places)
         write_in_basis(block, first[nc], basis, space.part)
         given = first, neighbours, space.part, space.partner, q, mu, wider, basis, scale, units
         write_scaled_lcp(*given, M.start, M.rows, M.column, M.row, stretch, right, unit)

@@ -16,7 +16,7 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, lean
-from frictionbench.problems.forms.delassus import with_partners, write_partners
+from frictionbench.problems.forms.delassus import write_partners
 from frictionbench.problems.forms.lcp import impulse, tangent_basis, write_in_basis
 from frictionbench.problems.residual import polygon_residual, residual
 from frictionbench.solvers.interface import Answer, Status
@@ -99,11 +99,8 @@ def scaled_bare_lcp(start, column, value, q):  # type: ignore[no-untyped-def]
 def scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, basis, scale, units):  # type: ignore[no-untyped-def]
     """The same of a friction LCP; the units are those of problems.residual."""
     nc, width = len(friction), basis.shape[1]
-    n, partner, following = nc * (width + 1), np.empty(len(neighbours), np.int32), np.empty(nc, np.int32)
-    if not write_partners(first, neighbours, partner, following):
-        first, neighbours, block = with_partners(first, neighbours, block)
-        partner = np.empty(len(neighbours), np.int32)
-        write_partners(first, neighbours, partner, following)
+    n, partner = nc * (width + 1), np.empty(len(neighbours), np.int32)
+    write_partners(first, neighbours, partner, np.empty(nc, np.int32))
     entries, part = most_entries(len(neighbours), nc, width), np.empty((len(neighbours), width, width))
     start, rows, column, row = np.empty(n + 1, np.int64), np.empty(entries, np.uint32), np.empty(entries), np.empty(entries)
     stretch, right, unit = np.empty(n), np.empty(n), np.empty((2, n))

@@ -9,7 +9,7 @@ from numba import njit
 
 from frictionbench.harness.cells import simulation, timing
 from frictionbench.harness.plans.plan import SimulationCell
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import scene
 from frictionbench.solvers import Answer, SolverInfo, Status, find, solve
 from frictionbench.solvers.interface import with_all_steps
 from tests.helpers.friction_problems import block

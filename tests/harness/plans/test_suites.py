@@ -13,8 +13,7 @@ from frictionbench.harness.plans.recorded import every
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
-from frictionbench.problems.instances import instances, make_instance
-from frictionbench.problems.scenes import scene, scenes
+from frictionbench.problems.catalogue import instances, make_instance, scene, scenes
 from frictionbench.solvers import find, solve
 from tests.helpers.frictionless import friction_at_work
 

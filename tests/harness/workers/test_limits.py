@@ -66,7 +66,7 @@ import numpy as np
 from numba import njit
 from numba.core import event
 from frictionbench.harness.deadline import Deadline
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.residual import residual
 
 problem = scene("stack", blocks=2).problem()

@@ -11,10 +11,10 @@ from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.census import Census, census, census_labels
 from frictionbench.problems.analysis.mode import mode
 from frictionbench.problems.analysis.polyhedra import Polyhedron, Shape, contains, shape
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
-from frictionbench.problems.scenes import scene
 from tests.helpers.friction_problems import block, contacts_of, nothing, spatial, with_joints
 from tests.helpers.lcp_census import lcp_census
 

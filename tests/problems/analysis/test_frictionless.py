@@ -6,8 +6,7 @@ import pytest
 from frictionbench.harness.cells.reference import Reference
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.mode import distance_to_next_mode, mode, mode_counts
-from frictionbench.problems.instances import make_instance
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import make_instance, scene
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block, contacts_of, known_by_W

@@ -64,8 +64,8 @@ def test_fclib_round_trip(tmp_path, problem, form) -> None:
         "known by W": known_by_W(problem),
     }[form]
     fclib.write(problem, tmp_path / "p.hdf5", "title", "description")
-    found = fclib.read(tmp_path / "p.hdf5")
-    assert found.problem.hash == problem.hash == read(tmp_path / "p.hdf5").hash
+    found, _ = fclib.read(tmp_path / "p.hdf5")
+    assert found.hash == problem.hash == read(tmp_path / "p.hdf5").hash
 
 
 def fclib_file(path: Path, form: str, matrices: dict, vectors: dict, d: int, storage: int) -> None:
@@ -96,11 +96,11 @@ def test_fclib_storages_and_joints_of_a_local_problem(tmp_path, problem, storage
     matrices = {"W": problem.W, "V": sparse.csr_array(J @ inverse @ F.T), "R": sparse.csr_array(F @ inverse @ F.T)}
     vectors = {"q": problem.q, "mu": problem.friction, "s": F @ problem.free_velocity}
     fclib_file(tmp_path / "p.hdf5", "fclib_local", matrices, vectors, d, storage)
-    found = fclib.read(tmp_path / "p.hdf5")
-    assert np.allclose(found.problem.W.toarray(), with_joints(problem, F).W.toarray(), atol=1e-10)
+    found, guesses = fclib.read(tmp_path / "p.hdf5")
+    assert np.allclose(found.W.toarray(), with_joints(problem, F).W.toarray(), atol=1e-10)
     q = J @ jointed.velocity(np.zeros(problem.contacts * d)) + (problem.q - J @ problem.free_velocity)
-    assert np.allclose(found.problem.q, q, atol=1e-10)
-    assert np.array_equal(found.guesses[0], np.full((problem.contacts, d), 0.5))
+    assert np.allclose(found.q, q, atol=1e-10)
+    assert np.array_equal(guesses[0], np.full((problem.contacts, d), 0.5))
 
 
 @BOTH

@@ -2,7 +2,7 @@
 
 import pytest
 
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import scene
 from frictionbench.solvers import Status, find, solve
 
 ROUND = ["clarabel", *(["scs"] if find("scs")[0].missing is None else [])]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.catalogue import scene
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.simulate import simulate
 from frictionbench.solvers import Status, find, solve

@@ -14,9 +14,8 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
-from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.catalogue import instances, make_instance, scene
 from frictionbench.problems.residual import relaxation_residual, residual
-from frictionbench.problems.scenes import scene
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verify import verify
 from frictionbench.results import store

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from frictionbench.problems.scenes import scene
+from frictionbench.problems.catalogue import scene
 from frictionbench.solvers.sparse_lu.multifrontal import factorise
 from tests.helpers.kernels import analyse, determinant_sign, position_in_front, solve_factorised
 
