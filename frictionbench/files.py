@@ -100,4 +100,4 @@ def _save_step(
         raise InputError("problem: an LCP has no contacts, whose impulses an engine could have found")
     if path.suffix != ".npz":
         raise InputError(f"path: {path} must end in .npz, which alone holds the impulses of an engine")
-    own.save(problem, path, own.packed(EngineStep(problem, impulse, notes, step)))
+    own.save(EngineStep(problem, impulse, notes, step), path)

@@ -55,14 +55,6 @@ class _Part(CPUDispatcher):
         raise TypeError(f"{self.py_func.__name__} can only be called from a compiled kernel: it has no wrapper for Python")
 
 
-def cold_spare() -> str:
-    """Where kernels are compiled anew because the usual folder cannot be written; empty where it can, or where they are not."""
-    usual, chosen = _usual(), Path(config.CACHE_DIR)
-    if chosen.parent == usual or any(chosen.rglob("*.nbi")):
-        return ""
-    return f"{usual} cannot be written: kernels are compiled into {chosen}, which takes some minutes"
-
-
 def state(package: Path) -> str:
     """A hash of the names and contents of all files of a package that hold kernels."""
     digest = sha256()

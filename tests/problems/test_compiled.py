@@ -4,12 +4,10 @@ import os
 import shutil
 import subprocess
 import sys
-import types
 from pathlib import Path
 
 import pytest
 
-from frictionbench.harness.workers import pool
 from frictionbench.problems import compiled
 from frictionbench.problems.forms.cone import nearest
 from tests.helpers.paths import ROOT
@@ -75,21 +73,6 @@ def test_temporary_cache_folder(package) -> None:
     assert value == 1
     assert folder.parent.parent == package / "tmp"
     assert folder.parent.stat().st_mode & 0o077 == 0
-
-
-def test_cold_start_in_a_spare_folder_is_told(tmp_path, monkeypatch, capsys) -> None:
-    """In one line when the first worker is started, and not once kernels are there."""
-    monkeypatch.setattr(compiled.config, "CACHE_DIR", str(tmp_path / "spare" / "state"))
-    monkeypatch.setattr(pool, "_server", None)
-    monkeypatch.setattr(pool, "_Server", lambda: types.SimpleNamespace(supervisor=lambda settings: None))
-    for expected in (1, 0):
-        pool._supervisor((tmp_path, (), 0))
-        told = capsys.readouterr().err.splitlines()
-        assert len(told) == expected
-        assert all("cannot be written: kernels are compiled into" in line for line in told)
-    (tmp_path / "spare" / "state" / "problems").mkdir(parents=True)
-    (tmp_path / "spare" / "state" / "problems" / "kernel.nbi").touch()
-    assert compiled.cold_spare() == ""
 
 
 def test_intrinsic_called_from_python() -> None:

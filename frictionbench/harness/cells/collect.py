@@ -295,7 +295,7 @@ def facts(source: Source, collected: Collected) -> Record:
     if nc <= MAX_PERTURBED:  # infinite where the problem, or one near it, has no answer that holds
         row["sensitivity"] = unless_unsolved(np.inf, lambda solve: sensitivity(problem, solve))
     if answer is not None:
-        row |= mode_counts(problem, answer)._asdict()
+        row |= mode_counts(problem, answer)
         if planar and 0 < nc <= MAX_PERTURBED:
             row["mode_distance"] = distance_to_next_mode(problem, answer)
     return row

@@ -21,7 +21,7 @@ from typing import Any
 from frictionbench.harness import machine, process
 from frictionbench.harness.dependencies import Loaded
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plugin
-from frictionbench.problems import InputError, compiled
+from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.files import ResultsError
@@ -132,8 +132,6 @@ def _supervisor(settings: Settings) -> Connection:
     reason = ""
     for _ in range(TRIES):  # it may be killed at any moment, also while it starts
         try:
-            if _server is None and (notice := compiled.cold_spare()):
-                print(f"frictionbench: {notice}", file=sys.stderr)
             _server = _server or _Server()
             return _server.supervisor(settings)
         except OSError as error:

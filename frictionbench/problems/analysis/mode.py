@@ -1,7 +1,5 @@
 """The mode of each contact in an answer, and the distance of an answer from the nearest change of mode."""
 
-from typing import NamedTuple
-
 import numpy as np
 import numpy.typing as npt
 
@@ -9,14 +7,6 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
 
 Flags = npt.NDArray[np.bool_]
-
-
-class ModeCounts(NamedTuple):
-    """How many contacts of an answer stick, slide and are open."""
-
-    sticking: int
-    sliding: int
-    open: int
 
 
 def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
@@ -30,13 +20,14 @@ def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
     return "".join(np.where(opened, "o", np.array(["s", "r", "l"])[slip]))
 
 
-def mode_counts(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> ModeCounts:
-    """How many contacts stick, slide and are open in an answer (nc, d).
+def mode_counts(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> dict[str, int]:
+    """How many contacts are "sticking", "sliding" and "open" in an answer (nc, d).
 
     An impulse up to tol unit/s and a velocity up to tol unit count as zero, in the contact's own s and unit, problem.units.
     """
     opened, slides = _open_sliding(problem, impulse, tol)
-    return ModeCounts(int(np.sum(~opened & ~slides)), int(np.sum(~opened & slides)), int(np.sum(opened)))
+    kinds = {"sticking": ~opened & ~slides, "sliding": ~opened & slides, "open": opened}
+    return {name: int(np.sum(which)) for name, which in kinds.items()}
 
 
 def _open_sliding(problem: FrictionProblem, impulse: Array, tol: float) -> tuple[Flags, Flags]:

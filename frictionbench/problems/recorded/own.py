@@ -83,12 +83,13 @@ class EngineStep(ReadOnly):
         folder.mkdir(parents=True, exist_ok=True)
         numbers = [int(name) for path in folder.glob("step_*.npz") if (name := path.stem.removeprefix("step_")).isdecimal()]
         path = folder / f"step_{max(numbers, default=0) + 1:06}.npz"
-        save(self.problem, path, packed(self))
+        save(self, path)
         return path
 
 
-def save(problem: FrictionProblem | LCP, path: Path, extras: Mapping[str, Array] | None = None) -> None:
-    """Write the problem to path (.npz), with the further arrays of an engine's step, if any."""
+def save(given: FrictionProblem | LCP | EngineStep, path: Path) -> None:
+    """Write a problem or a step to path (.npz)."""
+    problem = given.problem if isinstance(given, EngineStep) else given
     dimension, fields = (0, LCP_FIELDS) if isinstance(problem, LCP) else (problem.dimension, problem.FIELDS)
     values = {name: getattr(problem, name) for name in fields}
     arrays = {name: value for name, value in values.items() if name not in _MATRICES}
@@ -96,7 +97,13 @@ def save(problem: FrictionProblem | LCP, path: Path, extras: Mapping[str, Array]
         if name in _MATRICES:
             parts = {"data": matrix.data, "indices": matrix.indices, "indptr": matrix.indptr, "shape": np.array(matrix.shape)}
             arrays |= {f"{name}_{part}": value for part, value in parts.items()}
-    np.savez(path, allow_pickle=False, dimension=np.array(dimension), **arrays, **(extras or {}))
+    if isinstance(given, EngineStep):
+        arrays["impulse"] = given.impulse
+        if given.step is not None:
+            arrays["step"] = np.array(given.step)
+        if given.notes:
+            arrays["notes"] = np.frombuffer(json.dumps(dict(given.notes), ensure_ascii=False).encode(), dtype=np.uint8)
+    np.savez(path, allow_pickle=False, dimension=np.array(dimension), **arrays)
 
 
 def load(path: Path) -> FrictionProblem | LCP:
@@ -166,16 +173,6 @@ def _names(arrays: Collection[str]) -> set[str]:
 def _matrix(arrays: dict[str, Array], name: str) -> sparse.csr_array:
     *parts, shape = (arrays[f"{name}_{part}"] for part in _PARTS)
     return sparse_matrix(name, sparse.csr_array, tuple(parts), shape)
-
-
-def packed(step: EngineStep) -> dict[str, Array]:
-    """The arrays of a file, besides those of the problem."""
-    arrays: dict[str, Any] = {"impulse": step.impulse}
-    if step.step is not None:
-        arrays["step"] = np.array(step.step)
-    if step.notes:
-        arrays["notes"] = np.frombuffer(json.dumps(dict(step.notes), ensure_ascii=False).encode(), dtype=np.uint8)
-    return arrays
 
 
 def unpacked(problem: FrictionProblem, arrays: Mapping[str, Array]) -> EngineStep:

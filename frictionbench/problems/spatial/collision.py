@@ -60,7 +60,7 @@ def find_spatial_contacts(geometry: SpatialGeometry, q: Array, margin: float) ->
     centre, turn = geometry.centres(q), geometry.rotations(q)
     found: list[Contact] = []
     for i, body in enumerate(geometry.bodies):
-        points = _points(body.shape, centre[i], turn[i])
+        points = centre[i, None] if isinstance(body.shape, Sphere) else _Box(body.shape.half, centre[i], turn[i]).points
         for k, plane in enumerate(geometry.obstacles):
             shift = body.shape.radius if isinstance(body.shape, Sphere) else 0.0
             gaps = points @ plane.normal - plane.height - shift
@@ -83,11 +83,6 @@ def find_spatial_contacts(geometry: SpatialGeometry, q: Array, margin: float) ->
         feature=np.array([feature for *_, feature in found], dtype=np.int64).reshape(-1, 2),
         q=q,
     )
-
-
-def _points(shape: Sphere | Cuboid, centre: Array, turn: Array) -> Array:
-    """The corners (8, 3) of a box, the centre (1, 3) of a sphere."""
-    return centre[None] if isinstance(shape, Sphere) else centre + (CORNERS * shape.half) @ turn.T
 
 
 def _spheres(i: int, j: int, centre: Array, r: float, s: float, margin: float) -> list[Contact]:

@@ -8,7 +8,7 @@ import pytest
 import frictionbench as fb
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import own
-from frictionbench.problems.recorded.own import EngineStep, packed
+from frictionbench.problems.recorded.own import EngineStep
 from tests.helpers.friction_problems import spatial
 
 PROBLEM = spatial(5, contacts=3)
@@ -61,8 +61,8 @@ def test_unusable_steps_are_refused(tmp_path, settings, named) -> None:
     ],
 )
 def test_edited_steps_are_refused(tmp_path, name, value, told) -> None:
-    arrays = packed(EngineStep(PROBLEM, IMPULSE, NOTES, 0.01))
-    own.save(PROBLEM, tmp_path / "step.npz", arrays | {name: value})
+    own.save(EngineStep(PROBLEM, IMPULSE, NOTES, 0.01), tmp_path / "step.npz")
+    np.savez(tmp_path / "step.npz", **dict(np.load(tmp_path / "step.npz")) | {name: value})
     for read in (fb.load, fb.load_step):
         with pytest.raises(fb.InputError, match=f"step.npz: {told}"):
             read(tmp_path / "step.npz")
