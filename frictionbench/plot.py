@@ -26,7 +26,6 @@ from matplotlib.lines import Line2D
 
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.files import BANDS, remove_bands
 from frictionbench.reports.drawing.style import RC
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.run import Run
@@ -70,8 +69,7 @@ profiles = _chart(
     "profiles",
     """Performance profiles: the weighted share of problems brought within a residual in at most tau times the least time.
 
-    A panel per target and dimension, the coarsest target first. Bands hold 95 % of bootstrap profiles and are drawn for up to
-    three solvers.""",
+    A panel per target and dimension, the coarsest target first.""",
 )
 work = _chart(
     "work",
@@ -147,10 +145,8 @@ def _draw(chart: str, results: Results | str | Path, ax: Axes | None, which: str
 
 
 def _legend(ax: Axes, run: Run, panel: Panel) -> None:
-    """Name the curves by their group ids, and leave out the bands where there are too many to be distinguished."""
+    """Name the curves by their group ids."""
     drawn = {str(artist.get_gid()) for artist in ax.findobj()}
     named = {name: look for name, look in run.looks.items() if {look.tag, f"dots-{look.tag}"} & drawn}
-    if len(named) > BANDS:
-        remove_bands(ax)
     labels = [f"{plain(name)} {panel.notes.get(name, '')}".strip() for name in named]
     ax.legend([Line2D([], [], **look.line) for look in named.values()], labels, fontsize="small", frameon=False)

@@ -11,14 +11,13 @@ where s is about the cost of one call, so that differences below it have little 
 number of problems, the problems of one scene, one decade of contacts and one dimension are a stratum, and each stratum has the
 same weight, which its problems share: with S strata a problem of a stratum of n problems has the weight w = 1 / (S n). Shares,
 profiles and percentiles have these weights too. n_eff = 1 / sum w^2 (Kish 1965) is the number of problems of equal weight whose
-mean is as certain, and the size of bootstrap samples, whose problems are drawn with the probabilities w.
- A solver that was skipped on a whole
-class has no mean there; one that was skipped on some of its problems is charged for these. Over all problems of the plane, and
-over all of space, the solvers are compared on the same problems, so that every problem skipped counts as not solved.
+mean is as certain. A solver that was skipped on a whole class has no mean there; one that was skipped on some of its problems
+is charged for these. Over all problems of the plane, and over all of space, the solvers are compared on the same problems, so
+that every problem skipped counts as not solved.
 
 The performance profile of Dolan and Moré (2002) is the weighted share of these problems solved to the target within tau times
-the time of the fastest solver. A solver that was skipped on whole classes is also compared with the others on the
-problems that it ran on. `by_charge` shows how the ranking depends on the charge for a problem not solved.
+the time of the fastest solver. A solver that was skipped on whole classes is also compared with the others on the problems that
+it ran on.
 """
 
 from collections.abc import Sequence
@@ -36,7 +35,6 @@ TARGETS = (1e-4, 1e-6, 1e-8)  # two decades apart: from the accuracy of real-tim
 CHARGES = (1, 2, 10)  # time limits charged for a problem not solved: PAR1, PAR2 and PAR10
 LEVELS = {"p50": 0.5, "p99": 0.99, "worst": 1.0}
 HUNDRED = 100  # problems, of which the 99th percentile leaves out one
-DRAWS = 500  # bootstrap samples: enough for percentiles 2.5 and 97.5, which rest on a dozen samples each
 OVERALL = {2: "in the plane", 3: "in space"}  # the classes of all problems of a dimension
 Array = NDArray[np.float64]
 SHIFT = 1e-5  # s, about the cost of calling a solver
@@ -51,14 +49,6 @@ class Profile(NamedTuple):
     def share(self, at: Array) -> Array:
         """The weighted share of the problems whose cost is at most each value of `at`."""
         return np.r_[0.0, np.cumsum(self.weight)][np.searchsorted(self.cost, at, side="right")]
-
-    def band(self, at: Array) -> tuple[Array, Array]:
-        """The pointwise 95 % bootstrap band, its lower and upper shares: a sample's number within `at` is binomial."""
-        n = max(round(effective(self.weight)), 1)
-        within = self.share(at).clip(0, 1)
-        drawn = np.random.default_rng(0).binomial(n, within, size=(DRAWS, len(at))) / n
-        low, high = np.percentile(drawn, [2.5, 97.5], axis=0)
-        return low, high
 
 
 def targets(rows: pd.DataFrame) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""The report: one self-contained HTML file made from a results folder, and the files that it links to.
+"""The report: one self-contained HTML file made from a results folder.
 
 Names and reasons in a results folder may come from an untrusted source: the template escapes all text, the page loads nothing,
 the only script that it runs is templates/page.js, by its hash, and figures are drawn without interpreting names.
@@ -9,8 +9,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports import robustness, tables
 from frictionbench.reports.accuracy import OVERALL, overall, percentiles
@@ -19,13 +17,11 @@ from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.choice import GLOSS, LISTED, choices, headline
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.files import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.recorded import motions, recorded_problems
 from frictionbench.reports.run import Run, read_run
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.templates import environment, script
-from frictionbench.results.commands import Sources, rerun
 from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import write_text
 
@@ -41,18 +37,15 @@ Panels = Sequence[Panel] | Sequence[Drawing]
 
 
 def write_report(folder: Path, run: Run | None = None) -> Path:
-    """Write DIR/report.html, and the failed cells of maps in DIR/failures.txt; return the report.
+    """Write DIR/report.html; return its path.
 
     run: the result of read_run(folder), if at hand.
     Errors: results.files.ResultsError if DIR is not a results folder or a file in it cannot be read.
     """
     if has_batches(folder):
         return write_batches(folder)
-    page = view(run or read_run(folder))
-    if len(failed := page["maps"]["failed"]):
-        write_text(folder / "failures.txt", failures(folder, failed, page["run"].plugins))
     path = folder / "report.html"
-    write_text(path, render(page))
+    write_text(path, render(view(run or read_run(folder))))
     return path
 
 
@@ -60,15 +53,6 @@ def render(page: Values) -> str:
     """The page as HTML."""
     text, digest = script("page.js")
     return environment().get_template("page.html").render(page, script=text, script_hash=digest)
-
-
-def failures(folder: Path, failed: pd.DataFrame, plugins: Sources) -> str:
-    """A line for each failed cell: the command that runs it again, and what it is."""
-    return "".join(
-        f"{rerun(folder, row['key'], row['variant'], plugins)}"
-        f"  # {row['label']}: {row['verdict']}, {row['scene']} {row['parameters']}, {row['contacts']:.0f} contacts\n"
-        for row in failed.to_dict("records")
-    )
 
 
 def view(run: Run) -> Values:
@@ -81,10 +65,7 @@ def view(run: Run) -> Values:
     return {
         "run": run,
         "head": _head(run, rankings),
-        "marks": {
-            "faded": _but_the_best(run, FEW, FEW + 2),
-            "unbanded": _but_the_best(run, BANDS, BANDS),
-        },
+        "faded": _faded(run),
         "hard": tables.hard_shares(run),
         "charts": _charts(runs),
         "rankings": rankings,
@@ -160,11 +141,11 @@ def _scenes(run: Run) -> dict[str, list[str]]:
     return {name: list(run.ranked.loc[where == name, "problem_class"].unique()) for name in run.overall}
 
 
-def _but_the_best(run: Run, few: int, limit: int) -> list[str]:
-    """The tags of all labels except the best few; none where there are no more than `limit`."""
+def _faded(run: Run) -> list[str]:
+    """The tags of all labels except the best FEW; none where there are hardly more."""
     table = run.summaries[min(run.summaries)]
-    best = {label for where in run.overall for label in tables.best_first(table, where).index[:few]}
-    return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > limit else []
+    best = {label for where in run.overall for label in tables.best_first(table, where).index[:FEW]}
+    return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > FEW + 2 else []
 
 
 def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]]:
@@ -178,13 +159,13 @@ def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, 
 
 
 def _maps(run: Run) -> Values:
-    """Failure maps as tables. failed: all cells that failed where a solution is known; smallest: one per map and solver."""
+    """Failure maps as tables. failed: how many cells failed where a solution is known; smallest: one per map and solver."""
     cells = robustness.map_cells(run)
     failed = robustness.failures(cells)
     smallest = robustness.smallest(failed).to_dict("records")
     changes = {one.spec.name: robustness.changes(one) for one in cells if one.spec.constant}
     tables = {"robustness": robustness.robustness(cells), "changes": changes}
-    return tables | {"failed": failed, "smallest": smallest}
+    return tables | {"failed": len(failed), "smallest": smallest}
 
 
 def _simulated(run: Run) -> dict[str, Records]:

@@ -6,25 +6,21 @@ reached. A motion is a scene, or a folder of recorded files in order, of which m
 it counts the same.
 """
 
-import json
 from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.accuracy import in_order, percentiles
 from frictionbench.reports.run import Run
-from frictionbench.results.conventions import scene_title
+from frictionbench.results.conventions import json_object, scene_title
 
-NOTICED = 1e-12  # asymmetry and indefiniteness of W above the rounding errors of its assembly
 FEWEST = 20  # steps: of fewer the 99th percentile is the longest time
 
 
 def recorded_problems(run: Run) -> list[dict[str, Any]]:
     """The recorded problems of the run, in the order of the plan: family, file, tol, reason: why the file yields none, and
-    where it does dimension, contacts (None of a bare LCP), unknowns, rank_ratio: the rank of W over its number of rows, None if
-    unknown, remarks: properties that a mechanical problem does not have, solvers: those that solve it with their times, s, the
+    where it does dimension, contacts (None of a bare LCP), unknowns, solvers: those that solve it with their times, s, the
     fastest first, and tried: how many ran."""
     files = run.rows["parameters"].map(file_of)
     own = run.rows.assign(file=files)[files != ""]
@@ -38,13 +34,10 @@ def _recorded(rows: pd.DataFrame) -> dict[str, Any]:
         return {"tol": tol, "reason": str(first["reason"])}
     done = rows[rows["answered"] & (rows["residual"] <= tol) & (rows["verdict"] != Verdict.UNJUDGEABLE)]
     contacts, dimension, unknowns = (None if pd.isna(first[n]) else int(first[n]) for n in ("contacts", "dimension", "size"))
-    rows_of_w = (contacts or 0) * (dimension or 0)
     return {
         "dimension": dimension,
         "contacts": contacts,
         "unknowns": unknowns,
-        "rank_ratio": first["rank"] / rows_of_w if rows_of_w and np.isfinite(first["rank"] or np.nan) else None,
-        "remarks": _remarks(first),
         "tol": tol,
         "solvers": done.groupby("label")["time"].min().sort_values().to_dict(),
         "tried": rows.loc[measured(rows), "label"].nunique(),
@@ -52,21 +45,10 @@ def _recorded(rows: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def _remarks(facts: pd.Series) -> str:
-    remarks = ["trivial"] if facts["trivial"] else []
-    for name, column in (("unsymmetric", "asymmetry"), ("indefinite", "indefiniteness")):
-        share = abs(facts[column] or 0.0)
-        remarks += [f"{name} by {share:.0e}".replace("e-0", "e-")] if share > NOTICED else []
-    return ", ".join(remarks)
-
-
 def file_of(parameters: str) -> str:
     """The file that the parameters of a recorded problem name; empty for a scene."""
-    try:
-        values: Any = json.loads(parameters or "{}")
-    except (ValueError, RecursionError):
-        return ""
-    return str(values["file"]) if isinstance(values, dict) and list(values) == ["file"] else ""
+    values = json_object(parameters)
+    return str(values["file"]) if list(values) == ["file"] else ""
 
 
 class Motion(NamedTuple):

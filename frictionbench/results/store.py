@@ -7,7 +7,7 @@
     DIR/shards/TABLE-*.jsonl      rows in order of arrival, one file per writer, appended and flushed row by row
     DIR/solves.parquet, simulations.parquet    the merged shards
     DIR/shrunk/                   failing problems reduced in size, see harness.shrink
-    DIR/report.html, failures.txt, report.md, paper/    made from the files above, see reports
+    DIR/report.html, report.md, paper/    made from the files above, see reports
 
 A shard may end in an incomplete line, if its writer was killed. Such a line, and any other that is not a row, is ignored, and
 its cell runs again. Of several rows with the same key the first counts. The tables are written from the rows that the shards

@@ -174,7 +174,6 @@ def test_failures_are_listed_smallest_first(tmp_path) -> None:
     (row,) = smallest(failures(map_cells(read_run(tmp_path / "run")))).to_dict("records")
     assert (row["label"], json.loads(row["parameters"])["blocks"], row["contacts"]) == ("nsgs", 2, 4)
     assert row["key"] in write_report(tmp_path / "run").read_text(encoding="utf-8")
-    assert row["key"] in (tmp_path / "run" / "failures.txt").read_text(encoding="utf-8")
 
 
 def test_custom_map(tmp_path) -> None:

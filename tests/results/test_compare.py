@@ -360,7 +360,7 @@ def test_comparison_files(runs, tmp_path, monkeypatch):
     assert flip["command"] == f"frictionbench rerun {result.current} a-p1-1e-08"
     assert (flip["residual_after"], told["exit_code"]) == (None, 1)
     (suite,) = ElementTree.parse(tmp_path / "out" / "junit.xml").getroot()
-    assert suite.attrib == {"name": "a", "tests": "5", "failures": "2", "skipped": "1"}
+    assert (suite.get("name"), len(suite), len(suite.findall("*/skipped"))) == ("a", 5, 1)
     assert [case.find("failure").get("message") for case in suite if case.find("failure") is not None] == [
         "solved → crashed, residual 1.0e-09 → nan ill?",
         "unsolved → skipped, residual 1.0e-09 → nan absent",

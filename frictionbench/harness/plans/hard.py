@@ -67,7 +67,7 @@ def candidates(dimension: int) -> Plan:
 def families(dimension: int) -> dict[str, list[Source]]:
     """The candidates by family: a source for every combination of the values in a row of candidates.tsv."""
     found: dict[str, list[Source]] = {}
-    for row in _rows(CANDIDATES):
+    for row in table(CANDIDATES):
         if int(row["dimension"]) == dimension:
             grid = json.loads(row["grid"])
             chosen = (dict(zip(grid, values, strict=True)) for values in product(*grid.values()))
@@ -77,10 +77,11 @@ def families(dimension: int) -> dict[str, list[Source]]:
 
 def admitted() -> list[dict[str, str]]:
     """The rows of hard.tsv: family, scene, parameters, contacts, known, residual, floor, answer, failed."""
-    return _rows(ADMITTED)
+    return table(ADMITTED)
 
 
-def _rows(path: Path) -> list[dict[str, str]]:
+def table(path: Path) -> list[dict[str, str]]:
+    """The lines of a table of text, by the names in its first line."""
     with path.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
 

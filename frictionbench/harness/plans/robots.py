@@ -6,11 +6,11 @@ robots.npz holds an answer of each by the name of the step, and under "NAME star
 contacts that it had too: its warm start. docs/robots.md describes the set.
 """
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
+from frictionbench.harness.plans.hard import table
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems.check import Array
 
@@ -20,8 +20,7 @@ SCENE = "robot_step"
 
 def chosen() -> list[dict[str, str]]:
     """The lines of robots.tsv."""
-    with TABLE.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
+    return table(TABLE)
 
 
 def steps() -> tuple[Source, ...]:

@@ -1,8 +1,5 @@
 """Performance profiles of Dolan and Moré (2002): the weighted share of problems within tau times the least time of any solver.
 
-The band contains 95 % of the profiles of bootstrap samples of the problems (reports.accuracy.Profile). Where the bands of two
-solvers overlap, a different choice of problems of the same kind may rank them the other way round.
-
 Beside them stand the share within a time, which does not depend on the other solvers; profiles of deterministic counters in
 place of time, which do not depend on the machine; and profiles by the properties that make a problem difficult, the number of
 contacts and the rank of W over its rows: rank deficiency is more difficult for most methods than lack of convexity (Acary,
@@ -29,7 +26,6 @@ from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
 
 FARTHEST = 1e3  # ratio to the fastest at the right edge: three decades
-POINTS = 61  # of a band, 20 per decade
 STEPS = 160  # of a curve, finer than the resolution of a panel
 UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 SIZES = {"1 to 10 contacts": (1, 10), "11 to 100": (11, 100), "101 to 1000": (101, 1000), "more than 1000": (1001, 10**12)}
@@ -111,12 +107,10 @@ def _draw(
     ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], across: str = "time over the fastest solver's time"
 ) -> None:
     """Draw the profiles. costs: of each label, over the least cost, see reports.accuracy.profiles."""
-    at = np.geomspace(1, FARTHEST, POINTS)
     for label, profile in costs.items():
         look, (reached, share) = looks[label], steps(profile, FARTHEST)
         x, y = [1.0, *reached, FARTHEST], [0.0, *share]
         ax.step(x, [*y, y[-1]], where="post", **look.line, markevery=(0.1, 0.15))
-        ax.fill_between(at, *profile.band(at), color=look.colour, alpha=0.13, lw=0, gid=f"band-{look.tag}")
     log_ticks(ax, "x", {10.0**k: f"{10**k}" for k in range(4)})
     ax.set_xlim(1, FARTHEST)
     share_axis(ax, across)
@@ -149,7 +143,7 @@ CHART = Chart(
     ranked=True,
     caption="The weighted share of all ranked problems, the same for all solvers, solved to the target within tau times the "
     "time of the fastest solver on the problem. At tau = 1, the left edge, the share on which a solver is the fastest; at the "
-    "right edge, the share that it solves at all. Bands, of a few solvers: 95 % bootstrap bands over the problems.",
+    "right edge, the share that it solves at all.",
 )
 WORK = Chart(
     name="work",

@@ -34,8 +34,8 @@ class Panel:
 def inline_svg(panel: Panel) -> str:
     """The panel, without its title, as an SVG element in the text colour of the page.
 
-    Ids of groups are removed, because they would be repeated on the page; those of labels become the attributes data-label,
-    data-dots and data-band.
+    Ids of groups are removed, because they would be repeated on the page; those of labels become the attributes data-label
+    and data-dots.
     """
     with mpl.rc_context(RC | ON_PAGE):
         figure = Figure(figsize=panel.size, layout="constrained")
@@ -61,7 +61,7 @@ def _element(figure: Figure, attributes: str) -> str:
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
     svg = re.sub(r'\s*<defs>\s*<style type="text/css">\*\{(.*?)\}</style>\s*</defs>', "", svg, count=1)  # of the whole page
     svg = svg.replace("<svg", f'<svg {attributes} style="stroke-linejoin: round; stroke-linecap: butt"', 1)
-    svg = re.sub(r'<g id="(dots|band)-(label-[0-9a-f]+)"', r'<g data-\1="\2"', svg)
+    svg = re.sub(r'<g id="dots-(label-[0-9a-f]+)"', r'<g data-dots="\1"', svg)
     svg = re.sub(r'<g id="(label-[0-9a-f]+)"', r'<g data-label="\1"', svg)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")
     return re.sub(r'(?<= d=")[^"]*', lambda way: re.sub(r"(\.\d)\d+|\s*\n", r"\1", way[0]), svg)  # tenths of a point suffice

@@ -6,7 +6,6 @@ from textwrap import fill
 
 import matplotlib as mpl
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -19,7 +18,6 @@ FAMILIES = {"serif": ("serif", "STIXGeneral"), "sans": ("sans-serif", "DejaVu Sa
 TITLE, LETTER = 96, 0.008  # letters of a panel's title, in lines of its width; inches of a letter for each point of the font
 HANDLE = 9  # letters that fit into the line or patch beside a name in the legend and the gaps around it
 NOTHING: Mapping[str, Artist] = {}
-BANDS = 3  # bootstrap bands in one panel; more would hide each other
 
 
 def save_sheet(
@@ -50,8 +48,6 @@ def save_sheet(
         for ax, panel in zip(grid, panels, strict=False):
             panel.draw(ax)
             ax.set_title(fill(plain(panel.title, TITLE), int(size[0] / (LETTER * font)), break_long_words=False))
-            if len(looks) > BANDS:
-                remove_bands(ax)
         for ax in grid[len(panels) :]:
             ax.axis("off")
         tags = {str(artist.get_gid()).removeprefix("dots-") for artist in figure.findobj()}
@@ -72,9 +68,3 @@ def _legend(figure: Figure, named: Mapping[str, Artist], height: float, font: fl
     across = max(1, int(figure.get_figwidth() / (LETTER * font * longest)))
     figure.set_figheight(height + 0.02 * font * -(-len(named) // across))
     figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=across, handlelength=3)
-
-
-def remove_bands(ax: Axes) -> None:
-    """Remove the bootstrap bands."""
-    for band in ax.findobj(lambda artist: str(artist.get_gid()).startswith("band-")):
-        band.remove()

@@ -1,7 +1,6 @@
 "use strict";
 // Selects solvers, sorts tables, makes them cards on narrow screens, and shows the tooltips of dots. Without it the page is complete, with the best few solvers highlighted.
 const marks = document.querySelectorAll("g[data-label], g[data-dots]");
-const bands = document.querySelectorAll("g[data-band]");
 const chips = document.querySelectorAll("button[data-label]");
 const chosen = new Set();
 
@@ -10,7 +9,6 @@ function show() {
   for (const mark of marks) {
     mark.classList.toggle("faint", chosen.size > 0 && !chosen.has(mark.dataset.label || mark.dataset.dots));
   }
-  for (const band of bands) band.classList.toggle("gone", !chosen.has(band.dataset.band));
   for (const chip of chips) {
     chip.setAttribute("aria-pressed", chosen.has(chip.dataset.label));
   }
