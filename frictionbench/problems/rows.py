@@ -36,7 +36,7 @@ class Rows(NamedTuple):
     def dense(self, columns: int) -> Array:
         """The matrix as a new array (rows, columns)."""
         dense = np.zeros((len(self.start) - 1, columns))
-        dense[np.repeat(np.arange(len(dense)), np.diff(self.start)), self.column] = self.value
+        dense[row_of_entry(self.start), self.column] = self.value
         return dense
 
 
@@ -46,6 +46,11 @@ class ByContact(NamedTuple):
     start: Index32
     column: Index32
     value: Array
+
+
+def row_of_entry(start: Index32) -> Index64:
+    """The row of each entry (entries,)."""
+    return np.repeat(np.arange(len(start) - 1), np.diff(start))
 
 
 def from_dense(dense: Array) -> Rows:
@@ -76,7 +81,7 @@ def nowhere(n):  # type: ignore[no-untyped-def]
 def by_contact(normal: Rows, tangent: Rows, d: int) -> ByContact:
     """Each contact's normal row and its d-1 tangent rows over the union of their columns."""
     nc = len(normal.start) - 1
-    row = [np.repeat(np.arange(len(rows.start) - 1), np.diff(rows.start)) for rows in (normal, tangent)]
+    row = [row_of_entry(rows.start) for rows in (normal, tangent)]
     contact, axis = np.append(row[0], row[1] // (d - 1)), np.append(0 * row[0], 1 + row[1] % (d - 1))
     column = np.append(normal.column, tangent.column)
     width = int(column.max(initial=0)) + 1

@@ -14,7 +14,6 @@ References: Boyd, Parikh, Chu, Peleato and Eckstein 2011, sections 3.3 and 3.4; 
 Carpentier, Le Lidec and Montaut 2024.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -62,15 +61,8 @@ class Factor(NamedTuple):
     right: Array
 
 
-@dataclass(frozen=True, eq=False)
-class Formed:
-    """The packed problem; W by contacts (problems.rows), and q (nc, d)."""
-
-    form: ContactForm
-    W: tuple[Index32, Index32, Array]
-    q: Array
-
-
+# The packed problem; W by contacts (problems.rows), and q (nc, d).
+Formed = tuple[ContactForm, tuple[Index32, Index32, Array], Array]
 Prepared = tuple[Formed, Factor | None]  # None where there is no time for a factorisation
 
 
@@ -85,18 +77,18 @@ class ADMM:
     shift = 0.0
 
     def form(self, problem: FrictionProblem) -> Formed:
-        return Formed(contact_form(problem, relaxed=not self.shift), problem.blocks, problem.q.reshape(-1, problem.dimension))
+        return contact_form(problem, relaxed=not self.shift), problem.blocks, problem.q.reshape(-1, problem.dimension)
 
     def setup(self, formed: Formed) -> Prepared:
-        factor = _lay_out(*formed.W)
+        form, W, _ = formed
+        factor = _lay_out(*W)
         if is_past(deadline(operations(factor.fronts))):
             return formed, None
-        return formed, _factorise(factor, formed.W[2], formed.form.scale, RHO)
+        return formed, _factorise(factor, W[2], form.scale, RHO)
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        formed, factor = prepared
-        form, rho = formed.form, RHO
-        z = impulses(start, form.offset.shape)
+        (form, W, q), factor = prepared
+        z, rho = impulses(start, form.offset.shape), RHO
         if factor is None:
             return Answer(z, Status.TIME_LIMIT, {"iterations": 0, "factorisations": 0, "checks": 0})
         last = deadline(operations(factor.fronts))
@@ -108,13 +100,13 @@ class ADMM:
                 w[:] = -u
                 w[:, 0] -= self.shift * form.friction * np.linalg.norm(u[:, 1:], axis=1)
             count = min(CHECK, monitored.limit - iterations)
-            primal, dual = _alternate(form, factor, formed.q, rho, self.shift, z, w, count)
+            primal, dual = _alternate(form, factor, q, rho, self.shift, z, w, count)
             iterations += count
             ratio = (primal / dual) ** 0.25 if primal > 0 and dual > 0 else 1.0
             if iterations >= retune and not 1 / RETUNE < ratio < RETUNE and not is_past(last):
                 retune = 2 * iterations
                 rho = float(np.clip(rho * ratio, 1e-6, 1e6))
-                factor = _factorise(factor, formed.W[2], form.scale, rho)
+                factor = _factorise(factor, W[2], form.scale, rho)
                 factorisations += 1
         return monitored.answer(z, iterations=iterations, factorisations=factorisations, checks=monitored.seen)
 

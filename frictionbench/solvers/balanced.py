@@ -1,8 +1,9 @@
-"""Islands of unlike speeds, for every solver of this package: each is solved in its own unit of velocity.
+"""Problems that no method of this package is given as they are: islands of unlike speeds, and none for a library to solve.
 
 The methods, ours and those of outside libraries, scale a problem by its fastest contact, and so do their tolerances; an island
 that is much slower would be left unsolved. Where the units of the islands differ by more than UNLIKE, a solver is given the
-problem with its islands in like units (FrictionProblem.balanced), and its impulses are converted back.
+problem with its islands in like units (FrictionProblem.balanced), and its impulses are converted back. No outside library is
+called without contacts: the steps of its adapter hand on the answer.
 """
 
 from dataclasses import replace
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms.islands import spread
 from frictionbench.problems.forms.lcp import by_unknown
@@ -26,21 +28,24 @@ class Balanced(NamedTuple):
     factor: Array
 
 
-def with_balance(cls: Any, model: str) -> Any:
+def with_balance(cls: Any, model: str, outside: bool) -> Any:
     """The class with steps that balance the problem and convert the answer; inherited ones do so already."""
     for name, balance in (("form", _form), ("setup", _setup), ("solve", _solve)):
         step = getattr(cls, name)
         if not hasattr(step, "__wrapped__"):
             setattr(cls, name, wraps(step)(balance(step)))
-    cls.solves_relaxation = model in ("relaxation", "regularised")
+    cls.is_outside, cls.usual_model = outside, model
     return cls
 
 
 def _form(form: Any) -> Any:
     def balanced(self: Any, problem: Any) -> Any:
+        if self.is_outside and not len(problem.q):
+            z = np.zeros(0) if getattr(self, "model", self.usual_model) == "lcp" else None
+            return Answer(np.zeros((0, getattr(problem, "dimension", 0))), Status.SOLVED, z=z)
         if not isinstance(problem, FrictionProblem):  # a bare LCP
             return form(self, problem)
-        relaxed = self.solves_relaxation
+        relaxed = self.usual_model in ("relaxation", "regularised")
         if (spread(problem.relaxation_units) if relaxed else problem.spread) <= UNLIKE:
             return form(self, problem)
         same, factor = problem.balanced(relaxed)
@@ -51,6 +56,8 @@ def _form(form: Any) -> Any:
 
 def _setup(setup: Any) -> Any:
     def balanced(self: Any, formed: Any) -> Any:
+        if type(formed) is Answer:
+            return formed
         return Balanced(setup(self, formed.step), formed.factor) if type(formed) is Balanced else setup(self, formed)
 
     return balanced
@@ -58,6 +65,8 @@ def _setup(setup: Any) -> Any:
 
 def _solve(solve: Any) -> Any:
     def balanced(self: Any, prepared: Any, tol: float, limit: int | None, start: Array | None = None) -> Any:
+        if type(prepared) is Answer:
+            return replace(prepared)
         if type(prepared) is not Balanced:
             return solve(self, prepared, tol, limit, start)
         step, factor = prepared

@@ -24,7 +24,7 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.rows import Rows
+from frictionbench.problems.rows import row_of_entry
 from frictionbench.solvers.interface import Answer, Status, solver
 
 PREFIX = "exec:"
@@ -51,11 +51,6 @@ def absolute(source: str) -> str:
     return PREFIX + shlex.join(str(Path(word).absolute()) if Path(word).is_file() else word for word in (found, *others))
 
 
-def name(source: str) -> str:
-    """The solver's name: that of the executable's file."""
-    return re.sub(r"[^\w.-]", "_", files(source)[0].name)
-
-
 def files(source: str) -> list[Path]:
     """The executable and the files among its arguments."""
     return [Path(word) for word in shlex.split(source.removeprefix(PREFIX)) if Path(word).is_file()]
@@ -75,16 +70,9 @@ def content(source: str) -> str:
 
 @cache
 def register(source: str) -> str:
-    """Register the command as a solver, once; its name. Errors: InputError where there is another of that name."""
-    command = tuple(shlex.split(source.removeprefix(PREFIX)))
-    try:
-        solver(name(source), family="outside", model="coulomb", dimension=(2, 3), lacks=("asymmetry",))(_solver_class(command))
-    except ValueError as error:
-        raise InputError(f"solver: {source}: {error}") from None
-    return name(source)
+    """Register the command as a solver, once; its name, that of its file. Errors: InputError where there is another of it."""
+    command, name = tuple(shlex.split(source.removeprefix(PREFIX))), re.sub(r"[^\w.-]", "_", files(source)[0].name)
 
-
-def _solver_class(command: tuple[str, ...]) -> type:
     class Executable:
         """A solver that is an executable. (executable)"""
 
@@ -98,45 +86,35 @@ def _solver_class(command: tuple[str, ...]) -> type:
             return _run(command, head + text, (problem.contacts, problem.dimension))
 
     Executable.__module__ = __name__.rpartition(".")[2]  # not this package's: it is a plug-in
-    return Executable
+    try:
+        solver(name, family="outside", model="coulomb", dimension=(2, 3), lacks=("asymmetry",))(Executable)
+    except ValueError as error:
+        raise InputError(f"solver: {source}: {error}") from None
+    return name
 
 
 def problem_text(problem: FrictionProblem) -> str:
     """The problem's file after its first lines, tolerances and limit."""
-    W, J = problem.W.tocoo(), problem.contact_rows
-    d = problem.dimension
+    W, J, M, F, d = problem.W.tocoo(), problem.contact_rows, problem.mass_rows, problem.joint_rows, problem.dimension
     entry, component = np.nonzero(J.value)
-    contact = np.repeat(np.arange(problem.contacts), np.diff(J.start))
-    sizes = {"dimension": d, "contacts": problem.contacts, "velocities": len(problem.free_velocity)}
-    sizes["joints"] = len(problem.joint_bias)
-    return "".join(
-        [
-            *(f"{size} {count}\n" for size, count in sizes.items()),
-            _numbers("friction", problem.friction),
-            _numbers("friction_bias", problem.friction_bias),
-            _entries("W", W.row, W.col, W.data),
-            _numbers("q", problem.q),
-            _entries("M", *_of_rows(problem.mass_rows)),
-            _entries("J", contact[entry] * d + component, J.column[entry], J.value[entry, component]),
-            _numbers("v", problem.free_velocity),
-            _numbers("offset", problem.offset.ravel()),
-            _entries("F", *_of_rows(problem.joint_rows)),
-            _numbers("joint_bias", problem.joint_bias),
-        ]
-    )
-
-
-def _of_rows(rows: Rows) -> tuple[Any, Any, Array]:
-    return np.repeat(np.arange(len(rows.start) - 1), np.diff(rows.start)), rows.column, rows.value
-
-
-def _entries(field: str, row: Any, column: Any, value: Array) -> str:
-    triples = zip(row.tolist(), column.tolist(), value.tolist(), strict=True)
-    return f"{field} {len(row)}\n" + "".join(f"{i} {j} {entry!r}\n" for i, j, entry in triples)
-
-
-def _numbers(field: str, values: Array) -> str:
-    return f"{field} {len(values)}\n" + "".join(f"{value!r}\n" for value in values.tolist())
+    sizes = (d, problem.contacts, len(problem.free_velocity), len(problem.joint_bias))
+    columns: dict[str, tuple[Any, ...]] = {
+        "friction": (problem.friction,),
+        "friction_bias": (problem.friction_bias,),
+        "W": (W.row, W.col, W.data),
+        "q": (problem.q,),
+        "M": (row_of_entry(M.start), M.column, M.value),
+        "J": (row_of_entry(J.start)[entry] * d + component, J.column[entry], J.value[entry, component]),
+        "v": (problem.free_velocity,),
+        "offset": (problem.offset.ravel(),),
+        "F": (row_of_entry(F.start), F.column, F.value),
+        "joint_bias": (problem.joint_bias,),
+    }
+    text = "dimension {}\ncontacts {}\nvelocities {}\njoints {}\n".format(*sizes)
+    for field, parts in columns.items():
+        lines = zip(*(part.tolist() for part in parts), strict=True)
+        text += f"{field} {len(parts[0])}\n" + "".join(" ".join(map(repr, line)) + "\n" for line in lines)
+    return text
 
 
 def _run(command: tuple[str, ...], text: str, contacts: tuple[int, int]) -> Answer:

@@ -239,7 +239,7 @@ def solver(
 
     def register(cls: Class) -> Class:
         whole = with_all_steps(cls)
-        made: Any = dataclass(frozen=True)(with_balance(whole, model) if _balanced(whole) else whole)
+        made: Any = dataclass(frozen=True)(with_balance(whole, model, bool(needs)) if _balanced(whole) else whole)
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is already registered by {_solvers[name].make}")
         facts = (family, model, dimension, warm_start, sparse, needs, lacks, remote, variants, members)

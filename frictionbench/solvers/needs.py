@@ -1,7 +1,6 @@
 """The distributions that a solver requires, and their installed versions.
 
 quantecon                          a distribution of this Python; it may be imported under another name
-dartpy>=7                          a distribution of at least this major version
 siconos.numerics@/usr/bin/python3  a module of another Python, for a solver that runs in a child process
 """
 
@@ -12,16 +11,14 @@ from importlib.metadata import PackageNotFoundError, version
 
 @cache
 def installed_version(need: str) -> str | None:
-    """The installed version of a requirement; None if it is missing or too old."""
+    """The installed version of a requirement; None if it is missing."""
     module, _, python = need.partition("@")
     if python:
         return _in_other_python(module, python)
-    name, _, least = need.partition(">=")
     try:
-        found = version(name)
+        return version(need)
     except PackageNotFoundError:
         return None
-    return found if int(found.partition(".")[0]) >= int(least or 0) else None
 
 
 def _in_other_python(module: str, python: str) -> str | None:

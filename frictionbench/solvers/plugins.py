@@ -88,28 +88,36 @@ def load(source: str) -> tuple[str, ...]:
     """Import a source; the names of the solvers that it adds. Errors: InputError naming the source and the line that fails."""
     if executable.is_command(source):
         return (executable.register(source),)
-    return _load_file(Path(source)) if is_file(source) else _load_point(_point(source))
-
-
-def _load_file(path: Path) -> tuple[str, ...]:
-    module_name = f"{MODULE}{path.stem}_{content(str(path))[:12]}"
-    if module_name in sys.modules:
+    point = None if is_file(source) else _point(source)
+    name = point.module if point else f"{MODULE}{Path(source).stem}_{content(source)[:12]}"
+    if name in sys.modules:
         return ()
-    before = set(available())
-    spec = importlib.util.spec_from_file_location(module_name, path)
-    if spec is None or spec.loader is None:
-        raise InputError(f"solver: {path} is not a Python file")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[module_name] = module
+    before, by = set(available()), f" of {distribution(point)}" if point else ""
     try:
-        spec.loader.exec_module(module)
+        if point:
+            importlib.import_module(name)
+        else:
+            _import_file(name, source)
     except BaseException as error:  # a plug-in may also call sys.exit
-        del sys.modules[module_name]
-        raise InputError(f"solver: {path} cannot be imported ({describe_error(error)})") from error
-    added = tuple(sorted(set(available()) - before))
+        raise InputError(f"solver: {source}{by} cannot be imported ({describe_error(error)})") from error
+    added = tuple(sorted(available().keys() - before))
+    if point and source not in added:
+        raise InputError(f"solver: {name}{by} defines no solver {source}")
     if not added:
-        raise InputError(f"solver: {path} defines no solver; decorate a class with @solver")
-    return added
+        raise InputError(f"solver: {source} defines no solver; decorate a class with @solver")
+    return (source,) if point else added
+
+
+def _import_file(name: str, path: str) -> None:
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    sys.modules[name] = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(sys.modules[name])
+    except BaseException:
+        del sys.modules[name]
+        raise
 
 
 def describe_error(error: BaseException) -> str:
@@ -123,20 +131,6 @@ def describe_error(error: BaseException) -> str:
     except Exception as another:  # str() runs code of the plug-in
         text = f"its message cannot be formatted: {type(another).__name__}"
     return " ".join(f"{type(error).__name__}: {text}"[:400].split()) + (f" (at {places})" if places else "")
-
-
-def _load_point(point: EntryPoint) -> tuple[str, ...]:
-    if point.module in sys.modules:
-        return ()
-    try:
-        importlib.import_module(point.module)
-    except BaseException as error:
-        raise InputError(
-            f"solver: {point.name} of {distribution(point)} cannot be imported ({describe_error(error)})"
-        ) from error
-    if point.name not in available():
-        raise InputError(f"solver: {point.module} of {distribution(point)} defines no solver {point.name}")
-    return (point.name,)
 
 
 def _point(name: str) -> EntryPoint:

@@ -1,7 +1,7 @@
 """Solvers that come with CasADi: its active-set method QRQP and qpOASES on the relaxation's dual, Ipopt on the friction LCP.
 
-The dual in the plane is min ½ z'H z + g'z over z >= 0 (solvers.outside.box_qp). The LCP, w = M z + q, is the program without
-convexity
+The dual in the plane is min ½ z'H z + g'z over z >= 0 (solvers.outside.scaled_delassus). The LCP, w = M z + q, is the program
+without convexity
 
     min  z'w    subject to    z >= 0,  w >= 0,
 
@@ -38,7 +38,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside import MARGIN
-from frictionbench.solvers.outside.box_qp import DualProgram, dual_program
+from frictionbench.solvers.outside.scaled_delassus import DualProgram, dual_program
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _METHODS = ("qrqp", "qpoases", "ipopt")
@@ -86,16 +86,13 @@ class CasADi:
     def solve(self, given: DualProgram | DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         if isinstance(given, DenseLCP):
             return _by_ipopt(given, tol * given.share / MARGIN, limit or 3000, self.settings == "tuned")
-        n = len(given.g)
-        if not n:
-            return Answer(np.zeros(given.given.contacts), Status.SOLVED)
         eps = max(tol * given.given.share / MARGIN, 1e-12)
-        made = _quadratic(self.method, n, eps if self.method == "qpoases" else 0.0, limit or 10_000)
+        made = _quadratic(self.method, len(given.g), eps if self.method == "qpoases" else 0.0, limit or 10_000)
         found = made(h=given.H, g=given.g, lbx=0.0, ubx=np.inf)
         stats = made.stats()
-        status, work = Status.SOLVED if stats["success"] else Status.FAILED, {"iterations": int(stats["iter_count"])}
+        status, z = Status.SOLVED if stats["success"] else Status.FAILED, np.array(found["x"]).ravel()
         detail, clock = stats["unified_return_status"], stats.get("t_wall_solver")
-        return Answer(given.answer(np.array(found["x"]).ravel()), status, work, detail=detail, clock=clock)
+        return given.answer(z, status, detail, clock, iterations=int(stats["iter_count"]))
 
 
 @lru_cache(maxsize=16)
@@ -111,8 +108,6 @@ def _quadratic(method: str, n: int, eps: float, limit: int) -> Any:
 
 
 def _by_ipopt(given: DenseLCP, eps: float, limit: int, tuned: bool) -> Answer:
-    if not len(given.q):
-        return given.scaled.answer(np.zeros(0), Status.SOLVED)
     made = _complementarity(len(given.q), max(eps**2, 1e-15), limit, tuned)
     found = made(x0=0.0, lbx=0.0, lbg=0.0, p=np.concatenate([given.M.ravel(order="F"), given.q]))
     y, stats = np.array(found["x"]).ravel(), made.stats()

@@ -1,19 +1,11 @@
-"""The convex relaxation as a quadratic program, solved by an outside library through qpsolvers.
+"""The convex relaxation by libraries that are called through a modelling layer: qpsolvers, and CVXPY with Clarabel.
 
-Planar problems only, where the cones are polyhedral. The relaxation differs from Coulomb's law: see problems.forms.relaxation.
-Libraries that are called directly (solvers.outside.qp_libraries, solvers.outside.dual_active_set) are not here.
+The program is that of solvers.outside.scaled_program: a QP in the plane, and by CVXPY a cone program in space,
 
-Licence: qpsolvers LGPL-3.0; HiGHS MIT, ECOS GPL-3.0, QPALM LGPL-3.0-or-later.
-Form: the dimensionless QP (solvers.outside.scaled_program), dense for ECOS. Setup: qpsolvers' problem. Solve: qpsolvers' call,
-    the backend's own setup inside.
-Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
-Settings: for highs qp_regularization_value is 1e-7 by default; tuned is 0.
-Tolerance: eps is tol in the units of the scaled program. highs both feasibilities eps/10, no less than 1e-10. qpalm eps_abs =
-    eps/10. ecos feastol = eps/10, gaps eps^2, no less than 1e-14. Relative tolerances are 0.
-Flaws: ECOS requires a definite matrix and so does not support friction_bias. HiGHS' least feasibility of 1e-10 and ECOS'
-    arithmetic leave the residual of some answers at a few times 1e-8.
-Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Huangfu and Hall 2018 (HiGHS); Domahidi, Chu and Boyd 2013
-    (ECOS); Hermans, Themelis and Patrinos 2022 (QPALM).
+    min  ½ x'Px + q'x    subject to    h - G x in {s_0 >= |s_1:|} for every contact,    A x = b.
+
+Beside the libraries that are called directly (solvers.outside.qp_libraries, solvers.outside.dual_active_set), CVXPY shows what
+a modelling language costs. The relaxation differs from Coulomb's law: see problems.forms.relaxation.
 """
 
 import warnings
@@ -25,9 +17,10 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.outside import MARGIN
-from frictionbench.solvers.outside.scaled_program import Prepared, RelaxationSolver, gap_tolerance, scaled_program
+from frictionbench.solvers.outside.qp_libraries import LEAST_GAP
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, relaxation_library, scaled_program
 
 
 class Backend(NamedTuple):
@@ -48,18 +41,28 @@ BACKENDS = {
     "ecos": Backend("ecos", "max_iters", 200, definite=True),
     "qpalm": Backend("qpalm", "max_iter", 10_000),
 }
-
-
 _LEAST_GAP = 1e-14  # that ECOS reaches
 _TUNED: dict[str, dict[str, float]] = {"highs": {"qp_regularization_value": 0.0}}
 _VARIANTS = (*(f"backend={name}" for name in BACKENDS), *(f"backend={name},settings=tuned" for name in _TUNED))
 
 
-@solver("ccp", family="relaxation", model="relaxation", sparse=True, needs=("qpsolvers", "highspy"), variants=_VARIANTS)
-class CCP(RelaxationSolver):
+@relaxation_library("ccp", sparse=True, needs=("qpsolvers", "highspy"), lacks=(), variants=_VARIANTS)
+class CCP:
     """The convex relaxation as a QP in the velocities, by a library through qpsolvers.
 
     backend: which library. settings: default or tuned. Work: the backend's iterations, where it reports them.
+
+    Licence: qpsolvers LGPL-3.0; HiGHS MIT, ECOS GPL-3.0, QPALM LGPL-3.0-or-later.
+    Form: the dimensionless QP (solvers.outside.scaled_program), dense for ECOS. Setup: qpsolvers' problem. Solve: qpsolvers'
+        call, the backend's own setup inside.
+    Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
+    Settings: for highs qp_regularization_value is 1e-7 by default; tuned is 0.
+    Tolerance: eps is tol in the units of the scaled program. highs both feasibilities eps/10, no less than 1e-10. qpalm eps_abs
+        = eps/10. ecos feastol = eps/10, gaps eps^2, no less than 1e-14. Relative tolerances are 0.
+    Flaws: ECOS requires a definite matrix and so does not support friction_bias. HiGHS' least feasibility of 1e-10 and ECOS'
+        arithmetic leave the residual of some answers at a few times 1e-8.
+    Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Huangfu and Hall 2018 (HiGHS); Domahidi, Chu and Boyd
+        2013 (ECOS); Hermans, Themelis and Patrinos 2022 (QPALM).
     """
 
     backend: str = "highs"
@@ -73,22 +76,24 @@ class CCP(RelaxationSolver):
     def lacks(self) -> tuple[str, ...]:
         return ("friction_bias", "asymmetry") if BACKENDS[self.backend].definite else ("asymmetry",)
 
-    def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, problem.qp(), from_free=BACKENDS[self.backend].definite)
-        P, G, A = scaled.dense if BACKENDS[self.backend].definite else (scaled.P, scaled.G, scaled.A)
-        return Prepared(scaled, (P, scaled.q, G, scaled.h, *((A, scaled.b) if len(scaled.b) else (None, None))))
+    def form(self, problem: FrictionProblem) -> tuple[ScaledProgram, Any]:
+        definite = BACKENDS[self.backend].definite
+        scaled = scaled_program(problem, from_free=definite)
+        P, G, A, b = scaled.matrices(definite)
+        return scaled, (P, scaled.q, G, scaled.h, A, b)
 
-    def create(self, formed: Prepared) -> Any:
-        return import_module("qpsolvers").Problem(*formed.given)
+    def setup(self, formed: tuple[ScaledProgram, Any]) -> tuple[ScaledProgram, Any]:
+        scaled, given = formed
+        return scaled, import_module("qpsolvers").Problem(*given)
 
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+    def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         qpsolvers: Any = import_module("qpsolvers")
-        scaled, backend = prepared.scaled, BACKENDS[self.backend]
-        settings = _settings(self.backend, eps) | (_TUNED[self.backend] if self.settings == "tuned" else {})
+        (scaled, given), backend = prepared, BACKENDS[self.backend]
+        settings = _settings(self.backend, tol * scaled.share) | (_TUNED[self.backend] if self.settings == "tuned" else {})
         settings |= {backend.limit: limit or backend.most}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # qpsolvers warns of a failure; the status reports it
-            found = qpsolvers.solve_problem(prepared.given, self.backend, **settings)
+            found = qpsolvers.solve_problem(given, self.backend, **settings)
         return scaled.answer(found.z, found.found, *_iterations_and_detail(found.extras), found.solve_time)
 
 
@@ -109,3 +114,57 @@ def _iterations_and_detail(extras: Mapping[str, Any]) -> tuple[int | None, str]:
     count = info.get("iter", np.ravel(info.get("iterations", []))[:1].tolist())
     iterations = None if count == [] else int(count[0] if isinstance(count, list) else count)
     return iterations, str(info.get("status", info.get("infostring", "")))
+
+
+@relaxation_library("ccp_cone", dimension=(2, 3), sparse=True, needs=("cvxpy", "clarabel"))
+class CCPCone:
+    """The convex relaxation, with circular cones in space, by CVXPY with Clarabel. (outside)
+
+    Work: Clarabel's iterations.
+
+    Licence: Apache-2.0 (CVXPY and Clarabel).
+    Form: the dimensionless program (solvers.outside.scaled_program). Setup: CVXPY builds and canonicalises it. Solve:
+        Clarabel's, its own setup inside, and CVXPY's unpacking.
+    Clock: none that excludes its setup.
+    Settings: Clarabel's defaults.
+    Tolerance: eps is tol in the units of the scaled program: tol_feas = eps, both gaps eps^2, no less than that of `clarabel`.
+    Flaws: a gap of eps^2 is often below Clarabel's rounding on circular cones; it then reports failure although the answer is
+        accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver ccp_cone`. The model differs from Coulomb's
+        law where bodies slide.
+    Reference: Anitescu and Tasora 2010 for the model; Diamond and Boyd 2016 (CVXPY); Goulart and Chen 2024 (Clarabel).
+    """
+
+    def form(self, problem: FrictionProblem) -> ScaledProgram:
+        return scaled_program(problem, from_free=True)
+
+    def setup(self, scaled: ScaledProgram) -> tuple[ScaledProgram, Any]:
+        """The CVXPY problem, and its canonical data with what converts their solution."""
+        cvxpy: Any = import_module("cvxpy")
+        d = scaled.program.contacts[1]
+        x = cvxpy.Variable(len(scaled.q))
+        s = scaled.h - scaled.G @ x
+        constraints = [s >= 0 if d == 2 else cvxpy.SOC(s[::d], cvxpy.vstack([s[j::d] for j in range(1, d)]))]
+        if scaled.A is not None:
+            constraints.append(scaled.A @ x == scaled.b)
+        objective = cvxpy.Minimize(cvxpy.quad_form(x, scaled.P, assume_PSD=True) / 2 + scaled.q @ x)
+        built = cvxpy.Problem(objective, constraints)
+        return scaled, (built, built.get_problem_data("CLARABEL", solver_opts={}))
+
+    def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        cvxpy: Any = import_module("cvxpy")
+        scaled, (built, (data, chain, inverse)) = prepared
+        eps = tol * scaled.share
+        gap = gap_tolerance(eps, LEAST_GAP["clarabel"])
+        settings = {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap, "max_iter": limit or 200}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # CVXPY warns of an inaccurate solution; the status reports it
+            raw = chain.solve_via_data(built, data, solver_opts=settings)
+            try:
+                built.unpack_results(raw, chain, inverse)
+            except cvxpy.SolverError as error:
+                return scaled.answer(None, False, detail=str(error))
+        z, d = built.constraints[0].dual_value, scaled.program.contacts[1]
+        z = None if z is None or z[0] is None else z
+        if z is not None and d > 2:
+            z = np.column_stack([np.ravel(z[0]), np.reshape(z[1], (d - 1, -1)).T]).ravel()
+        return scaled.answer(z, built.status == cvxpy.OPTIMAL, int(built.solver_stats.num_iters), built.status)

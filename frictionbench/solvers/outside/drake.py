@@ -19,7 +19,7 @@ Reference: Drewniak, Tedrake and others, Drake; Dai and Drumwright, "Computing t
 """
 
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -29,12 +29,6 @@ from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _METHODS = {"moby": "MobyLcpSolver", "unrevised": "UnrevisedLemkeSolver"}
-
-
-class Prepared(NamedTuple):
-    given: DenseLCP
-    program: Any
-    z: Any
 
 
 @solver(
@@ -64,17 +58,16 @@ class Drake:
             return given
         return given._replace(q=given.q + self.perturbation * np.random.default_rng(0).random(len(given.q)))
 
-    def setup(self, given: DenseLCP) -> Prepared:
+    def setup(self, given: DenseLCP) -> tuple[DenseLCP, Any, Any]:
         drake: Any = import_module("pydrake.solvers")
         program = drake.MathematicalProgram()
         z = program.NewContinuousVariables(len(given.q))
         program.AddLinearComplementarityConstraint(given.M, given.q, z)
-        return Prepared(given, program, z)
+        return given, program, z
 
-    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+    def solve(self, prepared: tuple[DenseLCP, Any, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         drake: Any = import_module("pydrake.solvers")
-        if not len(prepared.given.q):
-            return prepared.given.scaled.answer(np.zeros(0), Status.SOLVED)
-        found = getattr(drake, _METHODS[self.method])().Solve(prepared.program, None, None)
+        given, program, z = prepared
+        found = getattr(drake, _METHODS[self.method])().Solve(program, None, None)
         status = Status.SOLVED if found.is_success() else Status.FAILED
-        return prepared.given.scaled.answer(found.GetSolution(prepared.z), status, found.get_solution_result().name)
+        return given.scaled.answer(found.GetSolution(z), status, found.get_solution_result().name)

@@ -13,24 +13,16 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.outside import MARGIN
-from frictionbench.solvers.outside.scaled_program import Prepared, RelaxationSolver, ScaledProgram, scaled_program
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program
 
 _EQUALITY = 5  # DAQP's sense of a row of A
+Prepared = tuple[ScaledProgram, Any]  # and the library's arguments
 
 
-def _rows(scaled: ScaledProgram[Any]) -> tuple[Array, Array, Array, Array]:
-    """P, the rows C of G and A, and their bounds from below and above."""
-    P, G, A = scaled.dense
-    lower = np.full(len(G), -1e30)
-    if not len(A):
-        return P, G, lower, scaled.h
-    return P, np.vstack([G, A]), np.concatenate([lower, scaled.b]), np.concatenate([scaled.h, scaled.b])
-
-
-@solver("daqp", family="relaxation", model="relaxation", needs=("daqp",), lacks=("asymmetry",))
-class DAQP(RelaxationSolver):
+@relaxation_library("daqp", needs=("daqp",))
+class DAQP:
     """The convex relaxation as a QP by DAQP itself. (outside)
 
     Work: iterations.
@@ -43,23 +35,23 @@ class DAQP(RelaxationSolver):
     """
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, problem.qp())
-        P, C, lower, upper = _rows(scaled)
+        scaled = scaled_program(problem)
+        (P, C), (lower, upper) = scaled.dense(), scaled.limits(-1e30)
         sense = np.zeros(len(upper), dtype=np.int32)
         sense[len(scaled.h) :] = _EQUALITY
-        return Prepared(scaled, (P, scaled.q, C, upper, lower, sense))
+        return scaled, (P, scaled.q, C, upper, lower, sense)
 
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         daqp: Any = import_module("daqp")
         scaled, given = prepared
-        accuracy = eps / MARGIN
+        accuracy = tol * scaled.share / MARGIN
         _, _, flag, info = daqp.solve(*given, primal_tol=accuracy, dual_tol=accuracy, iter_limit=limit or 10_000)
         clock = float(info["setup_time"] + info["solve_time"])
         return scaled.answer(np.array(info["lam"]), flag > 0, int(info["iterations"]), f"exit flag {flag}", clock)
 
 
-@solver("qpmad", family="relaxation", model="relaxation", needs=("pyqpmad",), lacks=("friction_bias", "asymmetry"))
-class QPMad(RelaxationSolver):
+@relaxation_library("qpmad", needs=("pyqpmad",), lacks=("friction_bias", "asymmetry"))
+class QPMad:
     """The convex relaxation as a QP by qpmad itself, in C++ with Eigen. (outside)
 
     Work: iterations.
@@ -73,10 +65,10 @@ class QPMad(RelaxationSolver):
     """
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, problem.qp())
-        return Prepared(scaled, _rows(scaled))
+        scaled = scaled_program(problem)
+        return scaled, (*scaled.dense(), *scaled.limits(-1e30))
 
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         pyqpmad: Any = import_module("pyqpmad")
         scaled, (P, C, lower, upper) = prepared
         parameters = pyqpmad.SolverParameters()
@@ -92,8 +84,8 @@ class QPMad(RelaxationSolver):
         return scaled.answer(z, code == pyqpmad.OK, int(made.get_num_iterations()), code.name)
 
 
-@solver("quadprog", family="relaxation", model="relaxation", needs=("quadprog",), lacks=("friction_bias", "asymmetry"))
-class Quadprog(RelaxationSolver):
+@relaxation_library("quadprog", needs=("quadprog",), lacks=("friction_bias", "asymmetry"))
+class Quadprog:
     """The convex relaxation as a QP by quadprog itself. (outside)
 
     Work: iterations.
@@ -108,12 +100,12 @@ class Quadprog(RelaxationSolver):
     """
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, problem.qp())
-        P, G, A = scaled.dense
-        C, c = (np.vstack([A, G]), np.concatenate([scaled.b, scaled.h])) if len(A) else (G, scaled.h)
-        return Prepared(scaled, (P, -scaled.q, -C.T, -c, len(scaled.b)))
+        scaled = scaled_program(problem)
+        P, G, A, _ = scaled.matrices(dense=True)
+        C, c = (G, scaled.h) if A is None else (np.vstack([A, G]), np.concatenate([scaled.b, scaled.h]))
+        return scaled, (P, -scaled.q, -C.T, -c, len(scaled.b))
 
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         quadprog: Any = import_module("quadprog")
         scaled, given = prepared
         try:

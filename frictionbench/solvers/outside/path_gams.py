@@ -53,16 +53,13 @@ class Path:
         return dense_lcp(problem)
 
     def setup(self, given: DenseLCP) -> DenseLCP:
-        if len(given.q):
-            path = _model(len(given.q))
-            path.M.setRecords(given.M)
-            path.q.setRecords(given.q)
+        path = _model(len(given.q))
+        path.M.setRecords(given.M)
+        path.q.setRecords(given.q)
         return given
 
     def solve(self, given: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         gp: Any = import_module("gamspy")
-        if not len(given.q):
-            return given.scaled.answer(np.zeros(0), Status.SOLVED)
         path = _model(len(given.q))
         path.z.setRecords(np.zeros(len(given.q)))
         log = io.StringIO()

@@ -1,8 +1,8 @@
 """Pinocchio's solvers of contact problems: ADMM and projected Gauss-Seidel on a Delassus operator.
 
 Licence: BSD-2-Clause by the text that it ships.
-Form: the symmetric part, of which it reads a triangle, of the dimensionless Delassus matrix with three rows a contact, (t1,
-    t2, n); the second tangent of a planar one is decoupled. Its diagonal is 1, and 4 for ADMM without acceleration. Setup: the
+Form: the dimensionless Delassus matrix, of which it reads a triangle, with three rows a contact, (t1, t2, n); the second
+    tangent of a planar one is decoupled. Its diagonal is 1, and 4 for ADMM without acceleration. Setup: the
     operator and one point contact model a contact. Solve: the solver's solve, and reading the impulses.
 Clock: the solver's getElapsedTime, with measure_timings on.
 Charged: on some problems it takes many times the iterations of a call by hand, which gives it W in units of kg and asks tol/10
@@ -24,7 +24,7 @@ Reference: Carpentier, Montaut and Le Lidec 2024, "From compliant to rigid conta
 """
 
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +34,6 @@ from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside import MARGIN
 from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, scaled_delassus
 
-_SOLVERS = {"admm": "ADMM", "pgs": "PGS"}
 _MARGINS = {"admm": MARGIN, "pgs": 10 * MARGIN}
 # The diagonal of W^. ADMM's mu_prox and its updates of rho depend on units: with 1 it takes 1.4 times as many iterations, the
 # geometric mean of 16 problems of the suites' families, and with 30 three more of them are not solved. With Anderson
@@ -49,11 +48,7 @@ _VARIANTS = tuple(
 _TUNED: dict[str, dict[str, float]] = {"admm": {"anderson_capacity": 8, "lanczos_size": 10}, "pgs": {"over_relaxation": 1.3}}
 
 
-class Prepared(NamedTuple):
-    given: ScaledDelassus
-    operator: Any
-    models: Any
-    datas: Any
+Prepared = tuple[ScaledDelassus, Any, Any, Any]  # the operator, the contact models and their data
 
 
 @solver(
@@ -81,7 +76,7 @@ class Pinocchio:
         return _LAWS[self.law]
 
     def form(self, problem: FrictionProblem) -> ScaledDelassus:
-        return scaled_delassus(problem, TANGENTS_FIRST, symmetric=True, size=_SIZES[self.method][self.settings])
+        return scaled_delassus(problem, TANGENTS_FIRST, size=_SIZES[self.method][self.settings])
 
     def setup(self, given: ScaledDelassus) -> Prepared:
         pin: Any = import_module("pinocchio")
@@ -95,14 +90,12 @@ class Pinocchio:
             model = pin.ConstraintModel(point)
             models.append(model)
             datas.append(model.createData())
-        return Prepared(given, operator, models, datas)
+        return given, operator, models, datas
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         pin: Any = import_module("pinocchio")
         given, operator, models, datas = prepared
-        if not len(given.q):
-            return Answer(np.zeros(given.contacts), Status.SOLVED)
-        name = _SOLVERS[self.method]
+        name = self.method.upper()
         settings, result = getattr(pin, f"{name}SolverSettings")(), getattr(pin, f"{name}SolverResult")()
         settings.solve_ncp, settings.max_iterations = self.law == "ncp", limit or 20_000
         settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = given.share * tol / _MARGINS[self.method]
@@ -114,6 +107,5 @@ class Pinocchio:
             result.setConstraintImpulseGuess(given.guess(start))
         solver = getattr(pin, f"{name}ConstraintSolver")()
         found = solver.solve(operator, given.q, models, datas, settings, result)
-        impulse = given.impulse(np.array(result.retrieveConstraintImpulses()))
-        status = Status.SOLVED if found else Status.WORK_LIMIT
-        return Answer(impulse, status, {"iterations": int(result.iterations)}, clock=solver.getElapsedTime() * 1e-6)
+        r, status = np.array(result.retrieveConstraintImpulses()), Status.SOLVED if found else Status.WORK_LIMIT
+        return given.answer(r, status, clock=solver.getElapsedTime() * 1e-6, iterations=int(result.iterations))

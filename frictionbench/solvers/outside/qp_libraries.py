@@ -12,16 +12,11 @@ from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.forms.relaxation import ConeProgram
-from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.outside import MARGIN
-from frictionbench.solvers.outside.scaled_program import (
-    Prepared,
-    RelaxationSolver,
-    gap_tolerance,
-    scaled_program,
-    scaled_relaxation,
-)
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, relaxation_library, scaled_program
+
+Prepared = tuple[ScaledProgram, Any]  # and what the library is given: its arguments, after setup its object
 
 LEAST_GAP = {
     # With 1e-16 it takes 1.5 times as many iterations on stacks and reports failure for half of its accurate answers in space;
@@ -39,17 +34,10 @@ _CLARABEL_TUNED = {
 _INFEASIBILITY = 1e-14  # of ProxQP, tuned
 
 
-@solver(
-    "clarabel",
-    family="relaxation",
-    model="relaxation",
-    dimension=(2, 3),
-    sparse=True,
-    needs=("clarabel",),
-    lacks=("asymmetry",),
-    variants=("settings=default", "settings=tuned"),
+@relaxation_library(
+    "clarabel", dimension=(2, 3), sparse=True, needs=("clarabel",), variants=("settings=default", "settings=tuned")
 )
-class Clarabel(RelaxationSolver):
+class Clarabel:
     """The convex relaxation by Clarabel itself, with circular cones in space. (outside)
 
     settings: default or tuned. Work: iterations.
@@ -75,21 +63,21 @@ class Clarabel(RelaxationSolver):
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_relaxation(problem, from_free=True)
-        return Prepared(scaled, (scaled.upper, scaled.q, scaled.constraints, np.concatenate([scaled.h, scaled.b])))
+        scaled = scaled_program(problem, from_free=True)
+        return scaled, (scaled.upper, scaled.q, scaled.constraints, scaled.limits(0.0)[1])
 
-    def create(self, formed: Prepared) -> Any:
+    def setup(self, formed: Prepared) -> Prepared:
         clarabel: Any = import_module("clarabel")
-        scaled = formed.scaled
-        cones = [clarabel.NonnegativeConeT(len(scaled.h))]
-        if isinstance(scaled.program, ConeProgram):
-            cones = [clarabel.SecondOrderConeT(3)] * (len(scaled.h) // 3)
+        scaled, given = formed
+        rows, flat = len(scaled.h), scaled.program.contacts[1] == 2
+        cones = [clarabel.NonnegativeConeT(rows)] if flat else [clarabel.SecondOrderConeT(3)] * (rows // 3)
         cones = [*cones, clarabel.ZeroConeT(len(scaled.b))] if len(scaled.b) else cones
-        return clarabel.DefaultSolver(*formed.given, cones, self._settings())
+        return scaled, clarabel.DefaultSolver(*given, cones, self._settings())
 
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         clarabel: Any = import_module("clarabel")
         scaled, made = prepared
+        eps = tol * scaled.share
         gap = gap_tolerance(eps, LEAST_GAP["clarabel"])
         made.update(settings=self._settings(tol_feas=eps, tol_gap_abs=gap, tol_gap_rel=gap, max_iter=limit or 200))
         found = made.solve()
@@ -105,8 +93,8 @@ class Clarabel(RelaxationSolver):
         return settings
 
 
-@solver("osqp", family="relaxation", model="relaxation", warm_start=True, sparse=True, needs=("osqp",), lacks=("asymmetry",))
-class OSQP(RelaxationSolver):
+@relaxation_library("osqp", warm_start=True, sparse=True, needs=("osqp",))
+class OSQP:
     """The convex relaxation as a QP by OSQP itself. (outside)
 
     Work: iterations.
@@ -119,18 +107,18 @@ class OSQP(RelaxationSolver):
     """
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, problem.qp())
-        lower, upper = np.concatenate([np.full(len(scaled.h), -np.inf), scaled.b]), np.concatenate([scaled.h, scaled.b])
-        return Prepared(scaled, (scaled.upper, scaled.q, scaled.constraints, lower, upper))
+        scaled = scaled_program(problem)
+        return scaled, (scaled.upper, scaled.q, scaled.constraints, *scaled.limits(-np.inf))
 
-    def create(self, formed: Prepared) -> Any:
+    def setup(self, formed: Prepared) -> Prepared:
+        scaled, given = formed
         workspace = import_module("osqp").OSQP()
-        workspace.setup(*formed.given, verbose=False, eps_rel=0.0)
-        return workspace
+        workspace.setup(*given, verbose=False, eps_rel=0.0)
+        return scaled, workspace
 
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, workspace = prepared
-        workspace.update_settings(eps_abs=eps / MARGIN, max_iter=limit or 100_000)
+        workspace.update_settings(eps_abs=tol * scaled.share / MARGIN, max_iter=limit or 100_000)
         x, y = np.zeros(len(scaled.q)), np.zeros(len(scaled.h) + len(scaled.b))
         if start is not None:
             y[: len(scaled.h)] = scaled.multipliers(start)
@@ -141,17 +129,14 @@ class OSQP(RelaxationSolver):
         return scaled.answer(found.y, info.status_val == 1, int(info.iter), info.status, info.solve_time)
 
 
-@solver(
+@relaxation_library(
     "proxsuite",
-    family="relaxation",
-    model="relaxation",
     warm_start=True,
     sparse=True,
     needs=("proxsuite",),
-    lacks=("asymmetry",),
     variants=tuple(f"matrices={kind}{tuned}" for kind in ("sparse", "dense") for tuned in ("", ",settings=tuned")),
 )
-class ProxSuite(RelaxationSolver):
+class ProxSuite:
     """The convex relaxation as a QP by ProxSuite itself. (outside)
 
     matrices: sparse or dense. settings: default or tuned. Work: iterations.
@@ -172,22 +157,21 @@ class ProxSuite(RelaxationSolver):
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, problem.qp(), from_free=True)
-        P, G, A = (scaled.P, scaled.G, scaled.A) if self.matrices == "sparse" else scaled.dense
-        equality = (A, scaled.b) if len(scaled.b) else (None, None)
-        return Prepared(scaled, (P, scaled.q, *equality, G, np.full(len(scaled.h), -1e20), scaled.h))
+        scaled = scaled_program(problem, from_free=True)
+        P, G, A, b = scaled.matrices(self.matrices == "dense")
+        return scaled, (P, scaled.q, A, b, G, np.full(len(scaled.h), -1e20), scaled.h)
 
-    def create(self, formed: Prepared) -> Any:
-        scaled, proxqp = formed.scaled, import_module("proxsuite").proxqp
+    def setup(self, formed: Prepared) -> Prepared:
+        (scaled, given), proxqp = formed, import_module("proxsuite").proxqp
         qp = getattr(proxqp, self.matrices).QP(len(scaled.q), len(scaled.b), len(scaled.h))
         qp.settings.compute_timings = True
-        qp.init(*formed.given)
-        return qp
+        qp.init(*given)
+        return scaled, qp
 
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         proxqp: Any = import_module("proxsuite").proxqp
         scaled, qp = prepared
-        settings = qp.settings
+        eps, settings = tol * scaled.share, qp.settings
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 10_000
         settings.check_duality_gap, settings.eps_duality_gap_rel = True, 0.0
         settings.eps_duality_gap_abs = gap_tolerance(eps, LEAST_GAP["proxsuite"])
@@ -204,16 +188,8 @@ class ProxSuite(RelaxationSolver):
         return scaled.answer(np.array(qp.results.z), solved, info.iter, info.status.name, info.solve_time * 1e-6)
 
 
-@solver(
-    "piqp",
-    family="relaxation",
-    model="relaxation",
-    sparse=True,
-    needs=("piqp",),
-    lacks=("asymmetry",),
-    variants=("matrices=sparse", "matrices=dense"),
-)
-class PIQP(RelaxationSolver):
+@relaxation_library("piqp", sparse=True, needs=("piqp",), variants=("matrices=sparse", "matrices=dense"))
+class PIQP:
     """The convex relaxation as a QP by PIQP itself. (outside)
 
     matrices: sparse or dense. Work: iterations.
@@ -231,20 +207,21 @@ class PIQP(RelaxationSolver):
     matrices: str = "sparse"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, problem.qp(), from_free=True)
-        P, G, A = (scaled.P, scaled.G, scaled.A) if self.matrices == "sparse" else scaled.dense
-        return Prepared(scaled, (P, scaled.q, *((A, scaled.b) if len(scaled.b) else (None, None)), G, None, scaled.h))
+        scaled = scaled_program(problem, from_free=True)
+        P, G, A, b = scaled.matrices(self.matrices == "dense")
+        return scaled, (P, scaled.q, A, b, G, None, scaled.h)
 
-    def create(self, formed: Prepared) -> Any:
+    def setup(self, formed: Prepared) -> Prepared:
+        scaled, given = formed
         made = getattr(import_module("piqp"), f"{self.matrices.capitalize()}Solver")()
         made.settings.compute_timings = True
-        made.setup(*formed.given)
-        return made
+        made.setup(*given)
+        return scaled, made
 
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         piqp: Any = import_module("piqp")
         scaled, made = prepared
-        settings = made.settings
+        eps, settings = tol * scaled.share, made.settings
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 500
         settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = gap_tolerance(eps, LEAST_GAP["piqp"]), 0.0
         found, result = made.solve(), made.result
@@ -252,16 +229,8 @@ class PIQP(RelaxationSolver):
         return scaled.answer(np.array(result.z_u), solved, int(result.info.iter), found.name, clock)
 
 
-@solver(
-    "scs",
-    family="relaxation",
-    model="relaxation",
-    dimension=(2, 3),
-    sparse=True,
-    needs=("scs",),
-    lacks=("asymmetry",),
-)
-class SCS(RelaxationSolver):
+@relaxation_library("scs", dimension=(2, 3), sparse=True, needs=("scs",))
+class SCS:
     """The convex relaxation by SCS itself, with circular cones in space. (outside)
 
     Work: iterations.
@@ -277,16 +246,16 @@ class SCS(RelaxationSolver):
     """
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_relaxation(problem)
+        scaled = scaled_program(problem)
         rows = scaled.G if scaled.A is None else sparse.vstack([scaled.A, scaled.G], format="csc")
         data = {"P": scaled.upper, "A": rows, "b": np.concatenate([scaled.b, scaled.h]), "c": scaled.q}
         d = scaled.program.contacts[1]
         cone = {"l": len(scaled.h)} if d == 2 else {"q": [d] * (len(scaled.h) // d)}
-        return Prepared(scaled, (data, {"z": len(scaled.b), **cone}))
+        return scaled, (data, {"z": len(scaled.b), **cone})
 
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, given = prepared
-        chosen = {"verbose": False, "eps_abs": eps / 2, "eps_rel": 0.0, "max_iters": limit or 100_000}
+        chosen = {"verbose": False, "eps_abs": tol * scaled.share / 2, "eps_rel": 0.0, "max_iters": limit or 100_000}
         found = import_module("scs").SCS(*given, **chosen).solve()
         info = found["info"]
         clock = 1e-3 * (info["setup_time"] + info["solve_time"])

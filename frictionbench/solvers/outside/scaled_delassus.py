@@ -25,8 +25,9 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel
-from frictionbench.solvers.interface import impulses
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.rows import row_of_entry
+from frictionbench.solvers.interface import Answer, Status, impulses
 
 PLANE, SPACE, TANGENTS_FIRST = (0, 1), (0, 1, 2), (2, 0, 1)
 
@@ -49,6 +50,10 @@ class ScaledDelassus(NamedTuple):
         nc, d = self.contacts
         return np.ascontiguousarray(r.reshape(nc, len(self.rows))[:, self.rows[:d]] * (self.theta * self.E)[:, None])
 
+    def answer(self, r: Array, status: Status, detail: str = "", clock: float | None = None, **work: int) -> Answer:
+        """The answer of r^ (nc*m,)."""
+        return Answer(self.impulse(r), status, work, detail=detail, clock=clock)
+
     def guess(self, impulse: Array) -> Array:
         """r^ (nc*m,) of impulses (nc, d). Errors: InputError naming start."""
         nc, d = self.contacts
@@ -62,43 +67,46 @@ def scaled_delassus(
     rows: tuple[int, ...] | None = None,
     *,
     matrix: bool = True,
-    symmetric: bool = False,
     size: float = 1.0,
 ) -> ScaledDelassus:
     """The dimensionless Delassus form of a friction problem, without its friction_bias.
 
-    rows: as above, the d components in order by default. matrix: whether W^ is written; (0, 0) otherwise. symmetric: its
-    symmetric part, for libraries that read one triangle. size: the mean diagonal of W^ at every contact.
+    rows: as above, the d components in order by default. matrix: whether W^ is written; (0, 0) otherwise. size: the mean
+    diagonal of W^ at every contact.
     """
     nc, d = problem.contacts, problem.dimension
     places = rows or (PLANE if d == 2 else SPACE)
     E, q, theta, share = _scaled_vector(problem.scale, problem.friction, problem.q, problem.units, d, places, size)
     W = _dense(*problem.blocks, E, places) if matrix else np.zeros((0, 0))
-    if symmetric and problem.asymmetry:
-        W = (W + W.T) / 2
     return ScaledDelassus(W, q, problem.friction, E, theta, share, problem.scale, (nc, d), places)
 
 
 @kernel
-def _scaled_vector(s, mu, q, units, d, rows, size):  # type: ignore[no-untyped-def]
+def _scaled_vector(scale, mu, q, units, d, rows, size):  # type: ignore[no-untyped-def]
     """E, q^, theta and share."""
-    nc, m, theta, least, moving = len(s), len(rows), 0.0, np.inf, False
-    E, scaled = np.empty(nc), np.zeros(nc * m)
+    nc, m, root = len(scale), len(rows), np.sqrt(size)
+    theta, share = size_and_share(scale, q, units, np.sqrt(1 + mu**2))
+    E, scaled = 1 / np.sqrt(scale), np.zeros(nc * m)
     for i in range(nc):
-        root, square = np.sqrt(s[i]), 0.0
-        E[i] = 1 / root
+        for a in range(d):
+            scaled[i * m + rows[a]] = E[i] * q[i * d + a] / theta
+    return root * E, scaled, root * theta, share
+
+
+@part
+def size_and_share(scale, q, units, weight):  # type: ignore[no-untyped-def]
+    """theta, and eps over tol where the measure of contact i is weight_i times its scaled error: 1 where nothing moves."""
+    nc, theta, least = len(scale), 0.0, np.inf
+    d = len(q) // nc
+    for i in range(nc):
+        root, square = np.sqrt(scale[i]), 0.0
         for a in range(d):
             square += q[i * d + a] ** 2
         speed = np.sqrt(square)
         theta = max(theta, (speed if q[i * d] <= 0 else min(speed, units[i])) / root)
-        least = min(least, units[i] / (root * np.sqrt(1 + mu[i] ** 2)))
-        moving = moving or square > 0
+        least = min(least, units[i] / (root * weight[i]))
     theta = theta if theta > 0 else 1.0
-    for i in range(nc):
-        for a in range(d):
-            scaled[i * m + rows[a]] = E[i] * q[i * d + a] / theta
-    root = np.sqrt(size)
-    return root * E, scaled, root * theta, min(1.0, least / theta) if moving else 1.0
+    return theta, min(1.0, least / theta) if least > 0 else 1.0
 
 
 @kernel
@@ -117,21 +125,57 @@ def _dense(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
     return W
 
 
-@kernel
-def entries(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
+def entries(problem: FrictionProblem, E: Array, rows: tuple[int, ...]) -> Array:
     """The entries (row, column, value) of W^ (k, 3), block by block."""
-    nc, m, d = len(E), len(rows), block.shape[1]
-    found, at = np.empty((len(neighbours) * d * d + nc * (m - d), 3)), 0
+    first, j, block = problem.blocks
+    i, d, m = row_of_entry(first), problem.dimension, len(rows)
+    place = np.array(rows[:d])
+    scaled = E[i, None, None] * block * E[j, None, None]
+    whole = np.broadcast_arrays((i * m)[:, None, None] + place[:, None], (j * m)[:, None, None] + place, scaled)
+    found = np.column_stack([part.ravel() for part in whole])
+    if d == m:
+        return found
+    own = i == j
+    third = i[own] * m + rows[d]  # the decoupled tangent
+    return np.vstack([found, np.column_stack([third, third, scaled[own, 1, 1]])])
+
+
+class DualProgram(NamedTuple):
+    """The relaxation's dual in the plane: min ½ z'H z + g'z over z >= 0 (2 nc,).
+
+    The cone's two edges generate every impulse, r^ = G z with G_i = [1 1; mu -mu]: H = G'W^ G with `definite` on the diagonal,
+    g = G'q^.
+    """
+
+    given: ScaledDelassus
+    H: Array
+    g: Array
+
+    def answer(self, z: Array, status: Status, detail: str = "", clock: float | None = None, **work: int) -> Answer:
+        """The answer of z."""
+        n, slip = z[0::2] + z[1::2], z[0::2] - z[1::2]
+        return self.given.answer(np.column_stack([n, self.given.friction * slip]).ravel(), status, detail, clock, **work)
+
+
+def dual_program(problem: FrictionProblem, definite: float) -> DualProgram:
+    """The relaxation's dual in the plane, with `definite` added to the diagonal."""
+    given = scaled_delassus(problem)
+    return DualProgram(given, *_dual(given.W, given.q, given.friction, definite))
+
+
+@kernel
+def _dual(W, q, mu, definite):  # type: ignore[no-untyped-def]
+    """H and g."""
+    nc = len(mu)
+    H, g = np.empty((2 * nc, 2 * nc)), np.empty(2 * nc)
     for i in range(nc):
-        for k in range(first[i], first[i + 1]):
-            j = neighbours[k]
-            for a in range(d):
-                for b in range(d):
-                    value = E[i] * block[k, a, b] * E[j]
-                    found[at, 0], found[at, 1], found[at, 2] = i * m + rows[a], j * m + rows[b], value
-                    at += 1
-                    if i == j and a == b == 1 and d < m:  # the decoupled tangent
-                        third = i * m + rows[d]
-                        found[at, 0], found[at, 1], found[at, 2] = third, third, value
-                        at += 1
-    return found[:at]
+        for s in range(2):
+            a = mu[i] if s == 0 else -mu[i]
+            row = 2 * i + s
+            g[row] = q[2 * i] + a * q[2 * i + 1]
+            for j in range(nc):
+                n = W[2 * i, 2 * j] + a * W[2 * i + 1, 2 * j]
+                t = mu[j] * (W[2 * i, 2 * j + 1] + a * W[2 * i + 1, 2 * j + 1])
+                H[row, 2 * j], H[row, 2 * j + 1] = n + t, n - t
+            H[row, row] += definite
+    return H, g

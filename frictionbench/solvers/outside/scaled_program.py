@@ -25,8 +25,8 @@ Matrices are written in compiled passes and become scipy's, or dense, only as a 
 """
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Generic, NamedTuple, TypeVar
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -34,22 +34,23 @@ from scipy import sparse
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
-from frictionbench.problems.forms.relaxation import QP, ConeProgram, Program
+from frictionbench.problems.forms.relaxation import Program
 from frictionbench.problems.rows import Rows
-from frictionbench.solvers.interface import Answer, Status, impulses
+from frictionbench.solvers.interface import Answer, Status, impulses, solver
+from frictionbench.solvers.outside.scaled_delassus import size_and_share
 
 LEAST_FRICTION = 0.01
-Kind = TypeVar("Kind", QP, ConeProgram)
+relaxation_library = partial(solver, family="relaxation", model="relaxation", lacks=("asymmetry",))  # registers an adapter
 
 
 @dataclass(frozen=True, eq=False)
-class ScaledProgram(Generic[Kind]):
+class ScaledProgram:
     """The scaled program: objective and bounds are P and G by columns (start, row, value), A is None without joints.
 
     share: eps over tol. unit: of the multipliers of G.
     """
 
-    program: Kind
+    program: Program
     objective: Rows
     q: Array
     bounds: Rows
@@ -67,29 +68,36 @@ class ScaledProgram(Generic[Kind]):
     def G(self) -> sparse.csc_matrix:
         return _matrix(self.bounds, len(self.h))
 
-    @cached_property
+    @property
     def upper(self) -> sparse.csc_matrix:
         """The upper half of P."""
         return _matrix(Rows(*_upper(*self.objective)), len(self.q))
 
-    @cached_property
+    @property
     def constraints(self) -> sparse.csc_matrix:
         """G above A."""
         return self.G if self.A is None else sparse.vstack([self.G, self.A], format="csc")
 
-    @property
-    def dense(self) -> tuple[Array, Array, Array]:
-        """P, G and A dense, in C order; A has no rows without joints."""
-        A = np.zeros((0, len(self.q))) if self.A is None else self.A.toarray(order="C")
-        return _dense(*self.objective, len(self.q)), _dense(*self.bounds, len(self.h)), A
+    def limits(self, least: float) -> tuple[Array, Array]:
+        """Of the constraints' rows, from below and above; `least` for those of G, which have none from below."""
+        return np.concatenate([np.full(len(self.h), least), self.b]), np.concatenate([self.h, self.b])
 
-    def impulse(self, z: Array) -> Array:
-        """The contact impulses (nc, d) of scaled multipliers of G."""
-        return self.program.impulse(self.unit * z)
+    def matrices(self, dense: bool) -> tuple[Any, Any, Any, Array | None]:
+        """P, G, A and b, dense in C order or sparse; A and b are None without joints."""
+        b = None if self.A is None else self.b
+        if not dense:
+            return self.P, self.G, self.A, b
+        A = None if self.A is None else self.A.toarray(order="C")
+        return _dense(*self.objective, len(self.q)), _dense(*self.bounds, len(self.h)), A, b
+
+    def dense(self) -> tuple[Array, Array]:
+        """P, and G above A."""
+        P, G, A, _ = self.matrices(dense=True)
+        return P, G if A is None else np.vstack([G, A])
 
     def multipliers(self, impulse: Array) -> Array:
         """Scaled multipliers of G that make about these planar impulses, for a warm start; the friction bias is ignored."""
-        impulse = impulses(impulse, (len(self.program.friction), 2))
+        impulse = impulses(impulse, self.program.contacts)
         n, slip = impulse[:, 0], impulse[:, 1] / np.where(self.program.friction > 0, self.program.friction, 1.0)
         z = np.zeros(len(self.h))
         z[: 2 * len(n)] = np.maximum(np.column_stack([n + slip, n - slip]).ravel() / 2, 0.0)
@@ -100,37 +108,9 @@ class ScaledProgram(Generic[Kind]):
     ) -> Answer:
         """The answer of scaled multipliers, of which the first belong to G; None where the library returned nothing."""
         nothing = z is None or not len(z)
-        impulse = np.zeros(self.program.contacts) if nothing else self.impulse(z[: len(self.h)])  # type: ignore[index]
+        impulse = np.zeros(self.program.contacts) if nothing else self.program.impulse(self.unit * z[: len(self.h)])  # type: ignore[index]
         work = {} if iterations is None else {"iterations": iterations}
         return Answer(impulse, Status.SOLVED if solved else Status.FAILED, work, detail=detail, clock=clock)
-
-
-class Prepared(NamedTuple):
-    """The scaled program, and what the library is given: its arguments, after setup its object."""
-
-    scaled: Any
-    given: Any
-
-
-class RelaxationSolver:
-    """The steps that all libraries of the relaxation share; without contacts none of them is called."""
-
-    def create(self, formed: Prepared) -> Any:
-        """The library's object; by default it has none."""
-        return formed.given
-
-    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
-        """Solve to eps, the tolerance in the units of the scaled program."""
-        raise NotImplementedError
-
-    def setup(self, formed: Prepared) -> Prepared:
-        return Prepared(formed.scaled, self.create(formed)) if formed.scaled.program.contacts[0] else formed
-
-    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        scaled = prepared.scaled
-        if not scaled.program.contacts[0]:
-            return scaled.answer(None, True)
-        return self.solve_scaled(prepared, tol * scaled.share, limit, start)
 
 
 def gap_tolerance(eps: float, least: float) -> float:
@@ -138,49 +118,24 @@ def gap_tolerance(eps: float, least: float) -> float:
     return max(eps**2, least)
 
 
-def scaled_program(problem: FrictionProblem, program: Kind, from_free: bool = False) -> ScaledProgram[Kind]:
-    """Scale a problem's relaxation, as a QP or as a cone program.
+def scaled_program(problem: FrictionProblem, from_free: bool = False) -> ScaledProgram:
+    """Scale a problem's relaxation, the QP in the plane and the cone program in space.
 
     from_free: x* as above, for libraries that stop by a duality gap; otherwise x* = 0. First-order methods start from x^ = 0
     and regularised ones are drawn to it, and rest is nearer to most answers than free motion.
     """
-    objective, bounds, m = program.objective, program.bounds, len(program.section)
-    D, rows, theta, share = _units(
-        problem.scale,
-        program.friction,
-        program.friction_bias,
-        problem.q,
-        problem.relaxation_units,
-        *problem.mass_rows,
-        m,
-        problem.dimension,
-    )
-    A, joint = _joints(program, D)
+    program = problem.qp() if problem.dimension == 2 else problem.cone()
+    objective, bounds, mu, b_f = program.objective, program.bounds, program.friction, program.friction_bias
+    moving = problem.scale, problem.q, problem.relaxation_units
     q, h, b = program.q, program.h, program.b
     if from_free:
-        free = _free(problem.free_velocity, problem.q, program.friction_bias, problem.dimension)
-        q, h = _from_free(q, h, *bounds, free, len(problem.free_velocity))
+        q, h, free = _from_free(q, h, *bounds, problem.free_velocity, problem.q, b_f)
         b = b - program.A @ free if len(b) else b
-    P, linear, G, right, unit = _scaled(*objective, q, *bounds, h, D, rows, theta)
-    return ScaledProgram(
-        program,
-        # a copy, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
-        Rows(objective.start, objective.column.copy(), P),
-        linear,
-        Rows(bounds.start, bounds.column, G),
-        right,
-        A,
-        b * joint / theta,
-        unit,
-        share,
-    )
-
-
-def scaled_relaxation(problem: FrictionProblem, from_free: bool = False) -> ScaledProgram[QP] | ScaledProgram[ConeProgram]:
-    """The scaled QP in the plane and cone program in space."""
-    if problem.dimension == 2:
-        return scaled_program(problem, problem.qp(), from_free)
-    return scaled_program(problem, problem.cone(), from_free)
+    D, P, q, G, h, unit, theta, share = _scaled(*objective, q, *bounds, h, *moving, mu, b_f)
+    A, joint = _joints(program, D)
+    # a copy, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
+    P = Rows(objective.start, objective.column.copy(), P)
+    return ScaledProgram(program, P, q, Rows(bounds.start, bounds.column, G), h, A, b * joint / theta, unit, share)
 
 
 def _matrix(columns: Rows, rows: int) -> sparse.csc_matrix:
@@ -197,77 +152,51 @@ def _joints(program: Program, D: Array) -> tuple[sparse.csc_matrix | None, Array
 
 
 @kernel
-def _free(velocity, q, friction_bias, d):  # type: ignore[no-untyped-def]
-    """x*: the free velocity, and the free tangential velocity of each contact with a friction bias."""
-    nc, nv, at = len(friction_bias), len(velocity), len(velocity)
-    free = np.empty(nv + nc)
-    free[:nv] = velocity
-    for i in range(nc):
+def _from_free(q, h, start, row, value, velocity, contact_velocity, friction_bias):  # type: ignore[no-untyped-def]
+    """q + P x*, which is 0 on velocities, h - G x* and x*: the free velocity, and the free tangential velocity of each contact
+    with a friction bias."""
+    nv, d, at = len(velocity), len(contact_velocity) // len(friction_bias), len(velocity)
+    linear, bounds, free = q.copy(), h.copy(), np.empty(len(q))
+    linear[:nv], free[:nv] = 0.0, velocity
+    for i in range(len(friction_bias)):
         if friction_bias[i] > 0:
             square = 0.0
             for a in range(1, d):
-                square += q[i * d + a] * q[i * d + a]
+                square += contact_velocity[i * d + a] ** 2
             free[at] = np.sqrt(square)
             at += 1
-    return free[:at]
-
-
-@kernel
-def _from_free(q, h, start, row, value, free, nv):  # type: ignore[no-untyped-def]
-    """q + P x*, which is 0 on velocities, and h - G x*."""
-    linear, bounds = q.copy(), h.copy()
-    linear[:nv] = 0.0
     for v in range(len(free)):
         for k in range(start[v], start[v + 1]):
             bounds[row[k]] -= value[k] * free[v]
-    return linear, bounds
+    return linear, bounds, free
 
 
 @kernel
-def _scaled(p_start, p_row, p_value, q, g_start, g_row, g_value, h, D, rows, theta):  # type: ignore[no-untyped-def]
-    """The values of P^ and of G^, q^, h^ and the unit of the multipliers; rows is 1/E on the rows of G."""
+def _scaled(  # type: ignore[no-untyped-def]
+    p_start, p_row, p_value, q, g_start, g_row, g_value, h, scale, contact_velocity, units, friction, friction_bias
+):
+    """D, the values of P^, q^, the values of G^, h^, the unit of the multipliers, theta and share."""
+    weight = 1 / np.where(friction > 0, np.minimum(1.0, np.maximum(LEAST_FRICTION, friction)), 1.0)
+    theta, share = size_and_share(scale, contact_velocity, units, weight)
+    wide = scale[friction_bias > 0]  # of the contacts that have a second block of rows, and a variable
+    root = np.sqrt(np.append(scale, wide))  # 1/E
+    m, D = len(h) // len(root), np.ones(len(q))
     P, G, linear = np.empty(len(p_value)), np.empty(len(g_value)), np.empty(len(q))
-    right, unit = np.empty(len(h)), np.empty(len(h))
+    for v in range(len(q)):
+        for k in range(p_start[v], p_start[v + 1]):
+            if p_row[k] == v:
+                D[v] = 1 / np.sqrt(p_value[k])
+    D[len(q) - len(wide) :] = root[len(scale) :]
     for j in range(len(q)):
         linear[j] = D[j] * q[j] / theta
         for k in range(p_start[j], p_start[j + 1]):
             P[k] = p_value[k] * D[j] * D[p_row[k]]
         for k in range(g_start[j], g_start[j + 1]):
-            G[k] = g_value[k] * D[j] * (1 / rows[g_row[k]])
+            G[k] = g_value[k] * D[j] * (1 / root[g_row[k] // m])
+    right, unit = np.empty(len(h)), np.empty(len(h))
     for i in range(len(h)):
-        right[i], unit[i] = h[i] / rows[i] / theta, theta / rows[i]
-    return P, linear, G, right, unit
-
-
-@kernel
-def _units(scale, mu, friction_bias, q, units, m_start, m_column, m_value, m, d):  # type: ignore[no-untyped-def]
-    """D, 1/E on the rows of G, theta and share."""
-    nc, nv, wide, least, theta = len(scale), len(m_start) - 1, 0, np.inf, 0.0
-    for i in range(nc):
-        wide += friction_bias[i] > 0
-    D, rows = np.ones(nv + wide), np.empty((nc + wide) * m)
-    for v in range(nv):
-        for k in range(m_start[v], m_start[v + 1]):
-            if m_column[k] == v:
-                D[v] = 1 / np.sqrt(m_value[k])
-    block = nc
-    for i in range(nc):
-        root, square = np.sqrt(scale[i]), 0.0
-        for a in range(d):
-            square += q[i * d + a] * q[i * d + a]
-        slip = min(1.0, max(mu[i], LEAST_FRICTION)) if mu[i] > 0 else 1.0
-        least = min(least, slip * units[i] / root)
-        speed = np.sqrt(square)
-        theta = max(theta, (speed if q[i * d] <= 0 else min(speed, units[i])) / root)
-        for k in range(m):
-            rows[i * m + k] = root
-        if friction_bias[i] > 0:
-            D[nv + block - nc] = root
-            for k in range(m):
-                rows[block * m + k] = root
-            block += 1
-    theta = theta if theta > 0 else 1.0
-    return D, rows, theta, min(1.0, least / theta) if 0 < least < np.inf else 1.0
+        right[i], unit[i] = h[i] / root[i // m] / theta, theta / root[i // m]
+    return D, P, linear, G, right, unit, theta, share
 
 
 @kernel
@@ -286,7 +215,7 @@ def _upper(start, row, value):  # type: ignore[no-untyped-def]
 
 @kernel
 def _dense(start, row, value, rows):  # type: ignore[no-untyped-def]
-    """A matrix by columns, dense."""
+    """A matrix by columns, dense in C order."""
     dense = np.zeros((rows, len(start) - 1))
     for j in range(len(start) - 1):
         for k in range(start[j], start[j + 1]):

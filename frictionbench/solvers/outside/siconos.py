@@ -32,13 +32,13 @@ Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyr
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel
+from frictionbench.problems.rows import row_of_entry
 from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside.children.child import child
 from frictionbench.solvers.outside.scaled_delassus import PLANE, SPACE, ScaledDelassus, entries, scaled_delassus
@@ -67,12 +67,8 @@ _TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
 _LEAST_INDEX = {"SICONOS_LCP_IPARAM_PIVOTING_METHOD_TYPE": 2}  # SICONOS_LCP_PIVOT_LEAST_INDEX
 
 
-class Prepared(NamedTuple):
-    """The problem in the message to the child, and the scaling that converts its answer."""
-
-    kind: str
-    given: DenseLCP | ScaledDelassus
-    message: dict[str, Any]
+# The kind of the problem, the scaling that converts its answer, and the problem in the message to the child.
+Prepared = tuple[str, DenseLCP | ScaledDelassus, dict[str, Any]]
 
 
 @solver(
@@ -118,16 +114,10 @@ class Siconos:
         else:
             dense = kind != "global" and self._dense(problem)
             given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense)
-            if kind == "global":
-                message = global_form(problem, given)
-            else:
-                message = {
-                    "dense": dense,
-                    "W": given.W if dense else entries(*problem.blocks, given.E, given.rows),
-                    "q": given.q,
-                }
+            W = given.W if dense else entries(problem, given.E, given.rows)
+            message = global_form(problem, given) if kind == "global" else {"dense": dense, "W": W, "q": given.q}
             message["mu"] = problem.friction
-        return Prepared(kind, given, message)
+        return kind, given, message
 
     def _dense(self, problem: FrictionProblem) -> bool:
         nc = problem.contacts
@@ -136,57 +126,35 @@ class Siconos:
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         kind, given, message = prepared
-        if not len(given.q):
-            if isinstance(given, DenseLCP):
-                return given.scaled.answer(np.zeros(0), Status.SOLVED)
-            return Answer(given.impulse(np.zeros(0)), Status.SOLVED)
         integers, reals = _TUNED[self.method] if self.settings == "tuned" else ({}, {})
+        size = float(np.linalg.norm(given.q)) or 1.0
         asked = {
             "kind": kind,
             "solver": self.method.removesuffix("_least_index"),
             "integers": _LEAST_INDEX if self.method == "lcp_pivot_least_index" else integers,
             "reals": reals,
             "eps": tol * given.share / 2,
-            "size": (float(np.linalg.norm(given.q)) or 1.0)
-            * (2 * np.sqrt(len(message["mu"])) if kind == "friction_2d" else 1.0),
+            "size": size * (2 * np.sqrt(len(message["mu"])) if kind == "friction_2d" else 1.0),
             "limit": limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000),
             "start": np.zeros(len(given.q)) if start is None or isinstance(given, DenseLCP) else given.guess(start),
         }
         found = child(_SCRIPT, PYTHON).ask(**asked, **message)
         status, detail = (Status.FAILED if found["code"] else Status.SOLVED), f"Siconos' code {found['code']}"
-        work = {"iterations": found["iterations"]}
-        if isinstance(given, DenseLCP):
-            return given.scaled.answer(found["r"], status, detail, found["clock"], **work)
-        return Answer(given.impulse(found["r"]), status, work, detail=detail, clock=found["clock"])
+        scaled = given.scaled if isinstance(given, DenseLCP) else given
+        return scaled.answer(found["r"], status, detail, found["clock"], iterations=found["iterations"])
 
 
 def global_form(problem: FrictionProblem, given: ScaledDelassus) -> dict[str, Array]:
     """M^ and H^ by entries (row, column, value), q^ (nv,) and b^ (nc*d,) of a problem without joints."""
-    M, H, q, b = _global_entries(
-        *problem.contact_rows, *problem.mass_rows, problem.free_velocity, problem.offset, given.E, given.theta
-    )
-    return {"M": M, "H": H, "q": q, "b": b}
-
-
-@kernel
-def _global_entries(start, column, J, m_start, m_column, m_value, free, offset, E, theta):  # type: ignore[no-untyped-def]
-    """M^ = D M D and H^ = D J'E by entries, q^ = D M v* / theta and b^ = E b / theta."""
-    nc, nv, d = len(E), len(free), J.shape[1]
-    D, q, b = np.empty(nv), np.zeros(nv), np.empty(nc * d)
-    M, H, at = np.empty((len(m_value), 3)), np.empty((J.size, 3)), 0
-    for v in range(nv):
-        for k in range(m_start[v], m_start[v + 1]):
-            if m_column[k] == v:
-                D[v] = 1 / np.sqrt(m_value[k])
-    for v in range(nv):
-        for k in range(m_start[v], m_start[v + 1]):
-            M[k, 0], M[k, 1], M[k, 2] = v, m_column[k], D[v] * m_value[k] * D[m_column[k]]
-            q[v] += D[v] * m_value[k] * free[m_column[k]] / theta
-    for i in range(nc):
-        for a in range(d):
-            b[i * d + a] = E[i] * offset[i, a] / theta
-            for k in range(start[i], start[i + 1]):
-                if J[k, a] != 0:
-                    H[at, 0], H[at, 1], H[at, 2] = column[k], i * d + a, D[column[k]] * J[k, a] * E[i]
-                    at += 1
-    return M, H[:at], q, b
+    m, J, free = problem.mass_rows, problem.contact_rows, problem.free_velocity
+    row, D = row_of_entry(m.start), np.ones(len(free))
+    diagonal = row == m.column
+    D[row[diagonal]] = 1 / np.sqrt(m.value[diagonal])
+    entry, a = np.nonzero(J.value)
+    contact, column = row_of_entry(J.start)[entry], J.column[entry]
+    return {
+        "M": np.column_stack([row, m.column, D[row] * m.value * D[m.column]]),
+        "H": np.column_stack([column, contact * problem.dimension + a, D[column] * J.value[entry, a] * given.E[contact]]),
+        "q": np.bincount(row, D[row] * m.value * free[m.column] / given.theta, len(free)),
+        "b": (given.E[:, None] * problem.offset / given.theta).ravel(),
+    }

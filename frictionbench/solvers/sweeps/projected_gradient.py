@@ -30,11 +30,10 @@ def relax(form: ContactForm, r: Array, tol: float, limit: int) -> int:
 def descend(form, r, shift, monitor):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the iterations and the products with W."""
     x, u, u_next, u_y = np.empty_like(form.rest), np.empty_like(r), np.empty_like(r), np.empty_like(r)
-    y, r_next = np.empty_like(r), np.empty_like(r)
-    _copy(r, y)
+    y, r_next = r.copy(), np.empty_like(r)
     state(form, r, x)
     velocity(form, x, u)
-    _copy(u, u_y)
+    u_y[:] = u
     L, theta = 1.0, 1.0
     iterations, products = 0, 1
     while should_continue(monitor, defect(form, r, u, shift), iterations):
@@ -65,19 +64,10 @@ def descend(form, r, shift, monitor):  # type: ignore[no-untyped-def]
             for j in range(r.shape[1]):
                 y[i, j] = r_next[i, j] + beta * (r_next[i, j] - r[i, j])
                 u_y[i, j] = u_next[i, j] + beta * (u_next[i, j] - u[i, j])
-        _copy(r_next, r)
-        _copy(u_next, u)
+        r[:], u[:] = r_next, u_next
         L *= 0.9
         iterations += 1
     return iterations, products
-
-
-@part
-def _copy(a, b):  # type: ignore[no-untyped-def]
-    """b = a, both (nc, d)."""
-    for i in range(len(a)):
-        for j in range(a.shape[1]):
-            b[i, j] = a[i, j]
 
 
 @part
