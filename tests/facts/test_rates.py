@@ -39,7 +39,5 @@ def test_rate(spec, a, b, g, mu, q, mode, rate, monkeypatch) -> None:
 
 def test_anitescu_hart_cycle() -> None:
     problem = contact(1, 0.97, 1, 0.75, [-1, 2])
-    plain = solve(problem, "anitescu_hart")
-    assert plain.status is Status.STALLED
-    assert plain.detail == "a cycle of period two"
+    assert solve(problem, "anitescu_hart").status is Status.STALLED
     assert residual(problem, solve(problem, "staggered").impulse) <= 1e-8

@@ -122,7 +122,8 @@ class OSQP:
         x, y = np.zeros(len(scaled.q)), np.zeros(len(scaled.h) + len(scaled.b))
         if start is not None:
             y[: len(scaled.h)] = scaled.multipliers(start)
-            x = sparse.linalg.spsolve(scaled.P, -scaled.q - scaled.G.T @ y[: len(scaled.h)]) if not len(scaled.b) else x
+            if not len(scaled.b) and scaled.P.diagonal().all():
+                x = sparse.linalg.spsolve(scaled.P, -scaled.q - scaled.G.T @ y)
         workspace.warm_start(x=x, y=y)
         found = workspace.solve(raise_error=False)
         info = found.info

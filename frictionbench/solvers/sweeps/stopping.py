@@ -34,8 +34,8 @@ class Monitor(NamedTuple):
     def seen(self) -> int:
         return int(self.state[0])
 
-    def answer(self, r: Array, detail: str = "", **work: int) -> Answer:
-        return Answer(r, ENDS[self.state[1]], work, tuple(self.history[: self.seen].tolist()), detail=detail)
+    def answer(self, r: Array, **work: int) -> Answer:
+        return Answer(r, ENDS[self.state[1]], work, tuple(self.history[: self.seen].tolist()))
 
 
 def monitor(tol: float, limit: int, patience: int, every: int = 1) -> Monitor:
