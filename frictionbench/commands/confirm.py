@@ -16,10 +16,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import pandas as pd
+
 from frictionbench.commands.stored_cell import trusted
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE
+from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.results import cells, store
 from frictionbench.results.compare import Comparison, Limits, confirm, equal_loads, suspects
 from frictionbench.results.conventions import RankBy, scene_title
@@ -86,6 +89,8 @@ def confirmed(
             if timed and PAIRS_UNTIMED <= i + 1 < most and not may_be_slower(pairs, most, limits.slowdown, limits.alpha):
                 tell(f"confirm: after {i + 1} pairs no solver can be found slower by the others")
                 break
+    if before:
+        require_whole(f"code: {code}", stored.table, [table for table, _ in pairs])
     return confirm(comparison, pairs, before is not None, limits, equal)
 
 
@@ -95,6 +100,15 @@ def _require_same(folder: Path, settings: dict[str, Any], named: list[str]) -> N
     for spec in named:
         if made.get(plugins.absolute(spec), "") not in ("", plugins.content(spec)):
             raise InputError(f"DIR: {folder} was made with another content of {spec}; run it again in a new folder")
+
+
+def require_whole(code: str, stored: pd.DataFrame, runs: list[pd.DataFrame]) -> None:
+    """Errors: ResultsError where the baseline's code never runs here what the baseline solved, so that it excuses anything."""
+    for key, cell in stored[stored["verdict"].isin(ACCEPTED)].iterrows():
+        again = [ran.loc[key] for ran in runs if key in ran.index]
+        if again and all(row["verdict"] in (Verdict.CRASHED, Verdict.SKIPPED) for row in again):
+            told = f"{again[0]['verdict']} here and solved in the baseline: {again[0]['reason']}"
+            raise ResultsError(f"{code}: {cell['variant']}, {cell['scene']} ({key}) is {told}")
 
 
 def _options(settings: dict[str, Any]) -> list[str]:

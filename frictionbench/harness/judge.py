@@ -38,6 +38,7 @@ FOLDER = "judged"
 EXACT = "hybrid"  # our solver of Coulomb's law for any problem, which stands beside the engine
 STICKS = 1e-6  # of a contact's unit of velocity: slip in the exact answer below counts as none
 RANK = 1e-9  # relative: singular values below count as zero
+DIVERGED = 1e100  # N s: squares of larger impulses may overflow
 MOST_FORCES = 200  # contacts whose forces are kept for a figure
 
 
@@ -48,6 +49,7 @@ def judge_file(folder: Path, path: Path) -> Judgement:
     """
     step = own.load_step(path)
     problem, impulse = judged(step), step.impulse
+    require(np.abs(impulse).max(initial=0.0) < DIVERGED, str(path), f"impulse: an entry of {DIVERGED:g} N s or more overflows")
     with replaced(subfolder(folder, FOLDER) / f"{problem.hash}.npz") as file:
         own.save(problem, file)
     by_contact, laws = contact_residuals(problem, impulse), violations(problem, impulse)

@@ -4,7 +4,7 @@ flips      cells measured in both runs with different verdicts, ordered as in pr
 gone       cells measured before and not now: those that were skipped, for whatever reason, and those without a row
 added      cells measured now and not before that fail
 work       deterministic counters that changed, summed per solver over the cells that both runs solved; of simulations and
-           batches also what failed in them, over all cells with the same verdict
+           batches also what failed in them, over all cells whose verdict is not worse
 untimed    cells, per solver, that had times and have none
 times      per solver, over the same cells: see results.times
 """
@@ -167,13 +167,16 @@ def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -
 
 
 def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Growth]:
-    """The counters whose sum over a solver's cells changed, or that only one run has. The tables have equal cells."""
-    same = after[after["verdict"] == before["verdict"]]
+    """The counters whose sum over a solver's cells changed, or that only one run has. The tables have equal cells.
+
+    Of what failed, where it grew in some cells, only these are summed: less in others makes up for nothing."""
+    same = after[after["verdict"].map(RANK) <= before["verdict"].map(RANK)]
     for variant, keys in same.groupby(same["variant"]).groups.items():
-        counts = [(_counts(before.loc[key]), _counts(after.loc[key])) for key in keys]
+        counts = [_counts(before.loc[key], after.loc[key]) for key in keys]
         for name in sorted({name for pair in counts for side in pair for name in side}):
             pairs = [(old.get(name), new.get(name)) for old, new in counts if name in old or name in new]
             both = [(old, new) for old, new in pairs if old is not None and new is not None]
+            both = [pair for pair in both if name in FAILURES and pair[1] > pair[0]] or both
             lost, fresh = [old for old, new in pairs if new is None], [new for old, new in pairs if old is None]
             sums = sum(old for old, _ in both), sum(new for _, new in both)
             if sums[0] != sums[1]:
@@ -184,10 +187,14 @@ def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Gr
                 yield Growth(str(variant), name, None, sum(filter(None, fresh)), len(fresh), limit)
 
 
-def _counts(cell: pd.Series) -> dict[str, int]:
-    """A cell's counters; of one that is not solved what failed in it alone."""
-    found = parse_counts(cell["work"])
-    return found if cell["verdict"] in ACCEPTED else {name: count for name, count in found.items() if name in FAILURES}
+def _counts(before: pd.Series, after: pd.Series) -> tuple[dict[str, int], dict[str, int]]:
+    """The counters of a cell before and after; of one that is not solved with the same verdict what failed in it alone."""
+    old, new = parse_counts(before["work"]), parse_counts(after["work"])
+    equal = before["verdict"] == after["verdict"]
+    if equal and after["verdict"] in ACCEPTED:
+        return old, new
+    names = (old.keys() | new.keys() if equal else old.keys() & new.keys()) & set(FAILURES)
+    return {name: old[name] for name in names & old.keys()}, {name: new[name] for name in names & new.keys()}
 
 
 def untimed(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:

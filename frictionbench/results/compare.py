@@ -24,6 +24,8 @@ from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, times
 
 SHOWN = 5  # names in a note
+ROUNDED = 1 + 1e-5  # limits in a baseline have six digits
+HALF, FLAKY = 0.5, 0.25  # shares of the repeats above which a change stands; FLAKY for verdicts that no busy machine causes
 
 
 class Limits(NamedTuple):
@@ -108,6 +110,12 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
     common = old.measured.index.intersection(new.measured.index)
     if common.empty:
         return Comparison(baseline, current, unusable="no cell was measured in both runs")
+    before, after = (side.table["limit"].loc[common] for side in (old, new))
+    if (longer := after > ROUNDED * before).any():
+        told = f"{after[longer].iloc[0]:g} s in place of {before[longer].iloc[0]:g} s"
+        return Comparison(
+            baseline, current, unusable=f"{current}: has a longer time limit, {told}, which a slower solver needs"
+        )
     alike = bool(old.machine) and old.machine == new.machine
     found, timeouts = _differences(old.table, new.table, alike, limits)
     timed = times([(old.table, new.table)], limits.slowdown, limits.alpha) if alike and limits.times else []
@@ -152,10 +160,6 @@ def _differences(
 def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
     if timeouts:
         yield f"Not counted as changes: {timeouts} cells whose timeout the speed of the machine may explain."
-    limits = pd.DataFrame({"before": old.table["limit"], "after": new.table["limit"].reindex(old.table.index)}).dropna()
-    if len(other := limits[limits["before"] != limits["after"]]):
-        first = other.iloc[0]
-        yield f"Another time limit: {len(other)} cells, the first with {first['after']:g} s in place of {first['before']:g} s."
     if old.code and new.code and old.code != new.code:
         yield f"Code: {old.code} (baseline), {new.code} (current)."
 
@@ -187,10 +191,11 @@ def confirm(
     """The comparison with the alerts that remain after their cells ran again.
 
     pairs: of the alternating runs, the cells of the baseline's code and of the current code; if the baseline's code is not
-    available, both is false and its recorded cells are used. An alert remains if it occurs in more than half of the pairs, or
-    if its solver did not run again, or is one of `equal` (equal_loads); times are judged by their confidence intervals. A
-    verdict that is worse in more than half of the pairs is an alert also where the two runs did not show it: a timeout that
-    the speed of another machine may explain is none of this machine's.
+    available, both is false and its recorded cells are used. An alert remains if it occurs in more than HALF of the pairs, or
+    if its solver did not run again, or is one of `equal` (equal_loads); a verdict other than a timeout remains if it is worse
+    in more than FLAKY of the pairs, less those in which it is better; times are judged by their confidence intervals. A
+    verdict that is so often worse is an alert also where the two runs did not show it: a timeout that the speed of another
+    machine may explain is none of this machine's.
     """
     votes: Counter[tuple[str, str]] = Counter()
     seen: dict[tuple[str, str], Flip] = {}
@@ -199,18 +204,19 @@ def confirm(
         before = pd.concat([ran, record[~record.index.isin(ran.index)]])  # cells that the old code lacks
         differences, _ = _differences(before, after, both, limits, excused=not both)
         votes.update({_name(found) for kind in differences.values() for found in kind if found.worse})
+        votes.subtract(_name(flip) for flip in differences["flips"] if not flip.worse)
         seen |= {_name(flip): flip for flip in differences["flips"] if flip.worse}
     again = {variant for _, after in pairs for variant in after["variant"]}
     first: dict[str, Any] = {name: getattr(comparison, name) for name in ("flips", "gone", "added", "work")}
     equal = equal or {}
     repeated = again - equal.keys()
     alerts = [found for kind in first.values() for found in kind if found.worse and found.variant in repeated]
-    dismissed = {_name(found) for found in alerts if 2 * votes[_name(found)] <= len(pairs)}
+    dismissed = {_name(found) for found in alerts if votes[_name(found)] <= _seldom(found) * len(pairs)}
     remaining: dict[str, Any] = {
         name: tuple(found for found in kind if _name(found) not in dismissed) for name, kind in first.items()
     }
     known = {_name(found) for kind in first.values() for found in kind}
-    fresh = [flip for name, flip in seen.items() if both and 2 * votes[name] > len(pairs) and name not in known]
+    fresh = [flip for name, flip in seen.items() if both and votes[name] > _seldom(flip) * len(pairs) and name not in known]
     remaining["flips"] = (*remaining["flips"], *fresh)
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
@@ -224,6 +230,10 @@ def confirm(
         untimed="" if timed else "no cell was timed in both versions" if both and limits.times else comparison.untimed,
         notes=(*comparison.notes, *notes),
     )
+
+
+def _seldom(found: Change) -> float:
+    return FLAKY if isinstance(found, Flip) and found.after != Verdict.TIMEOUT else HALF
 
 
 def _name(found: Change) -> tuple[str, str]:

@@ -2,10 +2,12 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from frictionbench.commands.confirm import require_whole
 from frictionbench.harness import dependencies
 from frictionbench.harness.cells import batch, timing
 from frictionbench.harness.cells.batch import batch_of, time_batch
@@ -61,6 +63,31 @@ def test_more_failures_within_a_batch(tmp_path: Path) -> None:
     rows = [batch_row("a", "packed", verdict="unsolved", residual=1.0, verified=share) for share in (0.99, 0.5)]
     folders = [write_folder(tmp_path / f"{i}", [], None, [row]) for i, row in enumerate(rows)]
     assert alerts(*folders) == {"unsolved_problems": (1, 50)}
+
+
+def test_fewer_failures_make_up_for_none(tmp_path: Path) -> None:
+    """A motion fails in more steps, and another in fewer; or no answer is wrong any more, but most are missing."""
+
+    def folder(name: str, *motions: tuple[str, int]) -> Path:
+        facts: dict[str, Any] = {"steps": 160, "steps_done": 160, "problems": 160}
+        rows = [simulation_row("a", key=f"{i}", verdict=verdict, unsolved=n, **facts) for i, (verdict, n) in enumerate(motions)]
+        return write_folder(tmp_path / name, [solve_row("a", "p")], rows)
+
+    before = folder("before", ("unsolved", 90), ("wrong", 2))
+    assert alerts(before, folder("other", ("unsolved", 2), ("wrong", 90))) == {"unsolved_problems": (2, 90)}
+    assert alerts(before, folder("missing", ("unsolved", 90), ("unsolved", 60))) == {"unsolved_problems": (2, 60)}
+    assert alerts(before, folder("stopped", ("unsolved", 90), ("timeout", None))) == {}
+
+
+def test_a_baselines_code_that_crashes_excuses_nothing(tmp_path: Path) -> None:
+    """As where a file that it needs is not in the revision: neither verdicts nor times can be compared with it."""
+    stored, crashed = (
+        cells.read(write_folder(tmp_path / name, [solve_row("a", "p"), row])).table
+        for name, row in (("stored", solve_row("a", "q")), ("crashed", unanswered_row("a", "q", "crashed")))
+    )
+    require_whole("code: main", stored, [crashed, stored])
+    with pytest.raises(ResultsError, match=r"^code: main: a, bar\[friction=0.2\] \(a-q-1e-08\) is crashed here and solved"):
+        require_whole("code: main", stored, [crashed, crashed])
 
 
 def test_unfinished_runs_are_no_baseline(tmp_path: Path) -> None:

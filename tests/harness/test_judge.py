@@ -109,11 +109,14 @@ def test_unusable_folders_are_refused(tmp_path) -> None:
     steps = tmp_path / "steps"
     write_steps(steps)
     fb.save(box(), steps / "problem.npz")
+    (tmp_path / "diverged").mkdir()
+    fb.save(box(), tmp_path / "diverged" / "last.npz", impulse=[[1e308, 1e308]], step=STEP)
     (tmp_path / "empty").mkdir()
     for name, told_of in (
         ("none", "folder: none is no folder"),
         ("empty", "folder: empty holds no steps"),
         ("steps", "problem.npz: holds a problem, but not"),
+        ("diverged", "last.npz: impulse: an entry of 1e+100 N s or more overflows"),
     ):
         done = frictionbench("judge", name, "--jobs", "1", cwd=tmp_path)
         assert (done.returncode, done.stdout) == (2, "")

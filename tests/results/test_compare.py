@@ -98,6 +98,12 @@ def test_lower_limit_excuses_no_timeout(runs):
     assert (result.exit_code, len(result.flips)) == (1, 3)
 
 
+def test_a_longer_limit_is_unusable(runs):
+    """It solves what a solver that became slower does not within the baseline's."""
+    result = runs(rows(["solved"] * 2), rows(["solved"] * 2, time_limit=30.0))
+    assert (result.exit_code, "has a longer time limit, 30 s in place of 10 s" in result.unusable) == (2, True)
+
+
 @pytest.mark.parametrize("reason", ["not installed", ""])
 @pytest.mark.parametrize("others", [1, 20])
 def test_lost_coverage_fails(runs, reason, others):
@@ -284,9 +290,22 @@ def test_unconfirmed_alert_is_dropped(runs):
     assert seen.exit_code == 1
     before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
     assert confirm(seen, [(before, after)] * 3, both=False, limits=Limits()).worse == seen.worse
-    fallen = confirm(seen, [(before, after), (before, before), (after, after)], both=False, limits=Limits())
+    fallen = confirm(seen, [(before, after), (before, before), (before, before)], both=False, limits=Limits())
     assert (fallen.exit_code, fallen.flips, fallen.work) == (0, (), ())
     assert "Not confirmed, the repeats give the result of the baseline: a, pivots." in markdown(fallen)
+
+
+@pytest.mark.parametrize("shown", [True, False])
+def test_a_solver_that_fails_at_times(runs, shown):
+    """In three of eight runs, whether the first showed it or not; as often as before is no change."""
+    seen = runs(rows(["solved"] * 2), rows(["solved", "wrong" if shown else "solved"]))
+    before, after = (
+        cells.read(runs(rows(["solved"] * 2), rows(["solved", last])).current).table for last in ("solved", "wrong")
+    )
+    times, steady = [(before, after)] * 3, [(before, before)] * 5
+    assert told(confirm(seen, times + steady, both=True, limits=Limits()).worse) == ["a-p1-1e-08 solved → wrong"]
+    assert confirm(seen, times + [(after, before)] * 3 + steady[:2], both=True, limits=Limits()).exit_code == 0
+    assert confirm(seen, times[:2] + steady + steady[:1], both=True, limits=Limits()).exit_code == 0
 
 
 def test_a_timeout_in_most_repeats_is_an_alert(runs, tmp_path):
