@@ -24,7 +24,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.results import cells, store
-from frictionbench.results.compare import Comparison, Limits, confirm, equal_loads, suspects
+from frictionbench.results.compare import Comparison, Limits, confirm, equal_loads
 from frictionbench.results.conventions import RankBy, scene_title
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, may_be_slower
@@ -55,12 +55,9 @@ def confirmed(
         require_code(code)
     settings = store.read_manifest(comparison.current)["settings"]
     _require_same(comparison.current, settings, named)
-    slow = suspects(comparison, limits) if code and limits.times else []
     stored, current = cells.read(comparison.baseline), cells.read(comparison.current)
     known = set(stored.measured["variant"]) & set(current.measured["variant"])
-    variants = {found.variant for found in (*comparison.worse, *slow)} & known
-    if code and limits.times and not comparison.times:  # times of another machine cannot select the slow ones: all are timed
-        variants = known
+    variants = known if code and limits.times else {found.variant for found in comparison.worse} & known
     if not variants:
         return comparison
     for variant in sorted(variants):
@@ -86,7 +83,7 @@ def confirmed(
             base = found[id(before)] if before else stored
             pairs.append((base.table, found[id(now)].table))
             equal |= equal_loads(stored, base, found[id(now)]) if before else {}
-            if timed and PAIRS_UNTIMED <= i + 1 < most and not may_be_slower(pairs, most, limits.slowdown, limits.alpha):
+            if timed and PAIRS_UNTIMED <= i + 1 < most and not may_be_slower(pairs, most, limits.slowdown):
                 tell(f"confirm: after {i + 1} pairs no solver can be found slower by the others")
                 break
     if before:

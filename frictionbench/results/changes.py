@@ -19,6 +19,7 @@ from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict, measured
 from frictionbench.results.cells import FAILURES, parse_counts
 
 GONE, NEW = "gone", "new"  # in place of the verdict of a cell that one of the runs does not have
+GROWTH = 1.05  # largest ratio of a sum of work that is no regression: it grows by effects of rounding
 MARGIN = 2.0  # a time within this factor of the limit may exceed it on another day, by noise alone
 PACE = 10.0  # largest ratio of the speeds of two machines that is attributed to the machines
 
@@ -166,7 +167,7 @@ def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -
     return (late | early) & (MARGIN * taken >= np.maximum(before["limit"], after["limit"]))
 
 
-def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Growth]:
+def work(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
     """The counters whose sum over a solver's cells changed, or that only one run has. The tables have equal cells.
 
     Of what failed, where it grew in some cells, only these are summed: less in others makes up for nothing."""
@@ -180,11 +181,11 @@ def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Gr
             lost, fresh = [old for old, new in pairs if new is None], [new for old, new in pairs if old is None]
             sums = sum(old for old, _ in both), sum(new for _, new in both)
             if sums[0] != sums[1]:
-                yield Growth(str(variant), name, *sums, len(both), 1.0 if name in FAILURES else limit)
+                yield Growth(str(variant), name, *sums, len(both), 1.0 if name in FAILURES else GROWTH)
             if lost:
-                yield Growth(str(variant), name, sum(filter(None, lost)), None, len(lost), limit)
+                yield Growth(str(variant), name, sum(filter(None, lost)), None, len(lost), GROWTH)
             if fresh and name not in FAILURES:
-                yield Growth(str(variant), name, None, sum(filter(None, fresh)), len(fresh), limit)
+                yield Growth(str(variant), name, None, sum(filter(None, fresh)), len(fresh), GROWTH)
 
 
 def _counts(before: pd.Series, after: pd.Series) -> tuple[dict[str, int], dict[str, int]]:

@@ -29,13 +29,10 @@ HALF, FLAKY = 0.5, 0.25  # shares of the repeats above which a change stands; FL
 
 
 class Limits(NamedTuple):
-    """The largest ratios of time and work that are not a regression, the error probability of intervals, whether times are
-    compared, and which parts of them. The defaults are above the repeatability of times and let work grow by rounding effects
-    only."""
+    """The largest ratio of times that is not a regression, above their repeatability, whether times are compared, and which
+    parts of them."""
 
     slowdown: float = 1.10
-    growth: float = 1.05
-    alpha: float = 0.05
     times: bool = True
     rank_by: RankBy = RankBy.BODIES
 
@@ -60,7 +57,6 @@ class Comparison:
     times: tuple[Time, ...] = ()
     notes: tuple[str, ...] = ()
     untimed: str = ""
-    alpha: float = Limits().alpha
     sources: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -118,7 +114,7 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         )
     alike = bool(old.machine) and old.machine == new.machine
     found, timeouts = _differences(old.table, new.table, alike, limits)
-    timed = times([(old.table, new.table)], limits.slowdown, limits.alpha) if alike and limits.times else []
+    timed = times([(old.table, new.table)], limits.slowdown) if alike and limits.times else []
     return Comparison(
         baseline,
         current,
@@ -128,7 +124,6 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         times=tuple(timed),
         notes=tuple(_notes(old, new, timeouts)),
         untimed="" if alike or not limits.times else _untimed(old),
-        alpha=limits.alpha,
         sources=new.sources,
     )
 
@@ -152,7 +147,7 @@ def _differences(
         "flips": tuple(changes.flips(old[~by_speed], new[~by_speed])),
         "gone": tuple(changes.gone(before, after)),
         "added": tuple(changes.added(before, after)),
-        "work": (*changes.work(old, new, limits.growth), *(changes.untimed(old, new) if limits.times else ())),
+        "work": (*changes.work(old, new), *(changes.untimed(old, new) if limits.times else ())),
     }
     return found, int(by_speed.sum())
 
@@ -162,11 +157,6 @@ def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
         yield f"Not counted as changes: {timeouts} cells whose timeout the speed of the machine may explain."
     if old.code and new.code and old.code != new.code:
         yield f"Code: {old.code} (baseline), {new.code} (current)."
-
-
-def suspects(comparison: Comparison, limits: Limits) -> list[Time]:
-    """The times of one process each that are slower by more than half of what the limit allows, worth repeating in pairs."""
-    return [time for time in comparison.times if not time.worse and time.n == 1 and time.ratio > (1 + limits.slowdown) / 2]
 
 
 def equal_loads(recorded: Cells, before: Cells, after: Cells) -> dict[str, list[str]]:
@@ -221,7 +211,7 @@ def confirm(
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
     notes += [f"{variant}: nothing is dismissed: {_same_on_both(names)}" for variant, names in equal.items()]
-    timed = {time.variant: time for time in (times(pairs, limits.slowdown, limits.alpha) if both and limits.times else [])}
+    timed = {time.variant: time for time in (times(pairs, limits.slowdown) if both and limits.times else [])}
     return replace(
         comparison,
         same=comparison.same + sum(_name(flip) in dismissed for flip in comparison.flips) - len(fresh),

@@ -20,10 +20,11 @@ import pandas as pd
 from frictionbench.results.changes import Time, equally_solved
 
 Pair = tuple[pd.DataFrame, pd.DataFrame]  # the cells of two processes
+ALPHA = 0.05  # error probability of the intervals
 FEW = 0.25  # largest share of the earlier code's processes that are disturbed: in eight of eight by chance, at most 1 in 1000
 
 
-def times(pairs: Sequence[Pair], limit: float, alpha: float) -> list[Time]:
+def times(pairs: Sequence[Pair], limit: float) -> list[Time]:
     """The times of each solver over the cells that both processes of a pair solved with the same verdict. Cells that the
     machine disturbed are used only for solvers that have no others."""
     found = []
@@ -33,17 +34,17 @@ def times(pairs: Sequence[Pair], limit: float, alpha: float) -> list[Time]:
         own = [log for log in own if len(log)]
         before, after = (float(np.exp(np.median([log[side].mean() for log in own]))) for side in ("before", "after"))
         shifts = np.array([(log["after"] - log["before"]).mean() for log in own])
-        found.append(Time(variant, before, after, *estimate(shifts, alpha), len(own), max(map(len, own)), limit))
+        found.append(Time(variant, before, after, *estimate(shifts), len(own), max(map(len, own)), limit))
     return found
 
 
-def may_be_slower(pairs: Sequence[Pair], most: int, limit: float, alpha: float) -> bool:
+def may_be_slower(pairs: Sequence[Pair], most: int, limit: float) -> bool:
     """Whether some solver's interval over `most` pairs can still end above the limit, if those to come are ever so slow."""
     logs = pd.concat([log.assign(pair=k) for k, log in enumerate(_logs(pairs))])
     shifts = (logs["after"] - logs["before"]).groupby([logs["variant"], logs["pair"]]).mean()
     for _, own in shifts.groupby("variant"):
         to_come = np.full(most - len(own), np.inf)
-        if estimate(np.concatenate([own, to_come]), alpha)[1] > limit:
+        if estimate(np.concatenate([own, to_come]))[1] > limit:
             return True
     return False
 
@@ -69,11 +70,11 @@ def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
     return found
 
 
-def estimate(shifts: np.ndarray, alpha: float) -> tuple[float, float, float, float]:
-    """The ratio, its interval at confidence 1 - alpha and the p-value, from the logarithms of n independent ratios."""
+def estimate(shifts: np.ndarray) -> tuple[float, float, float, float]:
+    """The ratio, its interval at confidence 1 - ALPHA and the p-value, from the logarithms of n independent ratios."""
     means = np.sort([(a + b) / 2 for a, b in combinations_with_replacement(shifts, 2)])
     chances = np.cumsum(signed_ranks(len(shifts)))
-    left = int(np.sum(chances <= alpha / 2))  # number of sums of ranks outside the interval at either end
+    left = int(np.sum(chances <= ALPHA / 2))  # number of sums of ranks outside the interval at either end
     low, high = (means[left - 1], means[-left]) if left else (-np.inf, np.inf)
     lower = min(int(np.sum(means < 0)), int(np.sum(means > 0)))
     p = min(1.0, 2 * float(chances[lower])) if left else np.nan
@@ -89,8 +90,3 @@ def signed_ranks(n: int) -> np.ndarray:
         longer[rank:] += counts
         counts = longer
     return counts / 2.0**n
-
-
-def overall(found: Sequence[Time]) -> float:
-    """The geometric mean of the solvers' ratios; nan if there are none."""
-    return float(np.exp(np.mean([np.log(time.ratio) for time in found]))) if found else np.nan

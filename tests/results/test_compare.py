@@ -13,7 +13,7 @@ from frictionbench.reports.comparison.files import write_files
 from frictionbench.reports.comparison.markdown import markdown, summarise
 from frictionbench.results import cells
 from frictionbench.results.changes import Flip
-from frictionbench.results.compare import Limits, compare, confirm, suspects
+from frictionbench.results.compare import Limits, compare, confirm
 from frictionbench.results.conventions import RankBy
 from frictionbench.results.times import estimate, may_be_slower
 from tests.helpers.made_results import MACHINE, SETTINGS, simulation_row, solve_row, unanswered_row, write_folder
@@ -165,7 +165,6 @@ def pivots(counts, **given):
 @pytest.mark.parametrize(("after", "code"), [((50, 55), 0), ((50, 60), 1), ((45, 45), 0), ((20, 20), 0)])
 def test_work_growth_limit(runs, after, code):
     assert runs(pivots((40, 60)), pivots(after)).exit_code == code
-    assert runs(pivots((40, 60)), pivots(after), Limits(growth=1.2)).exit_code == 0
 
 
 def test_work_of_commonly_solved_cells(runs):
@@ -207,9 +206,7 @@ def timed(solve, factors=(1.0,) * 4):
 def test_single_pair_is_not_significant(runs):
     result = runs(timed(1e-3), timed(9e-3))
     assert (result.exit_code, [time.n for time in result.times]) == (0, [1, 1])
-    assert [time.variant for time in suspects(result, Limits())] == ["a"]
     assert "| `a` | 2 ms | 10 ms | ×5.00 ~ | ~ |  | 1 | 4 |" in markdown(result)
-    assert "| geometric mean |  |  | ×2.24 |  |  |  |  |" in markdown(result)
     assert runs(timed(1e-3), timed(9e-3), Limits(times=False)).times == ()
     assert runs(timed(1e-3), timed(9e-3), **ELSEWHERE).times == ()
 
@@ -231,7 +228,7 @@ def test_slowdown_is_detected_through_noise(runs, tmp_path, solve, worse, better
     result = confirm(seen, pairs, both=True, limits=Limits())
     assert (len(result.worse), len(result.better), result.exit_code) == (worse, better, worse)
     assert {time.n for time in result.times} == {8}
-    assert all(may_be_slower(pairs[:k], 8, 1.1, 0.05) for k in range(3, 8)) is bool(worse)  # else it ends early
+    assert all(may_be_slower(pairs[:k], 8, 1.1) for k in range(3, 8)) is bool(worse)  # else it ends early
     assert ("**×1.3" in markdown(result)) is bool(worse)
     assert confirm(seen, pairs, both=True, limits=Limits(slowdown=1.5)).exit_code == 0
     assert confirm(seen, pairs, both=False, limits=Limits()).times == seen.times
@@ -279,7 +276,6 @@ def test_slowness_by_own_processes_is_detected(runs, tmp_path):
         tuple(cells.read(folder).table for folder in (process(f"b{i}", 0.1, disturbed=i == 4), process(f"n{i}", 1.0)))
         for i in range(8)
     ]
-    assert suspects(seen, Limits())
     assert confirm(seen, pairs, both=True, limits=Limits()).exit_code == 1
     busy = [(before.assign(disturbed=after["disturbed"]), after) for before, after in pairs]
     assert confirm(seen, busy, both=True, limits=Limits()).exit_code == 0
@@ -331,7 +327,7 @@ def test_missing_cells_with_removed_code(runs):
 @pytest.mark.parametrize("n", [3, 6, 8, 11])
 def test_interval_equals_wilcoxon(n):
     shifts = np.random.default_rng(n).normal(0.3, 0.5, n)
-    ratio, low, high, p = estimate(shifts, 0.05)
+    ratio, low, high, p = estimate(shifts)
     if n < 6:  # 2 of 2^n signs are more than one in twenty
         assert (low, high, np.isnan(p)) == (0, np.inf, True)
         return

@@ -11,7 +11,7 @@ from frictionbench.results.cells import FILE
 from frictionbench.results.changes import GONE, Change, Flip, Growth, Time
 from frictionbench.results.commands import rerun
 from frictionbench.results.compare import Comparison
-from frictionbench.results.times import overall
+from frictionbench.results.times import ALPHA
 
 LISTED = 20  # rows of a table; more are counted below it
 LONGEST = 60_000  # characters; a comment on GitHub may have 65 536
@@ -87,10 +87,9 @@ def _growth(growth: Growth) -> list[str]:
 
 
 def _times(comparison: Comparison) -> Iterator[str]:
-    heads = ["solver", "before", "after", "ratio", f"{1 - comparison.alpha:.0%} interval", "p", "n", "cells"]
+    heads = ["solver", "before", "after", "ratio", f"{1 - ALPHA:.0%} interval", "p", "n", "cells"]
     order = sorted(comparison.times, key=lambda time: (not time.worse, not time.significant, -time.ratio))
-    mean = ["geometric mean", "", "", f"×{overall(comparison.times):.2f}", "", "", "", ""]
-    yield from _table(heads, [_time(time) for time in order], mean)
+    yield from _table(heads, [_time(time) for time in order])
     if any(time.n > 1 for time in comparison.times):
         yield (
             "The ratio is estimated from the n pairs of processes, one of each code, that ran one after the other (Hodges and "
@@ -114,8 +113,8 @@ def _bold(text: str, found: Change) -> str:
     return f"**{text}**" if found.worse else text
 
 
-def _table(heads: list[str], rows: list[list[str]], last: list[str] | None = None) -> Iterator[str]:
-    """A table. Rows beyond LISTED are counted, except the last row."""
-    yield "\n".join(pipe(heads, [*rows[:LISTED], *([last] if last else [])]))
+def _table(heads: list[str], rows: list[list[str]]) -> Iterator[str]:
+    """A table. Rows beyond LISTED are counted."""
+    yield "\n".join(pipe(heads, rows[:LISTED]))
     if len(rows) > LISTED:
         yield f"and {len(rows) - LISTED} more, which `--out` writes as data."
