@@ -29,9 +29,7 @@ if TYPE_CHECKING:
     from frictionbench.problems import LCP, Answer, FrictionProblem, InputError, Status, Verdict
     from frictionbench.problems.analysis.contradiction import contradiction
     from frictionbench.problems.batch import Batch
-    from frictionbench.problems.catalogue import instances, scene, scenes
-    from frictionbench.problems.catalogue import make_instance as instance
-    from frictionbench.problems.catalogue import problem_of as problem
+    from frictionbench.problems.catalogue import instances, make_instance as instance, problem_of as problem, scene, scenes
     from frictionbench.problems.recorded.own import EngineStep
     from frictionbench.problems.residual import residual, residual_floor
     from frictionbench.solvers import Answers, available, solve, solve_many, solver

@@ -1,7 +1,6 @@
 """The verdict on one answer, as a benchmark run finds it."""
 
-from frictionbench.problems import LCP, FrictionProblem, InputError
-from frictionbench.problems import verify as verifier
+from frictionbench.problems import LCP, FrictionProblem, InputError, verify as verifier
 from frictionbench.problems.answer import AnswerError, checked_copy
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.verify import Finding

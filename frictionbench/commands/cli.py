@@ -106,8 +106,7 @@ def run(
     from frictionbench.commands.summary import folder_for, summary
     from frictionbench.harness.plans.choose import RunOptions, choose, read_options
     from frictionbench.harness.progress import Progress
-    from frictionbench.harness.run import drop_disturbed
-    from frictionbench.harness.run import run as run_plan
+    from frictionbench.harness.run import drop_disturbed, run as run_plan
     from frictionbench.harness.workers.inputs import load_plugins, require_buildable
 
     progress = Progress(quiet=quiet)
@@ -233,12 +232,9 @@ def compare(
     """
     from frictionbench.problems import InputError
     from frictionbench.reports.comparison.files import write_files
-    from frictionbench.reports.comparison.history import history as over_time
-    from frictionbench.reports.comparison.history import lines
+    from frictionbench.reports.comparison.history import history as over_time, lines
     from frictionbench.reports.comparison.markdown import markdown, summarise
-    from frictionbench.results.compare import Limits
-    from frictionbench.results.compare import accept as accept_run
-    from frictionbench.results.compare import compare as compare_runs
+    from frictionbench.results.compare import Limits, accept as accept_run, compare as compare_runs
 
     if history:
         _show_markdown(over_time(lines(runs)))
@@ -342,8 +338,7 @@ def export(
     fclib/FAMILY downloads recorded problems of FCLIB's collection into the user's cache, verified by size and sha256; fclib/
     lists all.
     """
-    from frictionbench.commands.export import export as export_problems
-    from frictionbench.commands.export import fetch
+    from frictionbench.commands.export import export as export_problems, fetch
     from frictionbench.problems import InputError
 
     if problems.startswith("fclib/"):

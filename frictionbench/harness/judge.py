@@ -21,8 +21,7 @@ from frictionbench.harness.cells.reference import reference_answer
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import natural
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.run import COLLECT_SECONDS, open_folder
-from frictionbench.harness.run import run as run_plan
+from frictionbench.harness.run import COLLECT_SECONDS, open_folder, run as run_plan
 from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.contradiction import contradiction

@@ -8,15 +8,12 @@ from typing import TYPE_CHECKING
 from frictionbench.lazy import importer
 
 if TYPE_CHECKING:
-    from frictionbench.problems.analysis.census import Census as Census
-    from frictionbench.problems.analysis.census import census as census
+    from frictionbench.problems.analysis.census import Census as Census, census as census
     from frictionbench.problems.analysis.frictionless import idle as idle
-    from frictionbench.problems.analysis.outcomes import refined as refined
-    from frictionbench.problems.analysis.outcomes import velocity_distance as velocity_distance
+    from frictionbench.problems.analysis.outcomes import refined as refined, velocity_distance as velocity_distance
     from frictionbench.problems.analysis.polyhedra import Shape as Shape
     from frictionbench.problems.analysis.thresholds import is_p0 as is_p0
-    from frictionbench.problems.answer import Answer as Answer
-    from frictionbench.problems.answer import Status as Status
+    from frictionbench.problems.answer import Answer as Answer, Status as Status
     from frictionbench.problems.check import InputError as InputError
     from frictionbench.problems.compliant import comply as comply
     from frictionbench.problems.forms.lcp import LCP as LCP
@@ -24,27 +21,18 @@ if TYPE_CHECKING:
     from frictionbench.problems.generalised import ReducedScene as ReducedScene
     from frictionbench.problems.instances.recorded_step import recorded_steps as recorded_steps
     from frictionbench.problems.residual import relaxation_residual as relaxation_residual
-    from frictionbench.problems.scene import GRAVITY as GRAVITY
-    from frictionbench.problems.scene import Scene as Scene
-    from frictionbench.problems.schemes import SCHEMES as SCHEMES
-    from frictionbench.problems.schemes import NoSolution as NoSolution
-    from frictionbench.problems.schemes import Step as Step
-    from frictionbench.problems.schemes import start as start
-    from frictionbench.problems.schemes.event_driven import Impact as Impact
-    from frictionbench.problems.schemes.event_driven import follow as follow
-    from frictionbench.problems.schemes.event_driven import newton as newton
+    from frictionbench.problems.scene import GRAVITY as GRAVITY, Scene as Scene
+    from frictionbench.problems.schemes import SCHEMES as SCHEMES, NoSolution as NoSolution, Step as Step, start as start
+    from frictionbench.problems.schemes.event_driven import Impact as Impact, follow as follow, newton as newton
     from frictionbench.problems.schemes.impact import impact as impact
-    from frictionbench.problems.schemes.stepping import Scheme as Scheme
-    from frictionbench.problems.schemes.stepping import Solve as Solve
-    from frictionbench.problems.schemes.stepping import Solved as Solved
-    from frictionbench.problems.simulate import first_problem as first_problem
-    from frictionbench.problems.simulate import simulate as simulation
-    from frictionbench.problems.spatial.bodies import HalfSpace as HalfSpace
-    from frictionbench.problems.spatial.bodies import solid_box as solid_box
-    from frictionbench.problems.spatial.bodies import solid_sphere as solid_sphere
-    from frictionbench.problems.verdicts import ACCEPTED as ACCEPTED
-    from frictionbench.problems.verdicts import Verdict as Verdict
-    from frictionbench.problems.verdicts import measured as measured
+    from frictionbench.problems.schemes.stepping import Scheme as Scheme, Solve as Solve, Solved as Solved
+    from frictionbench.problems.simulate import first_problem as first_problem, simulate as simulation
+    from frictionbench.problems.spatial.bodies import (
+        HalfSpace as HalfSpace,
+        solid_box as solid_box,
+        solid_sphere as solid_sphere,
+    )
+    from frictionbench.problems.verdicts import ACCEPTED as ACCEPTED, Verdict as Verdict, measured as measured
 
 __all__ = ["simulation"]  # the name that is another there
 __getattr__ = importer(__name__, __file__)

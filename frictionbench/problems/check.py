@@ -107,11 +107,6 @@ def entries(field: str, array: Array, expected: int) -> Array:
     return flat
 
 
-def not_negative(field: str, value: Array) -> None:
-    """Raise InputError for `field` where an entry of the checked vector is below zero."""
-    require(not (value < 0).any(), field, "must not be negative")
-
-
 def rows(field: str, value: Any, shape: tuple[int | None, int]) -> Rows:
     """A checked matrix by rows (problems.rows), accepted in any form that `matrix` accepts.
 

@@ -24,7 +24,7 @@ from frictionbench.problems.forms.balance import components
 from frictionbench.problems.forms.definite import DIGITS, require_semidefinite
 from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands, spread
 from frictionbench.problems.forms.joints import require_consistent
-from frictionbench.problems.forms.lcp import LCP, content_hash, friction_lcp, tangent_basis
+from frictionbench.problems.forms.lcp import LCP, content_hash, friction_rows, tangent_basis
 from frictionbench.problems.forms.mass import inverse_mass
 from frictionbench.problems.forms.relaxation import QP, ConeProgram, relaxation_cone, relaxation_qp
 from frictionbench.problems.mechanics import NO_ROWS, Mechanics
@@ -137,7 +137,8 @@ class FrictionProblem(Mechanics):
         Errors: InputError naming facets where they are odd or fewer than 4.
         """
         basis = tangent_basis(self.dimension, facets)
-        return friction_lcp(self.blocks, self.q, self.friction, self.friction_bias, basis)
+        *rows, right = friction_rows(*self.blocks, self.q, self.friction, self.friction_bias, basis)
+        return LCP.of_friction(Rows(*rows), right, basis, (self.contacts, self.dimension))
 
     def qp(self, facets: int = 8) -> QP:
         """The convex relaxation as a quadratic program in the velocities (Anitescu 2006).
@@ -268,8 +269,8 @@ def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:
     """The coefficients mu and the friction biases (nc,), checked; no friction_bias stands for zeros."""
     mu = check.vector("friction", friction)
     bias = check.vector("friction_bias", np.zeros(len(mu)) if friction_bias is None else friction_bias, len(mu))
-    check.not_negative("friction", mu)
-    check.not_negative("friction_bias", bias)
+    for name, values in (("friction", mu), ("friction_bias", bias)):
+        require(not (values < 0).any(), name, "must not be negative")
     return mu, bias
 
 

@@ -143,7 +143,7 @@ class Mechanics(ReadOnly):
         return Blocks(*delassus.delassus(*self.contact_rows, *self.inverse_rows))
 
     def dense(self) -> Dense:
-        """W and q as dense C-contiguous arrays, for code in C or Fortran: formed once, by a compiled pass, and read-only.
+        """W and q as dense C-contiguous arrays, for code in C or Fortran: formed once and read-only.
 
         >>> import frictionbench as fb
         >>> W, q = fb.scene("stack", blocks=2).problem().dense()

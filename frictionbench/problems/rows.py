@@ -69,15 +69,6 @@ def from_matrix(matrix: sparse.csr_array) -> Rows:
     return Rows(np.array(matrix.indptr, np.int32), np.array(matrix.indices, np.int32), np.array(matrix.data))
 
 
-@part
-def nowhere(n):  # type: ignore[no-untyped-def]
-    """n entries of -1."""
-    index = np.empty(n, np.int32)
-    for i in range(n):
-        index[i] = -1
-    return index
-
-
 def by_contact(normal: Rows, tangent: Rows, d: int) -> ByContact:
     """Each contact's normal row and its d-1 tangent rows over the union of their columns."""
     nc = len(normal.start) - 1

@@ -148,7 +148,9 @@ class Scene:
 
     def fastest(self, v: Array) -> float:
         """A bound on the speed of any point of a body, m/s."""
-        return self.geometry.fastest(v)
+        each = v.reshape(-1, self.geometry.velocities)
+        linear, spin = np.split(each, [self.dimension], axis=1)
+        return float((np.linalg.norm(linear, axis=1) + self.reach * np.linalg.norm(spin, axis=1)).max(initial=0.0))
 
     def moved(self, q: Array, way: Array) -> Array:
         """The coordinates q after a displacement (nv,), a velocity times a time."""

@@ -10,18 +10,20 @@ from frictionbench.lazy import importer
 
 if TYPE_CHECKING:
     from frictionbench.problems.verdicts import measured as measured
-    from frictionbench.results.conventions import COLD as COLD
-    from frictionbench.results.conventions import SHUFFLED as SHUFFLED
-    from frictionbench.results.conventions import WARM as WARM
-    from frictionbench.results.conventions import RankBy as RankBy
-    from frictionbench.results.conventions import scene_title as scene_title
-    from frictionbench.results.files import ResultsError as ResultsError
-    from frictionbench.results.files import read_json as read_json
-    from frictionbench.results.files import subfolder as subfolder
-    from frictionbench.results.files import write_text as write_text
-    from frictionbench.results.schema import SCHEMA_VERSION as SCHEMA_VERSION
-    from frictionbench.results.schema import TABLES as TABLES
-    from frictionbench.results.store import read_table as read_table
-    from frictionbench.results.store import rows as rows
+    from frictionbench.results.conventions import (
+        COLD as COLD,
+        SHUFFLED as SHUFFLED,
+        WARM as WARM,
+        RankBy as RankBy,
+        scene_title as scene_title,
+    )
+    from frictionbench.results.files import (
+        ResultsError as ResultsError,
+        read_json as read_json,
+        subfolder as subfolder,
+        write_text as write_text,
+    )
+    from frictionbench.results.schema import SCHEMA_VERSION as SCHEMA_VERSION, TABLES as TABLES
+    from frictionbench.results.store import read_table as read_table, rows as rows
 
 __getattr__ = importer(__name__, __file__)

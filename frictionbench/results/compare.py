@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
-from frictionbench.results import baseline as baselines
-from frictionbench.results import changes
+from frictionbench.results import baseline as baselines, changes
 from frictionbench.results.cells import Cells, read, rounded
 from frictionbench.results.changes import GONE, Change, Flip, Growth, Time
 from frictionbench.results.conventions import RankBy

@@ -5,8 +5,7 @@ from copy import copy, deepcopy
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy import sparse
 from scipy.sparse.linalg import splu
 

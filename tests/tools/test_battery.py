@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tools.battery import __main__ as table
-from tools.battery import bullet, drake, mujoco, own, rapier
+from tools.battery import __main__ as table, bullet, drake, mujoco, own, rapier
 from tools.battery.phenomena import PHENOMENA
 from tools.battery.world import Body, Setting, Unsupported
 

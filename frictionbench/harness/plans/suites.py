@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from frictionbench.harness.plans import families
-from frictionbench.harness.plans import robots as of_robots
+from frictionbench.harness.plans import families, robots as of_robots
 from frictionbench.harness.plans.atlas import atlas
 from frictionbench.harness.plans.hard import hard
 from frictionbench.harness.plans.plan import BatchSource, Plan, Source

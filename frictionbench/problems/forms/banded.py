@@ -11,17 +11,6 @@ from frictionbench.problems.compiled import kernel, part
 
 
 @kernel
-def by_band(start, column, value, b):  # type: ignore[no-untyped-def]
-    """The lower triangle of a symmetric matrix by rows, of half bandwidth b."""
-    band = np.zeros((len(start) - 1, b + 1))
-    for i in range(len(band)):
-        for k in range(start[i], start[i + 1]):
-            if column[k] <= i:
-                band[i, column[k] - i + b] = value[k]
-    return band
-
-
-@kernel
 def factorise(band, least):  # type: ignore[no-untyped-def]
     """Overwrite A by L; rows whose pivot is at most `least` of their diagonal entry are zeros."""
     n, b = len(band), band.shape[1] - 1

@@ -10,7 +10,7 @@ from scipy import sparse
 
 from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.islands import length, mechanical_units, spread
-from frictionbench.problems.rows import Array, Index32, nowhere
+from frictionbench.problems.rows import Array, Index32
 
 # Of the terms that add up to a diagonal entry of W: below this the joints lock the direction. The rounding errors observed were
 # up to 160 eps, and the entries of directions that move were above 1e9 eps.
@@ -270,7 +270,7 @@ def write_partners(first, neighbours, partner, following):  # type: ignore[no-un
 @kernel
 def _blocks(start, column, value, d):  # type: ignore[no-untyped-def]
     nc = (len(start) - 1) // d
-    first, place = np.zeros(nc + 1, np.int32), nowhere(nc)
+    first, place = np.zeros(nc + 1, np.int32), np.full(nc, -1, np.int32)
     neighbours, block = np.empty(len(column) + nc, np.int32), np.zeros((len(column) + nc, d, d))
     for i in range(nc):
         neighbours[first[i]], place[i] = i, first[i]  # the diagonal block is stored in any case

@@ -118,7 +118,9 @@ class ManyJoints:
         self.own_bias = (unit @ self.bias)[order]
         G = sparse.csr_array((unit @ G @ unit)[order][:, order])
         half = max(_half_bandwidth(self.coupling), int(np.abs(np.subtract(*G.nonzero())).max(initial=0)))
-        self.factor = banded.by_band(G.indptr, G.indices, G.data, half)
+        lower = sparse.coo_array(sparse.tril(G))
+        self.factor = np.zeros((len(order), half + 1))
+        self.factor[lower.row, lower.col - lower.row + half] = lower.data
         banded.factorise(self.factor, 10 * len(order) * float(np.finfo(float).eps))
 
     def hold(self, velocity: Array) -> Array:

@@ -25,7 +25,7 @@ from frictionbench.problems import check
 from frictionbench.problems.check import Array, ReadOnly, counted
 from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.delassus import LOCKED
-from frictionbench.problems.rows import Index32, Rows
+from frictionbench.problems.rows import Rows
 
 
 class LCP(ReadOnly):
@@ -138,16 +138,6 @@ def by_unknown(values: Array, unknowns: int) -> Array:
     return np.concatenate([values, np.repeat(values, unknowns // len(values) - 2), values])
 
 
-def friction_lcp(W: tuple[Index32, Index32, Array], q: Array, friction: Array, friction_bias: Array, basis: Array) -> LCP:
-    """The friction LCP of a Delassus matrix.
-
-    W: by blocks (problems.forms.delassus). q: (nc*d,), normal first. friction, friction_bias: (nc,).
-    basis: (d, 1 + K), see tangent_basis.
-    """
-    *rows, right = friction_rows(*W, q, friction, friction_bias, basis)
-    return LCP.of_friction(Rows(*rows), right, basis, (len(friction), len(basis)))
-
-
 @kernel
 def impulse(basis, z, nc):  # type: ignore[no-untyped-def]
     """The contact impulses (nc, d) of a friction LCP's z."""
@@ -185,7 +175,11 @@ def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
 
 @kernel
 def friction_rows(first, neighbours, block, q, friction, friction_bias, basis):  # type: ignore[no-untyped-def]
-    """The friction LCP's matrix by rows, without zeros, and its right side."""
+    """The friction LCP's matrix by rows, without zeros, and its right side.
+
+    first, neighbours, block: W by blocks (problems.forms.delassus). q: (nc*d,), normal first. friction, friction_bias: (nc,).
+    basis: (d, 1 + K), see tangent_basis.
+    """
     nc, (d, width) = len(friction), basis.shape
     K = width - 1
     n, entries = nc * (width + 1), len(neighbours) * width * width + nc * (2 * K + 1)

@@ -158,11 +158,6 @@ class Geometry:
         """The coordinates after the displacement `way` (nv,), a velocity times a time."""
         return q + way
 
-    def fastest(self, v: Array) -> float:
-        """A bound, m/s, of the speeds of all points of all bodies."""
-        planar = v.reshape(-1, 3)
-        return float((np.hypot(planar[:, 0], planar[:, 1]) + self.reach * np.abs(planar[:, 2])).max(initial=0.0))
-
     def gyroscopic(self, v: Array, step: float) -> Array:
         """None in the plane: 0."""
         return np.zeros_like(v)

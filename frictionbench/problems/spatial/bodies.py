@@ -130,11 +130,6 @@ class SpatialGeometry:
         pose, step = q.reshape(-1, 7), way.reshape(-1, 6)
         return np.hstack([pose[:, :3] + step[:, :3], rotation.turned(pose[:, 3:], step[:, 3:])]).ravel()
 
-    def fastest(self, v: Array) -> float:
-        """A bound, m/s, of the speeds of all points of all bodies."""
-        linear, spin = np.split(v.reshape(-1, 6), 2, axis=1)
-        return float((np.linalg.norm(linear, axis=1) + self.reach * np.linalg.norm(spin, axis=1)).max(initial=0.0))
-
     def gyroscopic(self, v: Array, step: float) -> Array:
         """The generalised force (6 nb,) of the gyroscopic torques, a step's mean."""
         force = np.zeros((len(self.bodies), 6))

@@ -17,7 +17,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.packed import Q, known_blocks, law_of, mechanical, mechanics_of
-from frictionbench.problems.rows import Index32, normal_first, nowhere
+from frictionbench.problems.rows import Index32, normal_first
 
 
 class ContactForm(NamedTuple):
@@ -77,7 +77,7 @@ def _pack_velocities(start, column, J, m_start, m_column, m_value, free, bias, m
     for k in range(len(column)):
         entries += m_start[column[k] + 1] - m_start[column[k]]
     push_start, push_column, push = np.zeros(nc + 1, np.int32), np.empty(entries, np.int32), np.zeros((entries, d))
-    block, offset, place = np.zeros((nc, d, d)), np.zeros((nc, d)), nowhere(nv)
+    block, offset, place = np.zeros((nc, d, d)), np.zeros((nc, d)), np.full(nv, -1, np.int32)
     at = 0
     for i in range(nc):
         offset[i, 0] = bias[i]
