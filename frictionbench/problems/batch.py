@@ -1,7 +1,6 @@
 """Many friction problems of any sizes, dimensions and kinds, packed for compiled loops."""
 
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 import numpy as np
 
@@ -31,7 +30,8 @@ class Batch:
     first: Index64
 
     def __init__(self, problems: Iterable[FrictionProblem]) -> None:
-        self.problems = tuple(_listed(problems))
+        require(isinstance(problems, Iterable), "problems", f"must be a sequence of FrictionProblems, got {type(problems)}")
+        self.problems = tuple(problems)
         members: dict[int, list[int]] = {}
         sizes = []
         for k, problem in enumerate(self.problems):
@@ -52,8 +52,3 @@ class Batch:
 
     def __repr__(self) -> str:
         return f"Batch({len(self)} problems)"
-
-
-def _listed(problems: Any) -> Iterable[Any]:
-    require(isinstance(problems, Iterable), "problems", f"must be a sequence of FrictionProblems, got {type(problems)}")
-    return problems

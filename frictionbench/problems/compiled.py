@@ -67,7 +67,8 @@ def state(package: Path) -> str:
 
 def _writable(name: str) -> Path:
     """The cache folder for this version. Its files are executed, so in a place open to all users it must belong to this one."""
-    usual = _usual()
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    usual = Path(chosen) if chosen else user_cache_path("frictionbench") / "compiled"
     spare = Path(tempfile.gettempdir()) / f"frictionbench-{getpass.getuser()}"
     for above in (usual, spare):
         with suppress(OSError):
@@ -77,11 +78,6 @@ def _writable(name: str) -> Path:
             if os.access(above / name, os.W_OK):
                 return above / name
     return usual / name
-
-
-def _usual() -> Path:
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    return Path(chosen) if chosen else user_cache_path("frictionbench") / "compiled"
 
 
 config.CACHE_DIR = str(_writable(state(PACKAGE)))  # before the first kernel is declared

@@ -17,9 +17,8 @@ from scipy import sparse
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, ReadOnly
 from frictionbench.problems.forms import delassus
-from frictionbench.problems.forms.arrays import CSR, Dense, csr, dense
 from frictionbench.problems.forms.balance import components, factors
-from frictionbench.problems.forms.delassus import Blocks
+from frictionbench.problems.forms.delassus import CSR, Blocks, Dense
 from frictionbench.problems.forms.islands import islands, mechanical_graph, mechanical_units, spread
 from frictionbench.problems.forms.joints import FEW, FewJoints, JointEquations, ManyJoints
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_row
@@ -154,7 +153,7 @@ class Mechanics(ReadOnly):
 
     @cached_property
     def _dense(self) -> Dense:
-        return dense(self.blocks, self.q)
+        return self.blocks.dense(self.q)
 
     def csr(self) -> CSR:
         """W in compressed rows and q, as plain arrays: indptr, indices, data, q; formed once and read-only."""
@@ -162,7 +161,7 @@ class Mechanics(ReadOnly):
 
     @cached_property
     def _csr(self) -> CSR:
-        return csr(self.blocks, self.q)
+        return self.blocks.csr(self.q)
 
     @property
     def asymmetry(self) -> float:

@@ -27,12 +27,8 @@ def parse(field: str, text: str) -> tuple[str, dict[str, Any]]:
     for key, value in settings.items():
         if value is None or not key:
             raise InputError(f"{field}: cannot read the setting {key!r} of {name}; write setting=value")
-        values[key] = _value(value)
+        try:
+            values[key] = json.loads(value.lower())
+        except ValueError:
+            values[key] = value
     return name, values
-
-
-def _value(text: str) -> Any:
-    try:
-        return json.loads(text.lower())
-    except ValueError:
-        return text

@@ -7,7 +7,7 @@ import pytest
 
 from frictionbench.harness.plans.hard import ANSWERS, FEWEST, METHODS, TOL, admitted, families, kept_answer
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.analysis.thresholds import gaps_only, is_pointed
+from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.catalogue import instances, make_instance, scene
 from frictionbench.problems.residual import residual, residual_floor
 from tools.admit import admissible, fewest_contacts
@@ -46,7 +46,7 @@ def test_a_solution_is_known(row) -> None:
     else:
         assert problem.mechanical
         assert not problem.joint_bias.any()
-        assert gaps_only(problem) or is_pointed(problem)
+        assert THRESHOLDS["gaps"](problem) or THRESHOLDS["pointed"](problem)
 
 
 @pytest.mark.parametrize(

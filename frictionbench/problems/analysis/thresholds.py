@@ -39,11 +39,6 @@ def is_p0(problem: FrictionProblem) -> bool:
     return True
 
 
-def is_pointed(problem: FrictionProblem) -> bool:
-    """Whether the only admissible contact impulses that cancel are zero."""
-    return pointedness(problem) <= POINTED
-
-
 def gaps_only(problem: FrictionProblem) -> bool:
     """Whether nothing overlaps: no bias is negative."""
     return bool(problem.bias.min(initial=0.0) >= 0)
@@ -52,7 +47,7 @@ def gaps_only(problem: FrictionProblem) -> bool:
 THRESHOLDS: dict[str, Callable[[FrictionProblem], bool]] = {
     "p": lambda problem: p0_margin(problem) >= 0,
     "P0": is_p0,
-    "pointed": is_pointed,
+    "pointed": lambda problem: pointedness(problem) <= POINTED,
     "gaps": gaps_only,
 }
 

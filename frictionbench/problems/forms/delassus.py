@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
+from frictionbench.problems.check import set_read_only
 from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.islands import length, mechanical_units, spread
 from frictionbench.problems.rows import Array, Index32
@@ -15,6 +16,25 @@ from frictionbench.problems.rows import Array, Index32
 # Of the terms that add up to a diagonal entry of W: below this the joints lock the direction. The rounding errors observed were
 # up to 160 eps, and the entries of directions that move were above 1e9 eps.
 LOCKED = 1000 * float(np.finfo(float).eps)
+
+
+class Dense(NamedTuple):
+    """W (nc*d, nc*d), 1/kg, by rows in memory, and q (nc*d,), m/s; float64, C-contiguous and read-only."""
+
+    W: Array
+    q: Array
+
+
+class CSR(NamedTuple):
+    """W in compressed rows: row i has data[k] in column indices[k] for k in indptr[i]:indptr[i+1], columns ascending, no zeros.
+
+    indptr (nc*d + 1,) and indices: int32; data: float64, 1/kg; q (nc*d,), m/s. C-contiguous and read-only.
+    """
+
+    indptr: Index32
+    indices: Index32
+    data: Array
+    q: Array
 
 
 class Blocks(NamedTuple):
@@ -35,6 +55,20 @@ class Blocks(NamedTuple):
         matrix = sparse.csr_array(sparse.bsr_array((self.block, self.neighbours, self.first), shape=(n, n)))
         matrix.eliminate_zeros()
         return matrix
+
+    def dense(self, q: Array) -> Dense:
+        """The matrix as one array, with q."""
+        nc, d = len(self.first) - 1, self.block.shape[1]
+        W = np.zeros((nc * d, nc * d))
+        W.reshape(nc, d, nc, d)[np.repeat(np.arange(nc), np.diff(self.first)), :, self.neighbours] = self.block
+        set_read_only(W)
+        return Dense(W, q)
+
+    def csr(self, q: Array) -> CSR:
+        """The matrix in compressed rows, with q."""
+        W = self.matrix()
+        set_read_only(W)
+        return CSR(W.indptr, W.indices, W.data, q)
 
 
 def blocks(W: sparse.csr_array, d: int) -> Blocks:

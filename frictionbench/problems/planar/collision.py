@@ -54,16 +54,22 @@ class Contacts:
     @cached_property
     def normal_rows(self) -> Rows:
         """(nc, nv), the relative velocity of the bodies at the point along the normal."""
-        return self._rows(self.direction)
+        return self._rows(self.direction[:, None])
 
     @cached_property
     def tangent_rows(self) -> Rows:
-        """(nc, nv), along the normal turned by -90 degrees."""
-        return self._rows(self.direction[:, ::-1] * [1.0, -1.0])
+        """(nc*(d-1), nv), along the tangents."""
+        return self._rows(self.tangents)
+
+    @property
+    def tangents(self) -> Array:
+        """(nc, d - 1, d), here the normal turned by -90 degrees."""
+        return (self.direction[:, ::-1] * [1.0, -1.0])[:, None]
 
     def _rows(self, along: Array) -> Rows:
+        """Along one direction of each contact (nc, 1, d), or along its tangents."""
         arms = self.point[:, None] - self.q.reshape(-1, 3)[self.bodies, :2]
-        return planar_relative(self.bodies, arms, along)
+        return planar_relative(self.bodies, arms, along[:, 0])
 
     @cached_property
     def normal(self) -> sparse.csr_array:

@@ -9,7 +9,6 @@ Both bodies' arms end at the contact's point. With a half space, between spheres
 gap is exactly the contact's normal row.
 """
 
-from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple
 
@@ -36,18 +35,11 @@ class SpatialContacts(Contacts):
     def velocities(self) -> int:
         return 6 * (len(self.q) // 7)
 
-    @cached_property
-    def normal_rows(self) -> Rows:
-        """(nc, nv), the relative velocity of the bodies at the point along the normal."""
-        return self._rows(self.direction[:, None])
-
-    @cached_property
-    def tangent_rows(self) -> Rows:
-        """(2 nc, nv), along the two tangents."""
-        return self._rows(frames(self.direction)[:, 1:])
+    @property
+    def tangents(self) -> Array:
+        return frames(self.direction)[:, 1:]
 
     def _rows(self, along: Array) -> Rows:
-        """Rows (nc k, nv) along k directions (nc, k, 3)."""
         pose = self.q.reshape(-1, 7)
         arms, turns = self.point[:, None] - pose[self.bodies, :3], matrices(pose[:, 3:])[self.bodies]
         spins = np.cross(arms[:, None], along[:, :, None])
