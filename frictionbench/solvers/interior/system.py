@@ -17,7 +17,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, lean, part
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import largest
-from frictionbench.problems.rows import Index64
+from frictionbench.problems.rows import Index32, Index64
 from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, place_of_entry, position_in_front
 
 SOFTNESS = 1e-14  # delta, relative to a contact's mean diagonal of W: 1e-16 drowns in rounding, 1e-12 fails tall stacks
@@ -185,31 +185,15 @@ def _units(start, column, value, ratio):  # type: ignore[no-untyped-def]
     return unit
 
 
-@kernel
-def _delassus_elements(first, neighbours, block, ratio):  # type: ignore[no-untyped-def]
+def _delassus_elements(first: Index32, neighbours: Index32, block: Array, ratio: float) -> tuple[Array, ...]:
     """Where only W is known: push = W' by contacts, times the ratio, and read = I on the same columns."""
     nc, d = len(first) - 1, block.shape[1]
-    start = np.zeros(nc + 1, np.int32)
-    for k in range(len(neighbours)):
-        start[neighbours[k] + 1] += d
-    for i in range(nc):
-        start[i + 1] += start[i]
-    n = len(neighbours) * d
-    column, push, read = np.empty(n, np.int32), np.empty((n, d)), np.zeros((n, d))
-    end = np.empty(nc, np.int32)
-    for i in range(nc):
-        end[i] = start[i]
-    for j in range(nc):
-        for k in range(first[j], first[j + 1]):
-            i = neighbours[k]
-            for b in range(d):
-                column[end[i]] = j * d + b
-                for a in range(d):
-                    push[end[i], a] = block[k, b, a] * ratio
-                    if i == j and a == b:
-                        read[end[i], a] = 1.0
-                end[i] += 1
-    return start, column, push, read
+    order = np.argsort(neighbours, kind="stable")
+    source = np.repeat(np.arange(nc), np.diff(first))[order]
+    start = d * np.append(0, np.cumsum(np.bincount(neighbours, minlength=nc))).astype(np.int32)
+    column = (d * source[:, None] + np.arange(d)).astype(np.int32).ravel()
+    read = (source == neighbours[order])[:, None, None] * np.eye(d)
+    return start, column, ratio * block[order].reshape(-1, d), read.reshape(-1, d)
 
 
 @part

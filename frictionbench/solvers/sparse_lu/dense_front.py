@@ -1,11 +1,10 @@
-"""Elimination in a dense front whose first p columns are the pivots', by panels of columns.
+"""Elimination in a dense front whose first p columns are the pivots', eight columns at a time.
 
     [ P  R ]        P = L U with rows interchanged,        S <- S - C P^-1 R.
     [ C  S ]
 
 The front (w, w) is overwritten with the factors: L, below the diagonal of ones, reaches down through C, U to the right through
-R, and the diagonal holds the inverse pivots. The remaining S is added to the parent's front; its first row is later workspace
-for the solution.
+R, and the diagonal holds the inverse pivots. The remaining S is added to the parent's front.
 
 A - B C is computed by tiles with its sums kept in registers: a tile of A, four rows by two vectors of eight, is read once,
 takes up a row of C for each column of B, and is written once, so that nearly every instruction multiplies and adds. From plain
@@ -19,9 +18,7 @@ from numpy.typing import NDArray
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, lean
 from frictionbench.solvers.sparse_lu.minimum_degree import Index
-from frictionbench.solvers.sparse_lu.vectors import LANES, load, minus, plus, store, total
-
-PANEL = 64  # columns: a panel's rows, sixteen columns at a time, are 8 kB of the fastest cache
+from frictionbench.solvers.sparse_lu.vectors import LANES, load, minus, store
 
 
 @inlined
@@ -43,41 +40,26 @@ def pivot(F: Array, k: int, p: int, floor: float) -> tuple[int, int]:
 
 @lean
 def eliminate(F: Array, p: int, swap: Index, floor: float) -> int:
-    """Eliminate p columns of a wide front, eight at a time; the number of pivots replaced.
+    """Eliminate p columns of a wide front; the number of pivots replaced.
 
-    Within eight columns each pivot acts on all rows below it; then the eight rows are completed as far as a panel of PANEL
-    columns reaches, and act on the rest of the panel. What is right of the panel takes up all its pivots at once: each number
-    is read and written once a panel, and the panel's rows stay in the cache meanwhile.
+    Within eight columns each pivot acts on all rows below it; then the eight rows are completed, and act on all that is left.
     """
     w, replaced = len(F), 0
-    for left in range(0, p, PANEL):
-        right = min(left + PANEL, p)
-        for begin in range(left, right, LANES):
-            end = min(begin + LANES, right)
-            for k in range(begin, end):
-                swap[k], small = pivot(F, k, p, floor)
-                replaced += small
-                inverse, n = F[k, k], end - k - 1
-                row = load(F, k, k + 1, n)
-                for i in range(k + 1, w):
-                    a = F[i, k] * inverse
-                    F[i, k] = a
-                    store(F, i, k + 1, n, minus(load(F, i, k + 1, n), a, row))
-            _complete(F, begin, end, end, right)
-            subtract_product(F, end, w, end, right, begin, end)
-        for begin in range(left, right, LANES):
-            end = min(begin + LANES, right)
-            _complete(F, begin, end, right, w)
-            subtract_product(F, end, right, right, w, begin, end)
-        subtract_product(F, right, w, right, w, left, right)
+    for begin in range(0, p, LANES):
+        end = min(begin + LANES, p)
+        for k in range(begin, end):
+            swap[k], small = pivot(F, k, p, floor)
+            replaced += small
+            inverse, n = F[k, k], end - k - 1
+            row = load(F, k, k + 1, n)
+            for i in range(k + 1, w):
+                a = F[i, k] * inverse
+                F[i, k] = a
+                store(F, i, k + 1, n, minus(load(F, i, k + 1, n), a, row))
+        for i in range(begin + 1, end):
+            subtract_product(F, i, i + 1, end, w, begin, i)
+        subtract_product(F, end, w, end, w, begin, end)
     return replaced
-
-
-@lean
-def _complete(F: Array, begin: int, end: int, left: int, right: int) -> None:
-    """Make F[begin:end, left:right] a part of U, which the pivots before begin have acted on."""
-    for i in range(begin + 1, end):
-        subtract_product(F, i, i + 1, left, right, begin, i)
 
 
 @lean
@@ -91,35 +73,6 @@ def extend_add(F: Array, p: int, above: NDArray[np.uint32], G: Array) -> None:
         for i in range(p, w):
             store(G, above[i], column, n, minus(load(G, above[i], column, n), -1.0, load(F, i, j, n)))
         j += n
-
-
-@lean
-def forward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array) -> None:
-    """Forward substitution in a front whose pivots are the variables from first on."""
-    row = b.reshape(1, len(b))
-    for i in range(1, len(F)):
-        b[variable[i]] -= dot(F, i, 0, row, 0, first, min(i, p))
-
-
-@lean
-def backward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array) -> None:
-    """Back substitution in a front; later unknowns are gathered in a row that has been passed to the parent."""
-    w, row = len(F), b.reshape(1, len(b))
-    for j in range(p, w):
-        F[p, j] = b[variable[j]]
-    for k in range(p - 1, -1, -1):
-        value = b[first + k] - dot(F, k, p, F, p, p, w - p) - dot(F, k, k + 1, row, 0, first + k + 1, p - k - 1)
-        b[first + k] = value * F[k, k]
-
-
-@inlined
-def dot(F: Array, i: int, j: int, G: Array, k: int, m: int, n: int) -> float:
-    """The product of F[i, j : j + n] and G[k, m : m + n], summed by every eighth number."""
-    vector = load(F, i, j, 0)
-    for at in range(0, n, LANES):
-        left = min(LANES, n - at)
-        vector = plus(vector, load(F, i, j + at, left), load(G, k, m + at, left))
-    return total(vector)
 
 
 @lean

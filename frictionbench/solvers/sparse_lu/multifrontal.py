@@ -26,12 +26,11 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, lean, lean_kernel, part
-from frictionbench.solvers.sparse_lu.dense_front import backward, eliminate, extend_add, forward, pivot
+from frictionbench.solvers.sparse_lu.dense_front import eliminate, extend_add, pivot
 from frictionbench.solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
 
 Place = NDArray[np.uint32]  # unsigned, so that compiled code need not check for negative indices
 NARROW = 12  # fronts of at most so many columns go by plain loops: tiles gain nothing (tests/benchmarks/test_sparse_lu.py)
-FEW = 4  # and fronts of at most so many pivots in the substitutions, for the same reason
 
 
 class Fronts(NamedTuple):
@@ -157,8 +156,7 @@ def place_of_entry(fronts: Fronts, row: int, column: int) -> int:
 def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
     """Factorise in place what was added into storage (start[-1],); the number of pivots replaced.
 
-    swap: (n,), filled with the row interchanges. Wide fronts go by blocks of columns. In narrow ones pivots act on the rows
-    below them three at a time, the number of velocities of a planar body.
+    swap: (n,), filled with the row interchanges.
     """
     replaced = eliminated = 0
     for f in range(len(fronts.pivots)):
@@ -166,39 +164,18 @@ def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
         F = _front(fronts, storage, f)
         if w > NARROW:
             replaced += eliminate(F, p, swap[eliminated : eliminated + p], floor)
-            eliminated += p
-            if p < w:
-                extend_add(F, p, fronts.above[fronts.first[f] : fronts.first[f + 1]], _front(fronts, storage, up))
-            continue
-        for k in range(p):
-            swap[eliminated + k], small = pivot(F, k, p, floor)
-            replaced += small
-            for i in range(k + 1, p):
-                F[i, k] *= F[k, k]
-                for j in range(k + 1, w):
-                    F[i, j] -= F[i, k] * F[k, j]
+        else:
+            for k in range(p):
+                swap[eliminated + k], small = pivot(F, k, p, floor)
+                replaced += small
+                for i in range(k + 1, w):
+                    a = F[i, k] * F[k, k]
+                    F[i, k] = a
+                    for j in range(k + 1, w):
+                        F[i, j] -= a * F[k, j]
         eliminated += p
-        if p == w:
-            continue
-        above = fronts.above[fronts.first[f] : fronts.first[f + 1]]
-        G = _front(fronts, storage, up)
-        for i in range(p, w):
-            done = p % 3
-            for k in range(done):
-                a = F[i, k] * F[k, k]
-                F[i, k] = a
-                for j in range(k + 1, w):
-                    F[i, j] -= a * F[k, j]
-            for k in range(done, p, 3):
-                a = F[i, k] * F[k, k]
-                b = (F[i, k + 1] - a * F[k, k + 1]) * F[k + 1, k + 1]
-                c = (F[i, k + 2] - a * F[k, k + 2] - b * F[k + 1, k + 2]) * F[k + 2, k + 2]
-                F[i, k], F[i, k + 1], F[i, k + 2] = a, b, c
-                for j in range(k + 3, w):
-                    F[i, j] -= a * F[k, j] + b * F[k + 1, j] + c * F[k + 2, j]
-            row = G[above[i]]
-            for j in range(p, w):
-                row[above[j]] += F[i, j]
+        if p < w:
+            extend_add(F, p, fronts.above[fronts.first[f] : fronts.first[f + 1]], _front(fronts, storage, up))
     return replaced
 
 
@@ -231,21 +208,15 @@ def solve_factorised(fronts: Fronts, storage: Array, swap: Index, b: Array) -> N
             value = b[best]
             b[best] = b[eliminated + k]
             b[eliminated + k] = value
-        if p > FEW and w > NARROW:
-            forward(_front(fronts, storage, f), p, eliminated, fronts.variable[begin : begin + w], b)
-            eliminated += p
-            continue
-        for k in range(p):
-            value = b[eliminated + k]
-            for i in range(k + 1, w):
-                b[fronts.variable[begin + i]] -= storage[base + i * w + k] * value
+        for i in range(1, w):
+            row, value = base + i * w, b[fronts.variable[begin + i]]
+            for k in range(min(i, p)):
+                value -= storage[row + k] * b[eliminated + k]
+            b[fronts.variable[begin + i]] = value
         eliminated += p
     for f in range(len(fronts.pivots) - 1, -1, -1):
         p, begin, w = fronts.pivots[f], fronts.first[f], fronts.first[f + 1] - fronts.first[f]
         eliminated -= p
-        if p > FEW and w > NARROW:
-            backward(_front(fronts, storage, f), p, eliminated, fronts.variable[begin : begin + w], b)
-            continue
         for k in range(p - 1, -1, -1):
             row, total = fronts.start[f] + k * w, b[eliminated + k]
             for j in range(k + 1, w):

@@ -1,6 +1,6 @@
 """Eight numbers at a time: the instructions of which solvers.sparse_lu.dense_front makes its loops.
 
-`load`, `store`, `minus`, `plus` and `total` stand for instructions of LLVM, which compiles them for the machine at hand,
+`load`, `store` and `minus` stand for instructions of LLVM, which compiles them for the machine at hand,
 to several narrower ones if it has none of this width. A vector that is not full is loaded and stored under a mask. Their bodies
 in Python define them, and run if compilation is disabled. A product and its sum may be rounded together, once; the order of all
 sums is the one written here.
@@ -42,18 +42,6 @@ def minus(vector: Array, a: float, other: Array) -> Array:
     return vector - a * other
 
 
-def plus(vector: Array, one: Array, other: Array) -> Array:
-    """vector + one other, number by number."""
-    return vector + one * other
-
-
-def total(vector: Array) -> float:
-    """The sum of a vector's numbers, by halves."""
-    for half in (4, 2, 1):
-        vector = vector[:half] + vector[half:]
-    return float(vector[0])
-
-
 class _Vector(types.Type):
     """numba's type of a vector."""
 
@@ -83,16 +71,6 @@ def _type_of_store(_: Any) -> Any:
 @type_callable(minus)
 def _type_of_minus(_: Any) -> Any:
     return lambda vector, a, other: signature(_VECTOR, vector, types.float64, other)
-
-
-@type_callable(plus)
-def _type_of_plus(_: Any) -> Any:
-    return lambda vector, one, other: signature(_VECTOR, vector, one, other)
-
-
-@type_callable(total)
-def _type_of_total(_: Any) -> Any:
-    return lambda vector: signature(types.float64, vector)
 
 
 def _all_lanes(builder: Any, value: Any, kind: Any) -> Any:
@@ -132,18 +110,3 @@ def _emit_minus(_: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     vector, a, other = arguments
     product = builder.fmul(_all_lanes(builder, a, _DOUBLES), other, flags=("contract",))
     return builder.fsub(vector, product, flags=("contract",))
-
-
-@lower_builtin(plus, _Vector, _Vector, _Vector)
-def _emit_plus(_: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    vector, one, other = arguments
-    return builder.fadd(vector, builder.fmul(one, other, flags=("contract",)), flags=("contract",))
-
-
-@lower_builtin(total, _Vector)
-def _emit_total(_: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    (vector,) = arguments
-    for half in (4, 2, 1):
-        low, high = (ir.Constant(ir.VectorType(_WORD, half), list(range(at, at + half))) for at in (0, half))
-        vector = builder.fadd(builder.shuffle_vector(vector, vector, low), builder.shuffle_vector(vector, vector, high))
-    return builder.extract_element(vector, _WORD(0))
