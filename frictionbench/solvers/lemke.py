@@ -29,7 +29,6 @@ A start (impulses) becomes a guess of the basis. If that is invertible the metho
 with a smaller perturbation; if it is singular, or that fails, it starts from z = 0.
 """
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -37,7 +36,7 @@ from numpy.typing import NDArray
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import inlined, kernel, lean, lean_kernel, lean_loop
+from frictionbench.problems.compiled import inlined, kernel, lean, lean_loop
 from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.packed import CONTACT, Packed
 from frictionbench.problems.rows import Index64
@@ -89,7 +88,7 @@ COARSEST = 1e-3  # the largest perturbation
 
 
 class LemkeProblem(NamedTuple):
-    """The scaled w = M y + q and its unit (ScaledLCP), the first covering vector, and the indices of basic z of a guess.
+    """The scaled w = M y + q and its unit (ScaledLCP), its contacts if any, and the indices of basic z of a guess.
 
     copositive: whether M is known to be, as in every friction LCP.
     """
@@ -97,7 +96,7 @@ class LemkeProblem(NamedTuple):
     M: Matrix
     q: Array
     unit: Array
-    cover: Array
+    contacts: int
     guess: Index64
     copositive: bool
 
@@ -130,10 +129,10 @@ def memory(M: Matrix, n: int) -> Memory:
 
 
 @kernel
-def lemke(M, q, unit, cover, guess, copositive, tol, pivots, restarts, until):  # type: ignore[no-untyped-def]
+def lemke(M, q, unit, contacts, guess, copositive, tol, pivots, restarts, until):  # type: ignore[no-untyped-def]
     """lemke_within in memory of its own, and the solution; flat, as Python's call of a kernel takes time for each tuple."""
     own = memory(M, len(q))
-    problem, limits = LemkeProblem(M, q, unit, cover, guess, copositive), Limits(tol, pivots, restarts, until)
+    problem, limits = LemkeProblem(M, q, unit, contacts, guess, copositive), Limits(tol, pivots, restarts, until)
     return *lemke_within(own, problem, limits), own.best
 
 
@@ -192,9 +191,10 @@ def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple
 def perturb(memory: Memory, state: LemkeState, problem: LemkeProblem, trial: int, size: float) -> None:
     """Write the trial's covering vector over d, and q plus its perturbation of this size, in the basis's own coordinates."""
     basis, drawn = state.basis, state.v
-    put(drawn, problem.cover)
     if trial > 0:
         draw(2 * trial, drawn)
+    else:
+        first_cover(drawn, problem.contacts)
     fill(basis.d, 0.0)
     add_coordinates(basis, drawn, 1.0, basis.d)
     put(drawn, memory.noise)
@@ -256,7 +256,7 @@ def certified(state: LemkeState, q: Array, copositive: bool) -> bool:
 
 
 @lean_loop
-def lemke_loop(packed, basis, guess, first, limits, lcp, memory, cover, r, ended, work):  # type: ignore[no-untyped-def]
+def lemke_loop(packed, basis, guess, first, limits, lcp, memory, r, ended, work):  # type: ignore[no-untyped-def]
     """Packed problems one after the other, over: impulses, how each ended, and pivots, restarts and inversions (N, 3).
 
     guess: the indices of basic z, problem k's from first[k] to first[k + 1].
@@ -268,8 +268,7 @@ def lemke_loop(packed, basis, guess, first, limits, lcp, memory, cover, r, ended
         if not fits:
             continue
         n, own, (tol, pivots, restarts, until) = len(q), impulses_of(packed, k, r), limits
-        set_cover(cover[:n], len(own))
-        problem = LemkeProblem(M, q, unit, cover[:n], guess[first[k] : first[k + 1]], True)
+        problem = LemkeProblem(M, q, unit, len(own), guess[first[k] : first[k + 1]], True)
         own_limits = Limits(tol, pivots if pivots else 100_000 + 100 * n, restarts, until)
         ended[k], work[k, 0], work[k, 1], work[k, 2] = lemke_within(memory, problem, own_limits)
         write_stretched(basis, memory.best[:n], stretch, own)
@@ -293,11 +292,7 @@ class Lemke:
     def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
         return scaled_lcp(problem, self.facets)
 
-    def setup(self, formed: ScaledLCP) -> tuple[ScaledLCP, Array]:
-        return formed, covering_vector(len(formed.q), formed.contacts[0])
-
-    def solve(self, prepared: tuple[ScaledLCP, Array], tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        scaled, cover = prepared
+    def solve(self, scaled: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         M, q, unit = scaled.M, scaled.q, scaled.unit
         guess, problem = NONE, scaled.problem
         if start is not None and isinstance(problem, FrictionProblem):
@@ -306,7 +301,7 @@ class Lemke:
         if is_past(deadline(2.0 * len(guess) ** 3)):  # its inverse would take too long; there may be time to begin from z = 0
             guess = NONE
         limits = MARGIN * tol, limit or 100_000 + 100 * len(q), self.restarts, deadline()
-        given = M, q, unit, cover, guess, scaled.basis is not None
+        given = M, q, unit, scaled.contacts[0], guess, scaled.basis is not None
         ended, pivots, restarts, inversions, y = lemke(*given, *limits)
         return scaled.answer(y, STATUSES[ended], pivots=pivots, restarts=restarts, inversions=inversions)
 
@@ -319,28 +314,20 @@ class Lemke:
         r, ended, work = unsolved(packed, 3)
         limits = Limits(MARGIN * tol, limit or 0, self.restarts, np.inf)
         lcp, n = lcp_space(packed, basis), int(np.diff(packed.contacts).max(initial=0)) * (len(basis[0]) + 1)
-        lemke_loop(packed, basis, *guess, limits, lcp, memory(lcp.matrix, n), np.empty(n), r, ended, work)
+        lemke_loop(packed, basis, *guess, limits, lcp, memory(lcp.matrix, n), r, ended, work)
         return solved(r, ended, STATUSES, work, ("pivots", "restarts", "inversions"))
 
 
-@lean_kernel
-def set_cover(d, contacts):  # type: ignore[no-untyped-def]
-    """See covering_vector."""
-    fill(d, 1.0)
-    for i in range(contacts, len(d) - contacts if contacts else 0):
-        d[i] = 30.0
-
-
-@lru_cache(maxsize=64)
-def covering_vector(n: int, contacts: int) -> Array:
-    """d (n,) in scaled units: 1, and 30 in the tangential rows of the LCP of so many contacts with friction.
+@lean
+def first_cover(d: Array, contacts: int) -> None:
+    """d = 1 in scaled units, and 30 in the tangential rows of the LCP of so many contacts with friction.
 
     Any d > 0 will do; with this one normal impulses enter the basis before tangential ones, which was measured to save a third
     of the pivots.
     """
-    d = np.empty(n)
-    set_cover(d, contacts)
-    return d
+    fill(d, 1.0)
+    for i in range(contacts, len(d) - contacts if contacts else 0):
+        d[i] = 30.0
 
 
 def guess_bases(first: Index64, impulse: Array, mu: Array, wider: Array, basis: Array) -> tuple[Index64, Index64]:

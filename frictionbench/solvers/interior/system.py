@@ -185,7 +185,9 @@ def _units(start, column, value, ratio):  # type: ignore[no-untyped-def]
     return unit
 
 
-def _delassus_elements(first: Index32, neighbours: Index32, block: Array, ratio: float) -> tuple[Array, ...]:
+def _delassus_elements(
+    first: Index32, neighbours: Index32, block: Array, ratio: float
+) -> tuple[Index32, Index32, Array, Array]:
     """Where only W is known: push = W' by contacts, times the ratio, and read = I on the same columns."""
     nc, d = len(first) - 1, block.shape[1]
     order = np.argsort(neighbours, kind="stable")
