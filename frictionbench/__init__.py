@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from frictionbench.files import load, load_step, save
     from frictionbench.problems import LCP, Answer, FrictionProblem, InputError, Status, Verdict
     from frictionbench.problems.analysis.contradiction import contradiction
-    from frictionbench.problems.batch import Batch
     from frictionbench.problems.catalogue import instances, make_instance as instance, problem_of as problem, scene, scenes
+    from frictionbench.problems.packed import Batch
     from frictionbench.problems.recorded.own import EngineStep
     from frictionbench.problems.residual import residual, residual_floor
     from frictionbench.solvers import Answers, available, solve, solve_many, solver

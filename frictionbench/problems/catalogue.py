@@ -130,14 +130,14 @@ def generator(
     return register
 
 
-def instance(dimension: int = 3) -> Callable[[InstanceFunction], InstanceFunction]:
-    """List a generator of problems with contacts of this dimension under its name.
+def instance(dimension: int = 3, name: str = "") -> Callable[[InstanceFunction], InstanceFunction]:
+    """List a generator of problems with contacts of this dimension under its own name, or another one.
 
     Errors: ValueError where the name is taken.
     """
 
     def register(make: InstanceFunction) -> InstanceFunction:
-        _add("instance", make, make.__name__, dimension)
+        _add("instance", make, name or make.__name__, dimension)
         return make
 
     return register

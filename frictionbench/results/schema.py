@@ -71,9 +71,6 @@ limits             whole     how many of the contacts are limits of joints
 dry_friction       whole     how many of the contacts are dry friction of joints
 trivial            flag      no contact, no friction, or zero impulses are the answer
 idle               flag      friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8
-sticking           whole     number of contacts that stick in the reference answer; null without one
-sliding            whole     number of contacts that slide in the reference answer; null without one
-open               whole     number of contacts without impulse in the reference answer; null without one
 solutions          text      shape of the set of solutions: none, one, convex, isolated, not convex; null if not enumerated
 outcomes           whole     number of distinct velocities among the solutions; null if not enumerated
 existence          text      proof of existence of a solution: gaps or pointed (theorems), counted (enumeration); none: proved

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems import FrictionProblem, InputError
-from frictionbench.problems.batch import Batch
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.packed import Packed, residuals
+from frictionbench.problems.packed import Batch, Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interface import (

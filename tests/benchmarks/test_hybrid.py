@@ -7,7 +7,7 @@ import pytest
 
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.cubes import cubes
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.solvers import solve
 
 BOXES = [1, 2, 3, 5, 10, 12, 16, 24, 50, 100, 300, 1000]

@@ -14,7 +14,7 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import make_instance, scene as make_scene
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded import fclib, own, read
 from frictionbench.reports.page import write_report
 from frictionbench.reports.recorded import recorded_problems

@@ -7,7 +7,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.census import census
 from frictionbench.problems.analysis.labels import pointedness
 from frictionbench.problems.analysis.polyhedra import Shape
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
 from tests.helpers.friction_problems import contacts_of

@@ -8,7 +8,7 @@ import sys
 import warnings
 from collections import Counter
 
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.solvers import available, solve
 from tests.helpers.friction_problems import spatial
 

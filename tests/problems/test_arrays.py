@@ -11,7 +11,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import make_instance
 from frictionbench.problems.copies import duplicate, nudged
 from frictionbench.problems.forms import delassus
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from tests.helpers.friction_problems import known_by_W
 
 PLANAR = random_problem(3, contacts=6)

@@ -11,7 +11,7 @@ from scipy.sparse.linalg import splu
 
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.forms.cone import project_cone
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded.own import load, save
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual
 from frictionbench.solvers import solve

@@ -11,7 +11,7 @@ from scipy import sparse
 
 from frictionbench.harness.contract.check import mirrored, permuted, rotated
 from frictionbench.problems.analysis.stability import backward_error
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.problems.verify import verify

@@ -7,7 +7,7 @@ from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.forms.islands import CANCELLED, COUPLED, FAR, LEVEL
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import polygon_residual, relaxation_residual, residual, residual_floor
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve

@@ -6,7 +6,7 @@ import pytest
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.forms.islands import CANCELLED, NOISE
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.problems.verify import verify

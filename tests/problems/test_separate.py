@@ -6,7 +6,7 @@ import pytest
 from frictionbench.harness.contract.check import permuted
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.subproblems import separate, side_by_side
 from tests.helpers.friction_problems import known_by_W
 

@@ -6,7 +6,7 @@ from scipy import sparse
 
 from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.problems import LCP, FrictionProblem
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.problems.verify import NEAR, verify

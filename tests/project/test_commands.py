@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.workers import cluster
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded.own import EngineStep, save
 from frictionbench.results.store import read_table
 from tests.helpers.command_line import frictionbench

@@ -11,7 +11,7 @@ from frictionbench.harness.contract import checks  # noqa: F401  # registers the
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.solvers import Answer, Status, available, find, solve
 from tests.helpers.friction_problems import block, known_by_W, nothing, spatial, with_joints

@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.cubes import cubes
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from tests.helpers.friction_problems import assert_solved, spatial
 
 PIVOTS = {"lemke": 1e-11, "path_search": 1e-8}

@@ -8,8 +8,8 @@ import pytest
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.cubes import cubes
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.packed import pack
-from frictionbench.problems.random_problem import random_problem
 from frictionbench.solvers import clock
 from frictionbench.solvers.hybrid import few_pivots, few_pivots_each
 from frictionbench.solvers.interface import Answer, Status, find, solve

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.instances.random_bodies import random_bodies
+from frictionbench.problems.instances.random_bodies import random_bodies, random_problem
 from frictionbench.problems.packed import pack
-from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, interior_point, solve
 from frictionbench.solvers.interface import find

@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.problems import LCP
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers.interface import Status, solve
 from tests.helpers.friction_problems import assert_solved

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.merit_newton import SOLVED, equations, iterate, jacobian, new_descent

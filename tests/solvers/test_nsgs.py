@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_with_floor
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.sweeps.form import contact_form, state, velocity

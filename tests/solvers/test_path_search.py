@@ -1,7 +1,7 @@
 """Path search: its starts and its factors."""
 
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import assert_solved
 

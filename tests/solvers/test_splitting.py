@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.solvers import Status, available, solve
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue

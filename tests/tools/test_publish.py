@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded.own import save
 from frictionbench.results.files import ResultsError
 from tests.helpers.browser import browse, in_browser

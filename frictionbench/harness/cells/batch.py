@@ -27,10 +27,10 @@ from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.answer import checked_copy, is_plain
-from frictionbench.problems.batch import Batch
 from frictionbench.problems.catalogue import problem_of
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import nudged
+from frictionbench.problems.packed import Batch
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import verify
 from frictionbench.results.conventions import DRAWN, NEARBY, WARM

@@ -29,7 +29,7 @@ from frictionbench.problems.analysis.census import census_labels
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.labels import POINTED, labels, lcp_size
-from frictionbench.problems.analysis.mode import distance_to_next_mode, mode_counts
+from frictionbench.problems.analysis.mode import distance_to_next_mode
 from frictionbench.problems.analysis.outcomes import refined
 from frictionbench.problems.analysis.stability import sensitivity
 from frictionbench.problems.analysis.thresholds import existence
@@ -294,10 +294,8 @@ def facts(source: Source, collected: Collected) -> Record:
     row["existence"] = "none" if infeasible else _existence(problem, found.pointedness, row["solutions"])
     if nc <= MAX_PERTURBED:  # infinite where the problem, or one near it, has no answer that holds
         row["sensitivity"] = unless_unsolved(np.inf, lambda solve: sensitivity(problem, solve))
-    if answer is not None:
-        row |= mode_counts(problem, answer)
-        if planar and 0 < nc <= MAX_PERTURBED:
-            row["mode_distance"] = distance_to_next_mode(problem, answer)
+    if answer is not None and planar and 0 < nc <= MAX_PERTURBED:
+        row["mode_distance"] = distance_to_next_mode(problem, answer)
     return row
 
 

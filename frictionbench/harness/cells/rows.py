@@ -25,8 +25,7 @@ PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase", "reference"),
     *("contacts", "dimension", "velocities", "size"),
     *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "largest_friction"),
-    *("asymmetry", "indefiniteness", "islands", "island_ratio", "limits", "dry_friction"),
-    *("trivial", "idle", "sticking", "sliding", "open"),
+    *("asymmetry", "indefiniteness", "islands", "island_ratio", "limits", "dry_friction", "trivial", "idle"),
     *("solutions", "outcomes", "existence", "proved_infeasible", "sensitivity", "mode_distance"),
 )
 

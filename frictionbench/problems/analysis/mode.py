@@ -12,22 +12,12 @@ Flags = npt.NDArray[np.bool_]
 def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
     """The mode of each planar contact in an answer (nc, 2): "o"pen, "s"ticking, sliding "l"eft or "r"ight.
 
-    Zero means as in mode_counts.
+    An impulse up to tol unit/s and a velocity up to tol unit count as zero, in the contact's own s and unit, problem.units.
     """
     require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
     opened, slides = _open_sliding(problem, impulse, tol)
     slip = np.where(slides, np.sign(problem.contact_velocity(impulse)[:, 1]), 0).astype(int)
     return "".join(np.where(opened, "o", np.array(["s", "r", "l"])[slip]))
-
-
-def mode_counts(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> dict[str, int]:
-    """How many contacts are "sticking", "sliding" and "open" in an answer (nc, d).
-
-    An impulse up to tol unit/s and a velocity up to tol unit count as zero, in the contact's own s and unit, problem.units.
-    """
-    opened, slides = _open_sliding(problem, impulse, tol)
-    kinds = {"sticking": ~opened & ~slides, "sliding": ~opened & slides, "open": opened}
-    return {name: int(np.sum(which)) for name, which in kinds.items()}
 
 
 def _open_sliding(problem: FrictionProblem, impulse: Array, tol: float) -> tuple[Flags, Flags]:

@@ -176,16 +176,11 @@ def product(start, column, value, right):  # type: ignore[no-untyped-def]
 @kernel
 def joint_response(start, column, F, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
     """M^-1 F' (nv, nj)."""
-    nv, nj = len(m_start) - 1, len(start) - 1
-    dense, response = np.zeros((nj, nv)), np.zeros((nv, nj))
-    for j in range(nj):
+    right = np.zeros((len(m_start) - 1, len(start) - 1))
+    for j in range(len(start) - 1):
         for k in range(start[j], start[j + 1]):
-            dense[j, column[k]] = F[k]
-    for v in range(nv):
-        for m in range(m_start[v], m_start[v + 1]):
-            for j in range(nj):
-                response[v, j] += m_value[m] * dense[j, m_column[m]]
-    return response
+            right[column[k], j] = F[k]
+    return product(m_start, m_column, m_value, right)
 
 
 @kernel

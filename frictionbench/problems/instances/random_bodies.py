@@ -1,4 +1,5 @@
-"""Random contacts between random bodies: irregular contact graphs and directions, which are rare in scenes.
+"""Random contacts between random bodies: irregular contact graphs and directions, large mu, mass ratios, and more contacts than
+degrees of freedom, which are rare in scenes.
 
 In slots, contacts come in pairs at one point, whose normals enclose the angle pi - tilt. The two can press on each other,
 without moving anything, if their friction cones overlap, mu > tan(tilt/2): the cone of all contacts is then not pointed, and
@@ -12,7 +13,7 @@ from frictionbench.problems.catalogue import instance
 from frictionbench.problems.check import count, number
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import touching
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.rows import planar_relative
 from frictionbench.problems.subproblems import side_by_side
 
 
@@ -36,19 +37,48 @@ def random_bodies(seed: int = 0, contacts: int = 20, friction: float = 0.5, mass
     return touching(pair, arms, frame, weights, velocity, number("friction", friction, least=0))
 
 
-@instance(dimension=2)
-def random(
+@instance(dimension=2, name="random")
+def random_problem(
     seed: int = 0, contacts: int = 10, bodies: int | None = None, friction: float | None = None, mass_ratio: float = 10.0
 ) -> FrictionProblem:
-    """Planar bodies touching each other or the ground at random points (problems.random_problem)."""
-    return random_problem(seed, contacts, bodies, friction, mass_ratio)
+    """Planar bodies (3 degrees of freedom each) touching each other or the ground at random points.
+
+    bodies: by default a draw between 1 and contacts. friction: one coefficient for all, by default drawn per problem
+    log-uniformly from [.05, 10] and varied by a factor of up to 2 per contact. mass_ratio: masses are log-uniform in
+    [1, mass_ratio] kg. Contacts can number up to twice the degrees of freedom, so W is often rank deficient. Every draw has
+    b >= 0, so that it has a solution, and Lemke's method reaches one (Anitescu and Potra 1997).
+    """
+    count("contacts", contacts)
+    number("mass_ratio", mass_ratio, least=1)
+    random = np.random.default_rng(count("seed", seed, least=0))
+    nb = int(random.integers(max(1, contacts // 6), contacts + 1)) if bodies is None else count("bodies", bodies)
+    mass = mass_ratio ** random.random(nb)
+    inertia = mass * random.uniform(0.05, 0.5, nb)
+    first = random.integers(nb, size=contacts)
+    second = np.where(random.random(contacts) < 0.5, -1, random.integers(nb, size=contacts))
+    second[second == first] = -1  # the ground
+    angle = random.uniform(0, 2 * np.pi, contacts)
+    n = np.column_stack([np.cos(angle), np.sin(angle)])
+    t = np.column_stack([-n[:, 1], n[:, 0]])
+    pair, arms = np.column_stack([first, second]), np.zeros((contacts, 2, 2))
+    arms[pair >= 0] = random.uniform(-1, 1, ((pair >= 0).sum(), 2))
+    mu = 10 ** random.uniform(np.log10(0.05), 1) if friction is None else number("friction", friction, least=0)
+    spread = random.uniform(0.5, 1, contacts) if friction is None else np.ones(contacts)
+    return FrictionProblem(
+        mass=sparse.diags_array(np.column_stack([mass, mass, inertia]).ravel()),
+        normal=planar_relative(pair, arms, n),
+        tangent=planar_relative(pair, arms, t),
+        friction=mu * spread,
+        free_velocity=random.standard_normal(3 * nb),
+        bias=np.where(random.random(contacts) < 0.3, random.random(contacts), 0.0),
+    )
 
 
 @instance(dimension=2)
 def slots(seed: int = 0, points: int = 5, tilt: float = 0.01, excess: float = 1e-3) -> FrictionProblem:
     """Planar bodies held at random points in slots that open by `tilt` (rad), without play: nearly jammed.
 
-    Bodies, points and velocities are those of problems.random_problem; each point has two contacts. excess: the friction
+    Bodies, points and velocities are those of random; each point has two contacts. excess: the friction
     coefficient is (1 + excess) tan(tilt/2); where it is positive the friction cone is not pointed.
     """
     nc = count("points", points)
@@ -70,7 +100,7 @@ def slots(seed: int = 0, points: int = 5, tilt: float = 0.01, excess: float = 1e
 def unlike_islands(
     seed: int = 0, islands: int = 4, contacts: int = 5, velocity_ratio: float = 1e4, friction: float = 0.5
 ) -> FrictionProblem:
-    """Planar random problems (problems.random_problem) of five contacts each, side by side, with velocities of unlike size.
+    """Planar random problems (random) of five contacts each, side by side, with velocities of unlike size.
 
     velocity_ratio: the free velocities and gaps of the first island over those of the last, geometric in between.
     """

@@ -13,7 +13,7 @@ from frictionbench.problems.analysis.mode import mode
 from frictionbench.problems.analysis.polyhedra import Polyhedron, Shape, contains, shape
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.check import Array
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import residual
 from tests.helpers.friction_problems import block, contacts_of, nothing, spatial, with_joints
 from tests.helpers.lcp_census import lcp_census

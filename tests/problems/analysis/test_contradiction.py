@@ -10,7 +10,7 @@ from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import Status
 from frictionbench.problems.analysis.contradiction import FAR, contradiction
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded.own import save
 from frictionbench.problems.residual import residual
 from frictionbench.problems.subproblems import side_by_side

@@ -6,8 +6,8 @@ import pytest
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.labels import labels, pointedness
 from frictionbench.problems.catalogue import scene
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.planar.bodies import half_plane, rigid_box
-from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.subproblems import side_by_side
 from tests.helpers.friction_problems import block, contacts_of, known_by_W

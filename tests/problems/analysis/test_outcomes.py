@@ -6,7 +6,7 @@ import pytest
 import frictionbench as fb
 from frictionbench.harness.contract.check import permuted
 from frictionbench.problems.analysis.outcomes import FINEST, refined, velocity_distance
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve

@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.stability import backward_error, sensitivity
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block, nothing
 

@@ -12,7 +12,7 @@ import pytest
 
 from frictionbench.harness.plans.choose import RunOptions, choose
 from frictionbench.problems import InputError
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded import collection, fclib, read
 
 FAMILY = "Local/siconos/Chain"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import frictionbench as fb
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded import own
 from frictionbench.problems.recorded.own import EngineStep
 from tests.helpers.friction_problems import spatial

@@ -11,7 +11,7 @@ from scipy import sparse
 
 from frictionbench.problems import LCP, InputError
 from frictionbench.problems.instances.cubes import cubes
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded import fclib, forms, read
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import solve

@@ -7,7 +7,7 @@ import pytest
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import relaxation_residual
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.simulate import simulate
