@@ -38,15 +38,17 @@ def _exported(what: str, out: Path, pick: int) -> Iterator[Path]:
 
 
 def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
-    if len(records) != 1 and out.suffix:
-        raise InputError(f"out: {len(records)} problems need a folder, and {out} has the suffix of a file")
+    """A problem that several sources of a run share is written once."""
+    named = {}
+    for record in records:
+        scene = re.sub(r"[^A-Za-z0-9_.-]", "_", record["scene"])
+        named[f"{scene}-{record['step']:05d}-{record['contacts']}-{record['problem']}"] = record
+    if len(named) != 1 and out.suffix:
+        raise InputError(f"out: {len(named)} problems need a folder, and {out} has the suffix of a file")
     if out.suffix not in SUFFIXES:
         raise InputError(f"out: {out} must end in {', '.join(filter(None, SUFFIXES))}, or name a folder")
-    for record in records:
-        named = (
-            f"{re.sub(r'[^A-Za-z0-9_.-]', '_', record['scene'])}-{record['step']:05d}-{record['contacts']}-{record['problem']}"
-        )
-        path = out if out.suffix else out / f"{named}.hdf5"
+    for name, record in named.items():
+        path = out if out.suffix else out / f"{name}.hdf5"
         if path.exists():
             raise InputError(f"out: {path} exists; it was not overwritten")
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -35,6 +35,13 @@ def collected(tmp_path) -> Path:
     return tmp_path / "run"
 
 
+def test_a_problem_of_two_sources_is_written_once(collected, tmp_path) -> None:
+    (path,) = collected.glob("problems/source-*.json")
+    path.with_name("source-2.json").write_bytes(path.read_bytes())
+    written = list(export(str(collected), tmp_path / "files"))
+    assert len(written) == len(set(written)) == len(json.loads(path.read_text(encoding="utf-8")))
+
+
 EDITS = {
     "scene": ["../../escaped", 1, "\x1b[31m"],
     "step": ["1", None, 2**70],

@@ -100,8 +100,13 @@ def with_data(plan: Plan, locations: tuple[str, ...]) -> Plan:
         raise InputError(f"data: {RECORDED} needs --data DIR, or --data fclib/FAMILY after `frictionbench export fclib/FAMILY`")
     if locations and plan.suite not in (RECORDED, REPLAY):
         raise InputError(f"data: {plan.suite} has problems of its own; recorded ones are run by {RECORDED}, {REPLAY}")
-    found = tuple(source for location in locations for source in located(location))
-    return replace(plan, sources=found) if locations else plan
+    found = {source.file: source for location in locations for source in located(location)}
+    names: dict[tuple[str, str], str] = {}
+    for file, source in found.items():
+        other = names.setdefault((source.scene, source.parameters["file"]), file)
+        if other != file:
+            raise InputError(f"data: {other} and {file} would be one problem of {source.scene}; rename a folder or a file")
+    return replace(plan, sources=tuple(found.values())) if locations else plan
 
 
 def located(location: str) -> list[Source]:

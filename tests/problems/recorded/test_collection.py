@@ -147,8 +147,15 @@ def test_family_names() -> None:
         assert all(len(entry.sha256) == 64 and entry.size > 0 and ".." not in entry.path for entry in entries)
 
 
-def test_missing_data(server, tmp_path) -> None:
+def test_unusable_data(server, tmp_path) -> None:
+    """Missing data, and two files that would be one problem, of which one would not be run."""
+    pair = [tmp_path / version / "steps" for version in ("old", "new")]
+    for folder in pair:
+        folder.mkdir(parents=True)
+        (folder / "p.npz").touch()
+    assert len(choose(RunOptions("recorded", data=[str(pair[0]), str(pair[0])])).sources) == 1
     for suite, data, complaint in (
+        ("recorded", [*map(str, pair)], r"^data: .*old/steps/p.npz and .*new/steps/p.npz would be one problem"),
         ("recorded", [], r"^data: recorded needs --data DIR"),
         ("recorded", [str(tmp_path / "nothing")], r"^data: no problems in .*nothing"),
         ("recorded", ["fclib/Chain"], r"^data: no problems in fclib/Chain; fetch it"),
