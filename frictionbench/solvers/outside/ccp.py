@@ -20,7 +20,7 @@ from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.outside import MARGIN
 from frictionbench.solvers.outside.qp_libraries import LEAST_GAP
-from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, relaxation_library, scaled_program
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program
 
 
 class Backend(NamedTuple):
@@ -89,16 +89,16 @@ class CCP:
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         qpsolvers: Any = import_module("qpsolvers")
         (scaled, given), backend = prepared, BACKENDS[self.backend]
-        settings = _settings(self.backend, tol * scaled.share) | (_TUNED[self.backend] if self.settings == "tuned" else {})
-        settings |= {backend.limit: limit or backend.most}
+        settings = _settings(self.backend, *scaled.tolerances(tol, _LEAST_GAP)) | {backend.limit: limit or backend.most}
+        settings |= _TUNED[self.backend] if self.settings == "tuned" else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # qpsolvers warns of a failure; the status reports it
             found = qpsolvers.solve_problem(given, self.backend, **settings)
         return scaled.answer(found.z, found.found, *_iterations_and_detail(found.extras), found.solve_time)
 
 
-def _settings(backend: str, eps: float) -> dict[str, Any]:
-    accuracy, gap = eps / MARGIN, gap_tolerance(eps, _LEAST_GAP)
+def _settings(backend: str, eps: float, gap: float) -> dict[str, Any]:
+    accuracy = eps / MARGIN
     return {
         "highs": dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(accuracy, 1e-10)),
         "ecos": {"feastol": accuracy, "abstol": gap, "reltol": gap},
@@ -153,8 +153,7 @@ class CCPCone:
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         cvxpy: Any = import_module("cvxpy")
         scaled, (built, (data, chain, inverse)) = prepared
-        eps = tol * scaled.share
-        gap = gap_tolerance(eps, LEAST_GAP["clarabel"])
+        eps, gap = scaled.tolerances(tol, LEAST_GAP["clarabel"])
         settings = {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap, "max_iter": limit or 200}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # CVXPY warns of an inaccurate solution; the status reports it

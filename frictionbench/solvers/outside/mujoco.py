@@ -33,7 +33,7 @@ Reference: Todorov 2014, "Convex and analytically-invertible dynamics with conta
 from functools import cache
 from importlib import import_module
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -50,20 +50,8 @@ _DEFINITE = 1e-13  # on a diagonal of about 1: the least with which mju_boxQP fa
 _CALLS = 20
 
 
-class Whitened(NamedTuple):
-    """The rows J^ (3 nc, nv), three a contact, normal first, w* (nv,) and b^ (3 nc,)."""
-
-    given: ScaledDelassus
-    J: Array
-    v: Array
-    b: Array
-
-
-def whitened(problem: FrictionProblem) -> Whitened:
-    """The whitened rows of a problem without joints; the third row of a planar contact is zero."""
-    given = scaled_delassus(problem, SPACE, matrix=False)
-    parts = _whiten(*problem.contact_rows, *problem.mass_rows, problem.free_velocity, problem.offset, given.E, given.theta)
-    return Whitened(given, *parts)
+# The scaling; rows J^ (3 nc, nv), three a contact, normal first; w* (nv,) and b^ (3 nc,).
+Whitened = tuple[ScaledDelassus, Array, Array, Array]
 
 
 @solver(
@@ -85,10 +73,14 @@ class MuJoCo:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Whitened:
-        return whitened(problem)
+        """Of a problem without joints; the third row of a planar contact is zero."""
+        given = scaled_delassus(problem, SPACE, matrix=False)
+        motion = problem.free_velocity, problem.offset
+        return given, *_whiten(*problem.contact_rows, *problem.mass_rows, *motion, given.E, given.theta)
 
     def setup(self, form: Whitened) -> tuple[Whitened, Any, Any]:
-        return form, *_template(len(form.v), len(form.given.friction))
+        given, _, v, _ = form
+        return form, *_template(len(v), len(given.friction))
 
     def solve(self, prepared: tuple[Whitened, Any, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         mujoco: Any = import_module("mujoco")

@@ -14,7 +14,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.outside import MARGIN
-from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, relaxation_library, scaled_program
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program
 
 Prepared = tuple[ScaledProgram, Any]  # and what the library is given: its arguments, after setup its object
 
@@ -77,8 +77,7 @@ class Clarabel:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         clarabel: Any = import_module("clarabel")
         scaled, made = prepared
-        eps = tol * scaled.share
-        gap = gap_tolerance(eps, LEAST_GAP["clarabel"])
+        eps, gap = scaled.tolerances(tol, LEAST_GAP["clarabel"])
         made.update(settings=self._settings(tol_feas=eps, tol_gap_abs=gap, tol_gap_rel=gap, max_iter=limit or 200))
         found = made.solve()
         solved = found.status == clarabel.SolverStatus.Solved
@@ -172,10 +171,9 @@ class ProxSuite:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         proxqp: Any = import_module("proxsuite").proxqp
         scaled, qp = prepared
-        eps, settings = tol * scaled.share, qp.settings
+        (eps, gap), settings = scaled.tolerances(tol, LEAST_GAP["proxsuite"]), qp.settings
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 10_000
-        settings.check_duality_gap, settings.eps_duality_gap_rel = True, 0.0
-        settings.eps_duality_gap_abs = gap_tolerance(eps, LEAST_GAP["proxsuite"])
+        settings.check_duality_gap, settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = True, gap, 0.0
         if self.settings == "tuned":
             settings.eps_primal_inf = settings.eps_dual_inf = _INFEASIBILITY
         if start is None:
@@ -222,9 +220,9 @@ class PIQP:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         piqp: Any = import_module("piqp")
         scaled, made = prepared
-        eps, settings = tol * scaled.share, made.settings
+        (eps, gap), settings = scaled.tolerances(tol, LEAST_GAP["piqp"]), made.settings
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 500
-        settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = gap_tolerance(eps, LEAST_GAP["piqp"]), 0.0
+        settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = gap, 0.0
         found, result = made.solve(), made.result
         clock, solved = float(result.info.solve_time), found == piqp.PIQP_SOLVED
         return scaled.answer(np.array(result.z_u), solved, int(result.info.iter), found.name, clock)

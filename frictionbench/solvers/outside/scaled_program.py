@@ -103,6 +103,11 @@ class ScaledProgram:
         z[: 2 * len(n)] = np.maximum(np.column_stack([n + slip, n - slip]).ravel() / 2, 0.0)
         return z / self.unit
 
+    def tolerances(self, tol: float, least: float) -> tuple[float, float]:
+        """eps, and the duality gap at which errors are below it, or the least that the library reaches."""
+        eps = tol * self.share
+        return eps, max(eps**2, least)
+
     def answer(
         self, z: Array | None, solved: bool, iterations: int | None = None, detail: str = "", clock: float | None = None
     ) -> Answer:
@@ -111,11 +116,6 @@ class ScaledProgram:
         impulse = np.zeros(self.program.contacts) if nothing else self.program.impulse(self.unit * z[: len(self.h)])  # type: ignore[index]
         work = {} if iterations is None else {"iterations": iterations}
         return Answer(impulse, Status.SOLVED if solved else Status.FAILED, work, detail=detail, clock=clock)
-
-
-def gap_tolerance(eps: float, least: float) -> float:
-    """The duality gap at which errors are below eps, or the least that the library reaches."""
-    return max(eps**2, least)
 
 
 def scaled_program(problem: FrictionProblem, from_free: bool = False) -> ScaledProgram:

@@ -22,7 +22,7 @@ from frictionbench.results import store
 from frictionbench.solvers import Answer, Status, available, find, plugins, solve
 from frictionbench.solvers.needs import installed_version
 from frictionbench.solvers.outside.children.child import Child, DiedError
-from frictionbench.solvers.outside.mujoco import whitened
+from frictionbench.solvers.outside.mujoco import MuJoCo
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
@@ -131,10 +131,10 @@ def test_share_of_the_dense_lcp_bounds_every_contacts_residual() -> None:
 
 def test_whitened_rows_make_the_scaled_delassus_form() -> None:
     for problem in (spatial(5), scene("stack", blocks=2, push=1.0).problem()):
-        form, dense = whitened(problem), scaled_delassus(problem, (0, 1, 2))
+        (_, J, v, b), dense = MuJoCo().form(problem), scaled_delassus(problem, (0, 1, 2))
         d, own = problem.dimension, np.arange(3 * problem.contacts) % 3 < problem.dimension
-        assert (form.J @ form.J.T)[np.ix_(own, own)] == pytest.approx(dense.W[np.ix_(own, own)], abs=1e-12), d
-        assert form.J @ form.v + form.b == pytest.approx(dense.q, abs=1e-12)
+        assert (J @ J.T)[np.ix_(own, own)] == pytest.approx(dense.W[np.ix_(own, own)], abs=1e-12), d
+        assert J @ v + b == pytest.approx(dense.q, abs=1e-12)
 
 
 @pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)

@@ -1,0 +1,179 @@
+"""The friction LCP by libraries of LCPs: Drake's two solvers, PATH through GAMSPy, and QuantEcon's Lemke method.
+
+All are given M, dense and scaled (solvers.pivots.dense_lcp), and q.
+"""
+
+import io
+import re
+from functools import lru_cache, partial
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
+
+lcp_library = partial(solver, family="pivoting", model="lcp", dimension=(2, 3))  # registers an adapter
+_DRAKE = {"moby": "MobyLcpSolver", "unrevised": "UnrevisedLemkeSolver"}
+_SILENT = ("crash_iterations", "major_iterations", "minor_iterations", "initial_point_statistics", "final_point_statistics")
+_TIES = {"default": 1e-13, "tuned": 1e-10}  # ratios that differ by less are a tie
+_ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
+
+
+@lcp_library("drake", needs=("drake",), variants=("method=moby", "method=unrevised", "method=unrevised,perturbation=1e-10"))
+class Drake:
+    """Drake's solvers of LCPs: MobyLcp or UnrevisedLemke. (outside)
+
+    method: moby or unrevised. perturbation: the size of random numbers that are added to q, which is of size 1.
+    Work: none is reported.
+
+    MobyLcp's retries regularise: its answers are those of M + lambda I, lambda up to 1e-4 at least (SolveLcpLemkeRegularized),
+    and differ from the LCP's accordingly.
+
+    Licence: BSD-3-Clause; the wheel bundles proprietary libraries that none of these solvers calls.
+    Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgram with that one constraint. Solve: a new
+        solver object, as a reused one starts from its last basis, and its Solve.
+    Clock: none.
+    Settings: its defaults; there are no options. With perturbation=1e-10 the LCP is given q + 1e-10 rand, as its ratio test has
+        no rule for ties; our lemke perturbs, too, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
+        'drake[method=unrevised]' --solver 'drake[method=unrevised,perturbation=1e-10]'`.
+    Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
+    Flaws: with large mass ratios UnrevisedLemke fails and MobyLcp, regularised, reports success for inexact answers,
+        `frictionbench solve 'stack[blocks=5,mass_ratio=1e4,push=1]' --solver 'drake[method=unrevised]' --solver
+        'drake[method=moby]'`.
+    Reference: Drewniak, Tedrake and others, Drake; Dai and Drumwright, "Computing the Principal Pivoting Transform"
+        (UnrevisedLemke).
+    """
+
+    method: str = "moby"
+    perturbation: float = 0.0
+
+    def __post_init__(self) -> None:
+        require(0 <= self.perturbation < 1, "perturbation", f"must be at least 0 and less than 1, got {self.perturbation!r}")
+
+    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
+        given = dense_lcp(problem)
+        if not self.perturbation:
+            return given
+        return given._replace(q=given.q + self.perturbation * np.random.default_rng(0).random(len(given.q)))
+
+    def setup(self, given: DenseLCP) -> tuple[DenseLCP, Any, Any]:
+        drake: Any = import_module("pydrake.solvers")
+        program = drake.MathematicalProgram()
+        z = program.NewContinuousVariables(len(given.q))
+        program.AddLinearComplementarityConstraint(given.M, given.q, z)
+        return given, program, z
+
+    def solve(self, prepared: tuple[DenseLCP, Any, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        drake: Any = import_module("pydrake.solvers")
+        given, program, z = prepared
+        found = getattr(drake, _DRAKE[self.method])().Solve(program, None, None)
+        status = Status.SOLVED if found.is_success() else Status.FAILED
+        return given.scaled.answer(found.GetSolution(z), status, found.get_solution_result().name)
+
+
+@lcp_library("path", needs=("gamspy",), remote=True)
+class Path:
+    """PATH, a pivoting Newton method for complementarity problems, through GAMSPy. (outside)
+
+    Work: pivots (minor iterations) if the log contains them.
+
+    Where it is installed: the package includes a demonstration licence that forbids commercial use, covers at most 1000 rows
+    and may expire. It is never a dependency.
+
+    Licence: GAMSPy MIT; GAMS and PATH proprietary, with a demonstration licence in the package gamspy_base. GAMS' free licences
+        are for academic or personal use and for five months; results may be published only with the method documented and with
+        no COPT, CPLEX, Gurobi, Knitro, LINDO or Xpress in the table. Its library is not linked here.
+    Form: the friction LCP's M, dense and scaled, and q. Setup: the records of GAMSPy's model, which is made once for each size.
+        Solve: GAMSPy's call from z = 0, with GAMS' compilation of the model and its processes.
+    Clock: the total time in PATH's own log, including GAMS' evaluation of M z + q. PATH is compared by it, as GAMS is another
+        process: the column solve_time is this clock, and call_time the records and GAMSPy's call.
+    Settings: its defaults. GAMSPy's freeze is for a sequence of problems with one M; those of a suite differ in M.
+    Tolerance: convergence_tolerance = eps/10, on PATH's residual of the scaled LCP; eps is tol times the least unit of a
+        contact in it (solvers.pivots.dense_lcp).
+    Flaws: beyond the licence's 1000 rows GAMS does not call PATH; the answer is then
+        `unsolved` with that reason, which says nothing about PATH.
+    Reference: Dirkse and Ferris 1995; Ferris and Munson 1999.
+    """
+
+    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
+        return dense_lcp(problem)
+
+    def setup(self, given: DenseLCP) -> DenseLCP:
+        M, q, _, _ = _model(len(given.q))
+        M.setRecords(given.M)
+        q.setRecords(given.q)
+        return given
+
+    def solve(self, given: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        gp: Any = import_module("gamspy")
+        _, _, z, model = _model(len(given.q))
+        z.setRecords(np.zeros(len(given.q)))
+        log = io.StringIO()
+        options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol * given.share / MARGIN}
+        if limit:
+            options["cumulative_iteration_limit"] = limit
+        try:
+            model.solve(solver="path", solver_options=options, output=log, options=gp.Options(solve_link_type="memory"))
+        except gp.exceptions.GamspyException as error:
+            if "license" not in str(error):
+                raise
+            return given.scaled.answer(
+                np.zeros(len(given.q)), Status.FAILED, "not attempted: the problem is larger than the GAMS licence allows"
+            )
+        total = re.search(r"Total Time[. ]*([\d.]+)", log.getvalue())
+        minor = re.search(r"Minor Iterations[. ]*(\d+)", log.getvalue())
+        status = Status.SOLVED if model.status.name in ("OptimalGlobal", "OptimalLocal") else Status.FAILED
+        work = {"pivots": int(minor[1])} if minor else {}
+        return given.scaled.answer(
+            z.records["level"].to_numpy(), status, model.status.name, float(total[1]) if total else None, **work
+        )
+
+
+@lru_cache(maxsize=8)
+def _model(n: int) -> tuple[Any, Any, Any, Any]:
+    """GAMSPy's symbols M, q and z, and its model w = M z + q >= 0, z >= 0, w_i z_i = 0 over the set i."""
+    gp: Any = import_module("gamspy")
+    gp.set_options({"ALLOW_AMBIGUOUS_EQUATIONS": "yes"})
+    m = gp.Container()
+    i = gp.Set(m, "i", records=[str(k) for k in range(n)])
+    j = gp.Alias(m, "j", alias_with=i)
+    M, q = gp.Parameter(m, "M", domain=[i, j]), gp.Parameter(m, "q", domain=[i])
+    z, w = gp.Variable(m, "z", type="positive", domain=[i]), gp.Equation(m, "w", domain=[i])
+    w[i] = gp.Sum(j, M[i, j] * z[j]) + q[i] >= 0
+    return M, q, z, gp.Model(m, "lcp", problem="MCP", matches={w: z})
+
+
+@lcp_library("quantecon", needs=("quantecon",), variants=("settings=default", "settings=tuned"))
+class QuantEcon:
+    """Lemke's method by QuantEcon, a dense tableau in numba. (outside)
+
+    settings: default or tuned. Work: pivots.
+
+    Licence: MIT.
+    Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
+    Clock: none.
+    Charged: at 100 contacts 1.4 times a call by hand, where the scaled LCP takes more pivots.
+    Settings: tol_ratio_diff, within which two ratios are a tie, is 1e-13 by default; tuned is 1e-10, `frictionbench solve
+        'stack[blocks=50,friction=0.05,push=1]' --solver 'quantecon' --solver 'quantecon[settings=tuned]'`.
+    Tolerance: it takes none; the solution of a basis is exact up to rounding.
+    Flaws: its status is unreliable in both directions: it reports a ray for problems that it has solved, `frictionbench solve
+        'pyramid[rows=7,push=1]' --solver quantecon`, and success for inaccurate answers, `frictionbench solve
+        'stack[blocks=5,mass_ratio=1e6,push=1]' --solver quantecon`. A dense tableau: time grows with the cube of the contacts.
+    Reference: Stachurski, Oyama and others, QuantEcon.py, quantecon.optimize.lcp_lemke.
+    """
+
+    settings: str = "default"
+
+    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
+        return dense_lcp(problem)
+
+    def solve(self, prepared: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        options = import_module("quantecon.optimize").PivOptions(tol_ratio_diff=_TIES[self.settings])
+        lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
+        found = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
+        return prepared.scaled.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))
