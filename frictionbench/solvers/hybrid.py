@@ -105,12 +105,7 @@ class Hybrid:
             tried += 1
             own_limit = min(SWEEPS, limit or SWEEPS) if name == "nsgs" else limit
             guess = (impulse if least <= CLOSE else start) if info.warm_start else None
-            if (
-                seconds := left()
-            ) < np.inf:  # without a limit no context, which costs a fiftieth of the smallest problems' time
-                with within(seconds if name == members[-1] else SHARE * seconds):
-                    answer = member.solve(stage, tol, own_limit, guess)
-            else:
+            with within(left() if name == members[-1] else SHARE * left()):
                 answer = member.solve(stage, tol, own_limit, guess)
             work |= {f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             found, floor = residual_with_floor(problem, answer.impulse)

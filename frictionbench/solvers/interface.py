@@ -238,8 +238,10 @@ def solver(
     """
 
     def register(cls: Class) -> Class:
-        whole = with_all_steps(cls)
-        made: Any = dataclass(frozen=True)(with_balance(whole, model, bool(needs)) if _balanced(whole) else whole)
+        whole: Any = with_all_steps(cls)
+        if whole.__module__.startswith(PACKAGE) and not getattr(whole, "takes_unlike", False):
+            whole = with_balance(whole, model, bool(needs))
+        made: Any = dataclass(frozen=True)(whole)
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is already registered by {_solvers[name].make}")
         facts = (family, model, dimension, warm_start, sparse, needs, lacks, remote, variants, members)
@@ -247,11 +249,6 @@ def solver(
         return made
 
     return register
-
-
-def _balanced(cls: Any) -> bool:
-    """Whether a class of this package is given problems with islands in like units; `takes_unlike` says that it need not be."""
-    return cls.__module__.startswith(PACKAGE) and not getattr(cls, "takes_unlike", False)
 
 
 def with_all_steps(cls: Any) -> Any:

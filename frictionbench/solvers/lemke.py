@@ -42,7 +42,7 @@ from frictionbench.problems.packed import CONTACT, Packed
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, is_past, late
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
-from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
+from frictionbench.solvers.many import impulses_of, is_alone, solved, unsolved
 from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, make_slack, refactor
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,

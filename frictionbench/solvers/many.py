@@ -2,7 +2,8 @@
 
 A solver with a method `solve_many` (solvers.interface) is given the problems of one dimension as arrays. Those that it leaves
 with the status None, as it does where islands have unlike speeds (solvers.balanced), and problems with joints are solved one by
-one. A compiled loop does not hold the interpreter's lock (problems.compiled.loop), so that threads share the problems.
+one. A compiled loop does not hold the interpreter's lock (problems.compiled.loop), so that threads share the problems. What the
+loops share stands at the end: which problems they take, where the impulses go, and what they return.
 """
 
 from collections.abc import Iterable, Sequence
@@ -16,9 +17,11 @@ from numpy.typing import NDArray
 
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.packed import Batch, Packed, residuals
+from frictionbench.problems.compiled import inlined, kernel, lean
+from frictionbench.problems.packed import CONTACT, Batch, Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.problems.rows import Index64
+from frictionbench.solvers.balanced import UNLIKE
 from frictionbench.solvers.interface import (
     Solved,
     Solver,
@@ -32,6 +35,7 @@ from frictionbench.solvers.interface import (
     work_limit,
 )
 
+ALONE = -1  # how a problem ends that is to be solved by itself
 CHUNKS = 8  # for each worker: so many that the last ones end together, so few that a thread's call costs nothing beside one
 
 
@@ -213,3 +217,30 @@ def _solve_alone(answers: Answers, k: int, problem: FrictionProblem, spec: str, 
     answers.residual[k], answers.floor[k] = residual_with_floor(problem, answer.impulse)
     for name, value in answer.work.items():
         answers.work.setdefault(name, np.zeros(len(answers), np.int64))[k] = value
+
+
+@kernel
+def unsolved(packed, counts):  # type: ignore[no-untyped-def]
+    """Impulses (contacts, d) of zeros, ALONE for each of the N problems, and its counts (N, counts), zeros."""
+    count = len(packed.first) - 1
+    contacts = packed.first[count, CONTACT] - packed.first[0, CONTACT]
+    return np.zeros((contacts, packed.J.shape[1])), np.full(count, ALONE), np.zeros((count, counts), np.int64)
+
+
+@lean
+def is_alone(packed, k):  # type: ignore[no-untyped-def]
+    """Whether problem k is to be solved by itself, because its islands have unlike speeds."""
+    return packed.spread[k] > UNLIKE
+
+
+@inlined
+def impulses_of(packed, k, r):  # type: ignore[no-untyped-def]
+    """Problem k's among the impulses of all (contacts, d), as a view."""
+    begin = packed.first[0, CONTACT]
+    return r[packed.first[k, CONTACT] - begin : packed.first[k + 1, CONTACT] - begin]
+
+
+def solved(r: Array, ended: Index64, statuses: Sequence[Status], work: Index64, names: tuple[str, ...]) -> Solved:
+    """The results of a loop: the status of each end but ALONE, and the counts (N, names)."""
+    told = np.array([*statuses, None])
+    return Solved(r, told[ended], dict(zip(names, work.T, strict=True)))

@@ -16,7 +16,7 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, loop
 from frictionbench.problems.packed import Packed
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
-from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
+from frictionbench.solvers.many import impulses_of, is_alone, solved, unsolved
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form, contact_form_of
 from frictionbench.solvers.sweeps.gauss_seidel import CHECK, LIMIT, PATIENCE, monitor_sweeps, planar_sweeps, spatial_sweeps
 from frictionbench.solvers.sweeps.laws import residual_at

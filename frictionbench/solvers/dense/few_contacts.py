@@ -21,7 +21,7 @@ from frictionbench.problems.residual import largest_with_floor
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.dense.newton import measure, new_work, newton_step, sweep
 from frictionbench.solvers.dense.rows import dense_rows, softened
-from frictionbench.solvers.loops import impulses_of
+from frictionbench.solvers.many import impulses_of
 
 ROWS = 120  # of contacts and their friction, up to which this is tried: a step takes some tenths of a millisecond
 JOINTS = 40  # likewise

@@ -21,7 +21,7 @@ from frictionbench.solvers.interior.newton import last_step, new_work
 from frictionbench.solvers.interior.point import Point, centred_point, start_pairs, start_point
 from frictionbench.solvers.interior.predictor_corrector import Best, nothing_yet, predictor_corrector
 from frictionbench.solvers.interior.system import System, build_system, space_of, system_of, units_of
-from frictionbench.solvers.loops import ALONE, impulses_of, is_alone, solved, unsolved
+from frictionbench.solvers.many import ALONE, impulses_of, is_alone, solved, unsolved
 
 POLISHABLE = 1e-5  # residual up to which polishing is tried: from there Newton's method mostly converges
 ROUNDING = 4 * np.finfo(float).eps  # of the residual relative to the largest impulse: four roundings of a contact's terms
