@@ -20,6 +20,9 @@ from hashlib import file_digest, sha256
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
+from numba import config
+from numba.core import caching
+
 from frictionbench.problems import InputError
 from frictionbench.solvers import executable
 from frictionbench.solvers.interface import available
@@ -130,7 +133,9 @@ def describe_error(error: BaseException) -> str:
         text = str(error)
     except Exception as another:  # str() runs code of the plug-in
         text = f"its message cannot be formatted: {type(another).__name__}"
-    return " ".join(f"{type(error).__name__}: {text}"[:400].split()) + (f" (at {places})" if places else "")
+    told = " ".join(f"{type(error).__name__}: {text}"[:400].split()) + (f" (at {places})" if places else "")
+    damaged = bool(frames) and frames[0].filename == caching.__file__
+    return told + (f"; compiled kernels are damaged: delete {config.CACHE_DIR}" if damaged else "")
 
 
 def _point(name: str) -> EntryPoint:

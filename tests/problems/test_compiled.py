@@ -7,9 +7,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba import config
+from numba.core import caching
 
 from frictionbench.problems import compiled
 from frictionbench.problems.forms.cone import nearest
+from frictionbench.solvers.plugins import describe_error
 from tests.helpers.paths import ROOT
 
 KERNEL = """
@@ -73,6 +76,14 @@ def test_temporary_cache_folder(package) -> None:
     assert value == 1
     assert folder.parent.parent == package / "tmp"
     assert folder.parent.stat().st_mode & 0o077 == 0
+
+
+def test_damaged_kernels_are_told(tmp_path) -> None:
+    kept = caching.IndexDataCacheFile(str(tmp_path), "kernel", None)
+    (tmp_path / "kernel.nbi").touch()
+    with pytest.raises(EOFError) as caught:
+        kept.load("signature")
+    assert describe_error(caught.value).endswith(f"; compiled kernels are damaged: delete {config.CACHE_DIR}")
 
 
 def test_intrinsic_called_from_python() -> None:
