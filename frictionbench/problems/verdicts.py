@@ -37,6 +37,7 @@ class Verdict(StrEnum):
     SKIPPED = "skipped", "not run, for the reason given"
 
 
+SINGLE = "single precision"  # begins the reason why a solver of that precision is skipped at a tolerance
 RANK: dict[str, int] = {verdict: rank for rank, verdict in enumerate(Verdict)}  # 0 is the best
 ACCEPTED = (Verdict.SOLVED, Verdict.RELAXED)  # the exact problem or the solver's own model is solved
 

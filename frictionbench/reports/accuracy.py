@@ -15,6 +15,8 @@ mean is as certain. A solver that was skipped on a whole class has no mean there
 is charged for these. Over all problems of the plane, and over all of space, the solvers are compared on the same problems, so
 that every problem skipped counts as not solved.
 
+A solver of single precision is ranked only at the targets for which it was asked: no tighter one is a failure of the method.
+
 The performance profile of Dolan and Moré (2002) is the weighted share of these problems solved to the target within tau times
 the time of the fastest solver. A solver that was skipped on whole classes is also compared with the others on the problems that
 it ran on.
@@ -68,6 +70,8 @@ def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES)
     rows: annotated rows of the solves table, those of problems that are not ranked left out.
     """
     pair = ["problem_id", "label"]
+    asked = rows[measured(rows)].groupby("label")["tol"].min()
+    rows = rows[~(rows["label"].map(asked) > 1.001 * target)]
     floor = rows["residual_floor"].fillna(0.0)
     coarse = (rows["verdict"] == Verdict.UNJUDGEABLE) & (floor <= rows["tol"]) & (target >= rows["tol"])
     known = rows["answered"] & ~coarse & (floor <= target)

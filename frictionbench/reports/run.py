@@ -2,7 +2,8 @@
 
 Columns added to the solves table:
 
-    label           the variant of a solver, with an asterisk if it is a portfolio, and with the start and the host where they
+    label           the variant of a solver, with an asterisk if it is a portfolio, "(single precision)" if it was skipped for
+                    that at some tolerance and its name does not say so, and with the start and the host where they
                     differ, so that times of two machines are never combined
     problem_id      a number for the problem of one time step
     problem_class   the scene, with its range of sizes if the scene occurs in several
@@ -27,7 +28,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from frictionbench.problems.verdicts import Verdict, measured
+from frictionbench.problems.verdicts import SINGLE, Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.commands import sources
@@ -189,8 +190,10 @@ def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:
 
 
 def _mark(rows: pd.DataFrame) -> pd.Series:
-    """The mark that follows the name of a portfolio, else nothing."""
-    return rows["members"].fillna("").ne("").map({True: PORTFOLIO, False: ""})
+    """The marks that follow the name of a portfolio, and of a solver of single precision."""
+    single = set(rows.loc[rows["reason"].str.startswith(SINGLE), "variant"])
+    words = rows["variant"].map(lambda variant: f" ({SINGLE})" if variant in single and "single" not in variant else "")
+    return rows["members"].fillna("").ne("").map({True: PORTFOLIO, False: ""}) + words
 
 
 def _classes(rows: pd.DataFrame) -> pd.Series:

@@ -23,7 +23,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index32, Index64
 from frictionbench.solvers.clock import deadline, is_past
-from frictionbench.solvers.interface import Answer, Status, impulses, solver
+from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.sparse_lu.multifrontal import (
     Fronts,
     analyse,
@@ -32,7 +32,7 @@ from frictionbench.solvers.sparse_lu.multifrontal import (
     place_of_entry,
     solve_factorised,
 )
-from frictionbench.solvers.sweeps.form import ContactForm, contact_form
+from frictionbench.solvers.sweeps.form import ContactForm, asked, begin, contact_form, single
 from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import step
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
@@ -70,14 +70,21 @@ Prepared = tuple[Formed, Factor | None]  # None where there is no time for a fac
 class ADMM:
     """Alternating direction method of multipliers on the convex relaxation's dual.
 
+    precision: double or single, that of the factors included.
     Work: iterations, factorisations, that of the setup among them, and checks of the residual. History: the relaxation's
     residual every tenth iteration.
     """
 
+    precision: str = "double"
+
     shift = 0.0
 
     def form(self, problem: FrictionProblem) -> Formed:
-        return contact_form(problem, relaxed=not self.shift), problem.blocks, problem.q.reshape(-1, problem.dimension)
+        form = contact_form(problem, relaxed=not self.shift, precision=self.precision)
+        (first, neighbours, block), q = problem.blocks, problem.q.reshape(-1, problem.dimension)
+        if self.precision == "single":
+            block, q = single(block), single(q)
+        return form, (first, neighbours, block), q
 
     def setup(self, formed: Formed) -> Prepared:
         form, W, _ = formed
@@ -88,11 +95,11 @@ class ADMM:
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         (form, W, q), factor = prepared
-        z, rho = impulses(start, form.offset.shape), RHO
+        z, rho = begin(form, start), RHO
         if factor is None:
-            return Answer(z, Status.TIME_LIMIT, {"iterations": 0, "factorisations": 0, "checks": 0})
+            return Answer(np.asarray(z, float), Status.TIME_LIMIT, {"iterations": 0, "factorisations": 0, "checks": 0})
         last = deadline(operations(factor.fronts))
-        monitored = monitor(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
+        monitored = monitor(asked(form, tol), LIMIT if limit is None else limit, PATIENCE, CHECK)
         x, u, w = np.empty_like(form.rest), np.empty_like(z), np.empty_like(z)
         iterations, factorisations, retune = 0, 1, 0
         while should_continue(monitored, residual_at(form, z, x, u, self.shift), iterations):
@@ -115,6 +122,7 @@ class ADMM:
 class ADMMCoulomb(ADMM):
     """Alternating direction method of multipliers with de Saxcé's shift.
 
+    precision: double or single, that of the factors included.
     Work: iterations, factorisations, that of the setup among them, and checks of the residual. History: the residual every
     tenth iteration.
     """
@@ -145,13 +153,13 @@ def _lay_out(first, neighbours, block):  # type: ignore[no-untyped-def]
                 for b in range(d):
                     slot[at] = place_of_entry(fronts, place[i * d + a], place[neighbours[k] * d + b])
                     at += 1
-    return Factor(fronts, place, slot, np.empty(0), np.empty(nc * d, np.int64), np.empty(nc * d))
+    return Factor(fronts, place, slot, np.empty(0, block.dtype), np.empty(nc * d, np.int64), np.empty(nc * d, block.dtype))
 
 
 @kernel
 def _factorise(factor, block, scale, rho):  # type: ignore[no-untyped-def]
     """The factors of W, whose blocks these are, plus rho S."""
-    fronts, storage, d = factor.fronts, np.zeros(factor.fronts.start[-1]), block.shape[1]
+    fronts, storage, d = factor.fronts, np.zeros(factor.fronts.start[-1], block.dtype), block.shape[1]
     swap = np.empty_like(factor.swap)
     entry = block.ravel()
     for k in range(len(entry)):

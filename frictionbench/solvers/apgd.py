@@ -17,8 +17,8 @@ References: Nesterov 1983; O'Donoghue and Candès 2015 for the restart; Mazhar, 
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.solvers.interface import Answer, impulses, solver
-from frictionbench.solvers.sweeps.form import ContactForm, contact_form
+from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.sweeps.form import ContactForm, asked, begin, contact_form
 from frictionbench.solvers.sweeps.projected_gradient import PATIENCE, descend
 from frictionbench.solvers.sweeps.stopping import monitor
 
@@ -29,16 +29,20 @@ LIMIT = 20_000  # iterations by default, mostly one product with W each: twice a
 class APGD:
     """Accelerated projected gradient descent on the convex relaxation's dual.
 
+    precision: double or single.
     Work: iterations, and products with W. History: the relaxation's residual at every iteration.
     """
+
+    precision: str = "double"
 
     shift = 0.0
 
     def form(self, problem: FrictionProblem) -> ContactForm:
-        return contact_form(problem, relaxed=not self.shift)
+        return contact_form(problem, relaxed=not self.shift, precision=self.precision)
 
     def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        r, monitored = impulses(start, form.offset.shape), monitor(tol, LIMIT if limit is None else limit, PATIENCE)
+        r, limit = begin(form, start), LIMIT if limit is None else limit
+        monitored = monitor(asked(form, tol), limit, PATIENCE)
         iterations, products = descend(form, r, self.shift, monitored)
         return monitored.answer(r, iterations=iterations, products=products)
 
@@ -47,6 +51,7 @@ class APGD:
 class APGDCoulomb(APGD):
     """Accelerated projected gradient steps along de Saxcé's shifted velocity.
 
+    precision: double or single.
     Work: iterations, and products with W. History: the residual at every iteration.
     """
 

@@ -56,6 +56,7 @@ from frictionbench.problems.friction import require_problem
 from frictionbench.problems.residual import residual, residual_with_floor
 from frictionbench.problems.rows import Index64
 from frictionbench.problems.spec import split
+from frictionbench.problems.verdicts import SINGLE
 from frictionbench.solvers.balanced import with_balance
 from frictionbench.solvers.clock import is_over, within
 from frictionbench.solvers.needs import installed_version
@@ -63,6 +64,8 @@ from frictionbench.solvers.needs import installed_version
 __all__ = ["Answer", "Solved", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]
 
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
+Precision = Literal["double", "single"]
+FINEST = {"double": 0.0, "single": 1e-6}  # the tightest target: float32 has a rounding error of 6e-8 in every operation
 LACKS = ("friction_bias", "joints", "asymmetry")  # what a solver may not support of a problem
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
 RELAXATION = {"cvxpy", "clarabel", "osqp", "proxsuite", "qpsolvers"}  # distributions of the package's extra of this name
@@ -115,8 +118,10 @@ class SolverInfo:
     an unsymmetric W is that of its symmetric part); problems where it is not zero, asymmetry up to DIGITS, are refused.
     remote: whether the library runs in another process, for reasons of ours: it is then timed by its own clock (Answer.clock).
     variants: settings that count as solvers of their own, as in `ccp[backend=highs]`; a solver of this package takes their
-    texts in no other combination. A variant with another model, dimension, needs or lacks has an attribute of that name.
+    texts in no other combination. A variant with another model, dimension, needs, lacks or precision has an attribute of that
+        name.
     members: the solvers that a portfolio may run.
+    precision: of its arithmetic. One of single precision is run and ranked at tolerances and targets of FINEST and coarser.
     make: the class, a frozen dataclass whose fields are the settings.
     """
 
@@ -131,6 +136,7 @@ class SolverInfo:
     remote: bool
     variants: tuple[str, ...]
     members: tuple[str, ...]
+    precision: Precision
     make: Callable[..., Solver]
 
     def __post_init__(self) -> None:
@@ -140,6 +146,7 @@ class SolverInfo:
         self._require(said and self.family.isprintable() and self.family.strip() != "", "family", "text")
         self._require(self.model in get_args(Model), "model", f"one of {', '.join(get_args(Model))}")
         self._require(self.dimension in ((2,), (3,), (2, 3)), "dimension", "(2,), (3,) or (2, 3)")
+        self._require(self.precision in get_args(Precision), "precision", f"one of {', '.join(get_args(Precision))}")
         for flag in ("warm_start", "sparse", "remote"):
             self._require(isinstance(getattr(self, flag), bool), flag, "True or False")
         for names in ("needs", "lacks", "variants", "members"):
@@ -181,6 +188,11 @@ class SolverInfo:
         """The required distributions with their installed versions; empty for our own methods."""
         return ", ".join(f"{need} {installed_version(need) or ''}".strip() for need in self.needs)
 
+    def too_tight(self, tol: float) -> str | None:
+        """The reason why this solver is not asked for a tolerance, or None."""
+        finest = FINEST[self.precision]
+        return f"{SINGLE}: not asked for less than {finest:g}" if tol < 0.999 * finest else None
+
     def refuses(self, problem: FrictionProblem | LCP) -> str | None:
         """The reason why this solver does not take the problem, or None."""
         if isinstance(problem, LCP):
@@ -218,6 +230,7 @@ def solver(
     remote: bool = False,
     variants: tuple[str, ...] = (),
     members: tuple[str, ...] = (),
+    precision: Precision = "double",
 ) -> Callable[[Class], Class]:
     """Register a class as the solver `name`: a frozen dataclass whose fields are its settings, with missing steps added.
 
@@ -244,7 +257,7 @@ def solver(
         made: Any = dataclass(frozen=True)(whole)
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is already registered by {_solvers[name].make}")
-        facts = (family, model, dimension, warm_start, sparse, needs, lacks, remote, variants, members)
+        facts = (family, model, dimension, warm_start, sparse, needs, lacks, remote, variants, members, precision)
         _solvers[name] = SolverInfo(name, *facts, made)
         return made
 
@@ -296,6 +309,7 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
             raise InputError(f"solver: {name}[{key}=...] takes a {kinds[key].__name__}, got {text!r}") from None
     try:
         made = replace(instance, **values)
+        varied = replace(info, **{fact: getattr(made, fact) for fact in _VARIANT_PROPERTIES if hasattr(made, fact)})
     except ValueError as error:
         raise InputError(f"solver: {spec}: {error}") from None
     known = [split("solver", variant)[1] for variant in info.specs]
@@ -303,12 +317,12 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
     possible = [{key: variant.get(key, getattr(instance, key)) for key in chosen} for variant in known]
     if info.ours and {key: getattr(made, key) for key in chosen} not in possible:
         raise InputError(f"solver: {name} has no variant {spec}; it has {', '.join(info.specs)}")
-    _found[spec] = replace(info, **{fact: getattr(made, fact) for fact in _VARIANT_PROPERTIES if hasattr(made, fact)}), made
+    _found[spec] = varied, made
     return _found[spec]
 
 
 _found: dict[str, tuple[SolverInfo, Solver]] = {}  # instances are immutable, so each is made once
-_VARIANT_PROPERTIES = ("model", "dimension", "needs", "lacks")
+_VARIANT_PROPERTIES = ("model", "dimension", "needs", "lacks", "precision")
 _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 
 

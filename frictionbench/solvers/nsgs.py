@@ -17,7 +17,7 @@ from frictionbench.problems.compiled import kernel, loop
 from frictionbench.problems.packed import Packed
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
 from frictionbench.solvers.many import impulses_of, is_alone, solved, unsolved
-from frictionbench.solvers.sweeps.form import ContactForm, contact_form, contact_form_of
+from frictionbench.solvers.sweeps.form import ContactForm, asked, begin, contact_form, contact_form_of
 from frictionbench.solvers.sweeps.gauss_seidel import CHECK, LIMIT, PATIENCE, monitor_sweeps, planar_sweeps, spatial_sweeps
 from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.stopping import ENDS, Monitor, should_continue
@@ -27,25 +27,28 @@ from frictionbench.solvers.sweeps.stopping import ENDS, Monitor, should_continue
 class NSGS:
     """Nonsmooth Gauss-Seidel: solve each contact's friction law in turn.
 
-    relaxation: factor in (0, 2) on every change of an impulse.
+    relaxation: factor in (0, 2) on every change of an impulse. precision: double or single.
     Work: sweeps over all contacts, and checks of the residual. History: the residual at the start and after every tenth sweep.
     """
 
     relaxation: float = 1.0
+    precision: str = "double"
 
     def __post_init__(self) -> None:
         require(0 < self.relaxation < 2, "relaxation", f"must lie between 0 and 2, got {self.relaxation!r}")
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
+        if self.precision == "single":  # each by itself
+            return Solved(np.zeros((int(packed.contacts[-1]), packed.dimension)), np.full(packed.size, None), {})
         r, space = impulses(start, (int(packed.contacts[-1]), packed.dimension)), True if packed.dimension == 3 else None
         ended, work = nsgs_loop(packed, r, float(self.relaxation), tol, LIMIT if limit is None else limit, space)
         return solved(r, ended, ENDS, work, ("sweeps", "checks"))
 
     def form(self, problem: FrictionProblem) -> ContactForm:
-        return contact_form(problem)
+        return contact_form(problem, precision=self.precision)
 
     def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        r, monitor = impulses(start, form.offset.shape), monitor_sweeps(tol, limit)
+        r, monitor = begin(form, start), monitor_sweeps(asked(form, tol), limit)
         sweeps = _iterate(form, r, float(self.relaxation), monitor, True if r.shape[1] == 3 else None)
         return monitor.answer(r, sweeps=sweeps, checks=monitor.seen)
 
@@ -67,7 +70,7 @@ def nsgs_loop(packed, r, relaxation, tol, limit, space):  # type: ignore[no-unty
 @kernel
 def _iterate(form, r, relaxation, monitor, space):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the number of sweeps. space: None in the plane, so that only one of the two is compiled."""
-    x, u = np.empty(len(form.rest)), np.empty(r.shape)
+    x, u = np.empty_like(form.rest), np.empty_like(r)
     sweeps = 0
     while should_continue(monitor, residual_at(form, r, x, u, 1.0), sweeps):
         count = min(CHECK, monitor.limit - sweeps)

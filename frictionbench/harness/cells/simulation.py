@@ -129,7 +129,7 @@ def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver
 def refusal(cell: SimulationCell, stage: Scene, info: SolverInfo) -> str | None:
     """Why the solver or the scheme cannot run this simulation, or None."""
     other = None if stage.dimension in info.dimension else f"{info.name} does not take contacts of dimension {stage.dimension}"
-    return info.missing or other or SCHEMES[cell.scheme].refuses(stage)
+    return info.missing or other or info.too_tight(cell.tol) or SCHEMES[cell.scheme].refuses(stage)
 
 
 def energy_scale(stage: Scene, energies: list[float], kinetic: list[float]) -> float:

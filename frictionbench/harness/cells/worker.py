@@ -121,7 +121,7 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
     no_start = None if takes_start else f"{info.name} takes no start"
-    reason = info.missing or info.refuses(problem) or _too_large(solver, problem) or no_start
+    reason = info.missing or info.refuses(problem) or info.too_tight(cell.tol) or _too_large(solver, problem) or no_start
     return _row(cell.variant, _kind(problem), limit, reason, lambda: _solved(cell, record, limit, problem, info, solver))
 
 
@@ -178,7 +178,7 @@ def run_batch(cell: BatchCell, limit: float) -> Row:
     info, _ = _solver(cell.variant)
     with _worker.deadline.within(limit, COMPILE_SECONDS):
         batch = batch_of(cell.scene, json.dumps(cell.parameters), cell.count)
-    reason = info.missing or next(filter(None, map(info.refuses, batch.problems)), None)
+    reason = info.missing or info.too_tight(cell.tol) or next(filter(None, map(info.refuses, batch.problems)), None)
     kind = batch.facts["dimension"], False
     return batch.facts | _row(cell.variant, kind, limit, reason, lambda: time_batch(cell, batch, info))
 

@@ -15,6 +15,7 @@ from frictionbench.problems.check import require
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, WARM
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
+from frictionbench.solvers.interface import FINEST
 
 NO_SETTINGS = ("expects", "options", "map_sources", "map_simulations")
 MEMORY_LIMIT = 4 * 2**30  # bytes that a worker may allocate: more than the suites need, less than a machine has for each core
@@ -194,8 +195,13 @@ class Plan:
             for variant in self.lineup(record["dimension"])
             for start in self.starts
             if start in record["starts"]
-            for tol in sorted(self.tolerances, reverse=True)
+            for tol in self._tolerances(variant)
         ]
+
+    def _tolerances(self, variant: str) -> list[float]:
+        """The tolerances, the loosest first; of single precision its finest as well, where a tighter one will be skipped."""
+        finest = 0.0 if self.owner(variant) else FINEST[find(variant)[0].precision]
+        return sorted({*self.tolerances, *(finest for tol in self.tolerances if tol < finest)}, reverse=True)
 
     def simulation_cells(self) -> list[SimulationCell]:
         simulated = [

@@ -1,4 +1,4 @@
-"""Eight numbers at a time: the instructions of which solvers.sparse_lu.dense_front makes its loops.
+"""Eight numbers at a time, double or single: the instructions of which solvers.sparse_lu.dense_front makes its loops.
 
 `load`, `store` and `minus` stand for instructions of LLVM, which compiles them for the machine at hand,
 to several narrower ones if it has none of this width. A vector that is not full is loaded and stored under a mask. Their bodies
@@ -27,7 +27,7 @@ LANES = 8  # doubles in a register of AVX-512; narrower machines use two or four
 
 def load(F: Array, i: int, j: int, n: int) -> Array:
     """A vector of F[i, j : j + n], n at most 8, and zeros."""
-    vector = np.zeros(LANES)
+    vector = np.zeros(LANES, F.dtype)
     vector[:n] = F[i, j : j + n]
     return vector
 
@@ -43,24 +43,30 @@ def minus(vector: Array, a: float, other: Array) -> Array:
 
 
 class _Vector(types.Type):
-    """numba's type of a vector."""
+    """numba's type of a vector. number: that of its numbers."""
+
+    def __init__(self, number: Any) -> None:
+        super().__init__(f"vector of {number}")
+        self.number = number
+
+    @property
+    def lanes(self) -> Any:
+        """LLVM's type of it."""
+        return ir.VectorType(ir.DoubleType() if self.number == types.float64 else ir.FloatType(), LANES)
 
 
-_VECTOR = _Vector("vector")
-_DOUBLES, _BITS = ir.VectorType(ir.DoubleType(), LANES), ir.VectorType(ir.IntType(1), LANES)
-_INDICES, _WORD = ir.VectorType(ir.IntType(64), LANES), ir.IntType(32)
-_ALIGNED = _WORD(8)  # as a number is
+_BITS, _INDICES, _WORD = ir.VectorType(ir.IntType(1), LANES), ir.VectorType(ir.IntType(64), LANES), ir.IntType(32)
 
 
 @register_model(_Vector)
 class _Register(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, _DOUBLES)
+        super().__init__(manager, kind, kind.lanes)
 
 
 @type_callable(load)
 def _type_of_load(_: Any) -> Any:
-    return lambda F, i, j, n: signature(_VECTOR, F, types.intp, types.intp, types.intp)
+    return lambda F, i, j, n: signature(_Vector(F.dtype), F, types.intp, types.intp, types.intp)
 
 
 @type_callable(store)
@@ -70,7 +76,7 @@ def _type_of_store(_: Any) -> Any:
 
 @type_callable(minus)
 def _type_of_minus(_: Any) -> Any:
-    return lambda vector, a, other: signature(_VECTOR, vector, types.float64, other)
+    return lambda vector, a, other: signature(vector, vector, vector.number, other)
 
 
 def _all_lanes(builder: Any, value: Any, kind: Any) -> Any:
@@ -79,34 +85,36 @@ def _all_lanes(builder: Any, value: Any, kind: Any) -> Any:
     return builder.shuffle_vector(one, nothing, ir.Constant(ir.VectorType(_WORD, LANES), [0] * LANES))
 
 
-def _place(context: Any, builder: Any, kind: Any, F: Any, i: Any, j: Any, n: Any) -> tuple[Any, Any]:
-    """Where F[i, j] lies, and which lanes come before the n-th."""
+def _place(context: Any, builder: Any, kind: Any, F: Any, i: Any, j: Any, n: Any) -> tuple[Any, Any, Any, str]:
+    """Where F[i, j] lies, its alignment, that of a number, which lanes come before the n-th, and LLVM's name of the vector."""
     matrix = context.make_array(kind)(context, builder, F)
     columns = builder.extract_value(matrix.shape, 1)
     at = builder.gep(matrix.data, [builder.add(builder.mul(i, columns), j)])
     mask = builder.icmp_signed("<", ir.Constant(_INDICES, list(range(LANES))), _all_lanes(builder, n, _INDICES))
-    return builder.bitcast(at, _DOUBLES.as_pointer()), mask
+    bits = kind.dtype.bitwidth
+    return builder.bitcast(at, _Vector(kind.dtype).lanes.as_pointer()), _WORD(bits // 8), mask, f"v{LANES}f{bits}"
 
 
 @lower_builtin(load, types.Array, types.intp, types.intp, types.intp)
 def _emit_load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    at, mask = _place(context, builder, signature.args[0], *arguments)
-    kind = ir.FunctionType(_DOUBLES, [at.type, _WORD, _BITS, _DOUBLES])
-    instruction = cgutils.get_or_insert_function(builder.module, kind, "llvm.masked.load.v8f64.p0")
-    return builder.call(instruction, [at, _ALIGNED, mask, ir.Constant(_DOUBLES, [0.0] * LANES)])
+    at, aligned, mask, name = _place(context, builder, signature.args[0], *arguments)
+    lanes = signature.return_type.lanes
+    kind = ir.FunctionType(lanes, [at.type, _WORD, _BITS, lanes])
+    instruction = cgutils.get_or_insert_function(builder.module, kind, f"llvm.masked.load.{name}.p0")
+    return builder.call(instruction, [at, aligned, mask, ir.Constant(lanes, [0.0] * LANES)])
 
 
 @lower_builtin(store, types.Array, types.intp, types.intp, types.intp, _Vector)
 def _emit_store(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    at, mask = _place(context, builder, signature.args[0], *arguments[:4])
-    kind = ir.FunctionType(ir.VoidType(), [_DOUBLES, at.type, _WORD, _BITS])
-    instruction = cgutils.get_or_insert_function(builder.module, kind, "llvm.masked.store.v8f64.p0")
-    builder.call(instruction, [arguments[4], at, _ALIGNED, mask])
+    at, aligned, mask, name = _place(context, builder, signature.args[0], *arguments[:4])
+    kind = ir.FunctionType(ir.VoidType(), [signature.args[4].lanes, at.type, _WORD, _BITS])
+    instruction = cgutils.get_or_insert_function(builder.module, kind, f"llvm.masked.store.{name}.p0")
+    builder.call(instruction, [arguments[4], at, aligned, mask])
     return context.get_dummy_value()
 
 
-@lower_builtin(minus, _Vector, types.float64, _Vector)
+@lower_builtin(minus, _Vector, types.Float, _Vector)
 def _emit_minus(_: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     vector, a, other = arguments
-    product = builder.fmul(_all_lanes(builder, a, _DOUBLES), other, flags=("contract",))
+    product = builder.fmul(_all_lanes(builder, a, signature.args[0].lanes), other, flags=("contract",))
     return builder.fsub(vector, product, flags=("contract",))

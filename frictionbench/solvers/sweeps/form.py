@@ -6,10 +6,13 @@ Of a mechanical problem x holds the velocities, G = J and R = M^-1 J': a contact
 over all contacts costs O(nc) operations and bytes, and W is never formed. With joints, or where only W is known, x holds
 the impulses themselves, G = W and R = I.
 
+In single precision (`single`) all its numbers are float32, and so are x, the impulses and the velocities, which are stored and
+summed in it. Only the scalars of one contact's law, or of a whole step, are double, as their literals are.
+
 Both are packed alike: contact i reads columns read_column[read_start[i]:read_start[i+1]] with d coefficients in each.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +21,9 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.packed import Q, known_blocks, law_of, mechanical, mechanics_of
 from frictionbench.problems.rows import Index32, normal_first
+from frictionbench.solvers.interface import impulses
+
+ROUNDING = 3e-7  # of a residual in single precision: seen on steps of robots
 
 
 class ContactForm(NamedTuple):
@@ -43,15 +49,34 @@ class ContactForm(NamedTuple):
     units: Array
 
 
-def contact_form(problem: FrictionProblem, relaxed: bool = False) -> ContactForm:
-    """Pack a problem, or its convex relaxation; in velocities where each contact touches few of them, in impulses otherwise."""
+def contact_form(problem: FrictionProblem, relaxed: bool = False, precision: str = "double") -> ContactForm:
+    """Pack a problem, or its convex relaxation; in velocities where each contact touches few of them, in impulses otherwise.
+
+    precision: of the numbers packed, double or single.
+    """
     units = problem.relaxation_units if relaxed else problem.units
     law = problem.friction, problem.friction_bias, problem.scale, units
     if not problem.mechanical or len(problem.joint_bias):
         parts = _pack_impulses(*problem.blocks, problem.q.reshape(-1, problem.dimension), *law)
     else:
         parts = _pack_velocities(*problem.contact_rows, *problem.inverse_rows, problem.free_velocity, problem.bias, *law)
-    return ContactForm(*parts)
+    return ContactForm(*(map(single, parts) if precision == "single" else parts))
+
+
+def single(part: Any) -> Any:
+    """An array in single precision; one of indices as it is."""
+    return part.astype(np.float32) if part.dtype == np.float64 else part
+
+
+def asked(form: ContactForm, tol: float) -> float:
+    """The residual at which a method stops that computes it in the form's precision: in single, rounding may change it by
+    ROUNDING, but a tolerance is never more than halved for that."""
+    return tol if form.offset.dtype == np.float64 else max(tol / 2, tol - ROUNDING)
+
+
+def begin(form: ContactForm, start: Array | None) -> Array:
+    """A checked copy of the impulses (nc, d) to start from, in the form's precision. Errors: InputError naming start."""
+    return impulses(start, form.offset.shape).astype(form.offset.dtype, copy=False)
 
 
 @part

@@ -41,7 +41,7 @@ def planar_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def
 @part
 def spatial_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def]
     """The same over spatial contacts, r (nc, 3)."""
-    u, change = np.empty(3), np.empty(3)
+    u, change = np.empty(3, r.dtype), np.empty(3, r.dtype)
     for _ in range(count):
         for i in range(len(r)):
             for j in range(3):

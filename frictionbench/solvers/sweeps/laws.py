@@ -20,12 +20,20 @@ References: Jean 1999; Daviet, Bertails-Descoubes and Boissieux 2011, for one ex
 
 from math import sqrt
 
+import numpy as np
+
 from frictionbench.problems.compiled import inlined, kernel, part
-from frictionbench.problems.residual import contact_residual
+from frictionbench.problems.residual import EPSILON, contact_residual
 from frictionbench.solvers.sweeps.form import state, velocity
 
-LIFT = 1e-14  # the least eigenvalue of S, relative to the trace of W_t: a hundred units of rounding
+LIFT = 1e-14  # the least eigenvalue of S, relative to the trace of W_t: a hundred units of rounding, in double
 TINY = 1e-300  # and where W is zero: no division by zero
+
+
+@inlined
+def lift(W):  # type: ignore[no-untyped-def]
+    """LIFT in the precision of W."""
+    return LIFT * (np.finfo(W.dtype).eps / EPSILON)
 
 
 @inlined
@@ -33,7 +41,7 @@ def planar_contact(u_n, u_t, r_n, r_t, W, mu, b_f):  # type: ignore[no-untyped-d
     """(r_n, r_t) after; W: (2, 2)."""
     a, w, w_t, g = W[0, 0], W[0, 1], W[1, 0], W[1, 1]
     p_n = u_n - a * r_n - w * r_t
-    least = LIFT * (a + g) + TINY
+    least = lift(W) * (a + g) + TINY
     t = 0.0
     if b_f > 0:
         t = min(max(r_t - (u_t - w_t * r_n) / max(g, least), -b_f), b_f)
@@ -53,7 +61,7 @@ def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
     """Overwrite r (3,) by the impulse after; u: (3,), W: (3, 3)."""
     a, w1, w2 = W[0, 0], W[0, 1], W[0, 2]
     p_n = u[0] - a * r[0] - w1 * r[1] - w2 * r[2]
-    least = LIFT * (W[1, 1] + W[2, 2]) + TINY
+    least = lift(W) * (W[1, 1] + W[2, 2]) + TINY
     t1, t2 = 0.0, 0.0
     if b_f > 0:
         p1, p2 = u[1] - W[1, 0] * r[0], u[2] - W[2, 0] * r[0]

@@ -35,7 +35,7 @@ class Monitor(NamedTuple):
         return int(self.state[0])
 
     def answer(self, r: Array, **work: int) -> Answer:
-        return Answer(r, ENDS[self.state[1]], work, tuple(self.history[: self.seen].tolist()))
+        return Answer(np.asarray(r, float), ENDS[self.state[1]], work, tuple(self.history[: self.seen].tolist()))
 
 
 def monitor(tol: float, limit: int, patience: int, every: int = 1) -> Monitor:
