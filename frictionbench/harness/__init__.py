@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from frictionbench.harness.cells.collect import stored_friction as stored_friction
     from frictionbench.harness.contract.examine import Found as Found, examine as examine
     from frictionbench.harness.machine import content as content
-    from frictionbench.harness.plans import families as families, hard as hard
+    from frictionbench.harness.plans import families as families, hard as hard, robots as robots
     from frictionbench.harness.plans.plan import Plan as Plan, Source as Source
     from frictionbench.harness.process import cores as cores
     from frictionbench.harness.progress import Progress as Progress

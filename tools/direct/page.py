@@ -68,7 +68,7 @@ def _section(info: SolverInfo, results: dict[str, dict[str, str]]) -> str:
         "",
         f"* Variants: {', '.join(f'`{spec}`' for spec in info.specs)}",
         f"* Needs: {', '.join(needs)}",
-        f"* Model: {', '.join(models)}; dimension {_numbers(dimensions)}",
+        f"* Model: {', '.join(models)}; dimension {_numbers(dimensions)}; {info.precision} precision",
         *(f"* {name}: {stated[name]}" for name in FIELDS if name in stated),
         *_contract(info.specs, results),
         "",
