@@ -39,7 +39,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.optimize import nnls
 
-from frictionbench.problems import Answer, FrictionProblem, InputError, Status
+from frictionbench.problems import FrictionProblem, InputError, Status
 from frictionbench.problems.capture import mujoco as engine
 from frictionbench.problems.capture.parts import Contacts, posed, require_finite, without_noise
 from frictionbench.problems.check import Array
@@ -133,7 +133,7 @@ def step(
     posed_problem = _problem(mj, model, stage)
     guess = None if before is None else start(model, data, before)
     begin = thread_time()
-    answer = _solved(posed_problem, solver, tol, guess, limit)
+    answer = solve(posed_problem, solver, tol=tol, start=guess, limit=limit)
     seconds = thread_time() - begin
     impulse = answer.impulse if np.isfinite(answer.impulse).all() else np.zeros_like(answer.impulse)
     velocity = posed_problem.velocity(impulse)
@@ -196,12 +196,6 @@ def _problem(mj: Any, model: Any, stage: _Stage) -> FrictionProblem:
     F = stage.J[stage.equations(mj)]
     bias = np.maximum(stage.contacts.gap, 0.0) / model.opt.timestep
     return posed(stage.mass, stage.free, stage.contacts, bias, F, np.zeros(len(F)))
-
-
-def _solved(given: FrictionProblem, solver: str, tol: float, guess: Array | None, limit: int | None) -> Answer:
-    if given.contacts:
-        return solve(given, solver, tol=tol, start=guess, limit=limit)
-    return Answer(np.zeros((0, 3)), Status.SOLVED)
 
 
 def _frames(mj: Any, data: Any) -> Array:

@@ -237,7 +237,7 @@ def compare(
     from frictionbench.results.compare import Limits, accept as accept_run, compare as compare_runs
 
     if history:
-        _show_markdown(over_time(lines(runs)))
+        typer.echo(over_time(lines(runs)))
         return
     if len(runs) != 2:
         raise InputError("DIR: give a baseline and one results folder, or --history for a table of many")
@@ -247,7 +247,7 @@ def compare(
     if accept:
         before, accepted = accept_run(folder, baseline)
         if before is not None:
-            _show_markdown(markdown(before))
+            typer.echo(markdown(before))
         typer.echo(accepted)
         return
     if code and not confirm:
@@ -258,7 +258,7 @@ def compare(
         from frictionbench.commands.confirm import confirmed
 
         comparison = confirmed(comparison, limits, solver or [], code, lambda line: typer.echo(line, err=True))
-    _show_markdown(markdown(comparison))
+    typer.echo(markdown(comparison))
     summarise(comparison)
     if out:
         write_files(comparison, out)
@@ -454,23 +454,11 @@ def rerun(
 
         show_rerun(folder, row, solver or [])
         return
-    from frictionbench.commands.single import shrink as shrink_row
+    from frictionbench.commands.shrink import shrink as shrink_row
 
     path, problem, trials, command = shrink_row(folder, row, solver or [])
     size = f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities"
     typer.echo(f"reduced to {size} in {trials} trials: {path}\nsolve it: {command}")
-
-
-def _show_markdown(text: str) -> None:
-    """Print Markdown: laid out on a terminal, as it is into a pipe or a file."""
-    from rich.console import Console
-    from rich.markdown import Markdown
-
-    console = Console()
-    if console.is_terminal:
-        console.print(Markdown(text))
-    else:
-        typer.echo(text)
 
 
 def _jobs(jobs: int | None, progress: "Progress") -> int:

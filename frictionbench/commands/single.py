@@ -1,4 +1,4 @@
-"""`frictionbench solve` and `frictionbench rerun`: one problem with every solver, one cell again, and its problem made smaller.
+"""`frictionbench solve` and `frictionbench rerun`: one problem with every solver, one cell again.
 
 All run in isolated workers and are verified like any run.
 """
@@ -16,15 +16,13 @@ from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SimulationCell, SolveCell, Source, origin
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, cell_task, row_of
-from frictionbench.harness.shrink import shrink_row
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Task, scratch_pool
-from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import require_known
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.reports.drawing.text import seconds
-from frictionbench.results import commands
 from frictionbench.results.cells import counts
 from frictionbench.results.conventions import RankBy, ending
 from frictionbench.results.files import printable
@@ -214,19 +212,3 @@ def _number(value: float | None) -> str:
 def _time(value: float | None) -> str:
     """A time, s, with three digits and a unit."""
     return "" if value is None or value == np.inf else seconds(value, 3)
-
-
-def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int, str]:
-    """Shrink the problem of a failing solve row into folder/shrunk: the file, the problem in it, the number of trials, and the
-    command that shows the failure.
-
-    named: outside solvers that the user trusts. Errors: as of store.find_row, and InputError where the row did not fail, or its
-    solver is neither ours nor among the named.
-    """
-    _, row, settings, memory_limit = stored_cell(folder, key, ["solves"])
-    key = row["key"]
-    if row["verdict"] in (Verdict.SOLVED, Verdict.SKIPPED):
-        raise InputError(f"row: {key} is {row['verdict']}; only failing rows can be shrunk")
-    path, small, trials = shrink_row(folder, row, trusted(row, settings, named), memory_limit)
-    command = commands.solve(path, row["variant"], row["tol"], commands.sources(settings))
-    return path, small, trials, command

@@ -34,7 +34,6 @@ from frictionbench.results.cells import repeats
 from frictionbench.results.conventions import RankBy, law
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # two decades apart: from the accuracy of real-time simulation to that of reference solutions
-CHARGES = (1, 2, 10)  # time limits charged for a problem not solved: PAR1, PAR2 and PAR10
 LEVELS = {"p50": 0.5, "p99": 0.99, "worst": 1.0}
 HUNDRED = 100  # problems, of which the 99th percentile leaves out one
 OVERALL = {2: "in the plane", 3: "in space"}  # the classes of all problems of a dimension
@@ -111,7 +110,7 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
     )
     table["share"] = (both["weight"] * both["reached"]).groupby([both["problem_class"], both["label"]], sort=False).sum()
     table["written"] = share_of_form(both, ["problem_class", "label"])
-    table["mean"] = _means(both, ["problem_class", "label"])
+    table["mean"] = groups[["charged", "weight"]].apply(lambda own: shifted_geometric_mean(own["charged"], own["weight"]))
     table["law"] = [law(*what) for what in zip(table["model"], table["dimension"], strict=True)]
     table["mean"] = table["mean"].where((table["law"] == "") | (table["reached"] == table["problems"]))
     table["solved"] = [*map(solved_words, table["reached"], table["unjudgeable"])]
@@ -193,12 +192,6 @@ def in_order(table: pd.DataFrame) -> pd.DataFrame:
 def shown_levels(table: pd.DataFrame) -> list[str]:
     """The percentiles that a table of them has: p99 only where some row has one."""
     return [name for name in LEVELS if name != "p99" or table["p99"].notna().any()]
-
-
-def _means(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":
-    """The weighted shifted geometric mean of `charged` in each group. times: with the column weight."""
-    logs = times["weight"] * np.log(times["charged"] + SHIFT)
-    return np.exp(logs.groupby([times[name] for name in by], sort=False).sum()) - SHIFT
 
 
 def decade(contacts: "pd.Series[float]") -> "pd.Series[int]":

@@ -24,7 +24,6 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from frictionbench.reports.accuracy import (
-    CHARGES,
     HUNDRED,
     OVERALL,
     SHIFT,
@@ -80,14 +79,13 @@ class Place(NamedTuple):
 class Choice(NamedTuple):
     """The solvers that ran on all problems of a kind, the fastest first. common: how many problems all with a mean solve.
     outside: how many of the solvers of Coulomb's law are from outside libraries. interval: of the lead, None where the problems
-    are too few. orders: the first three by each charge for a problem not solved (accuracy.CHARGES)."""
+    are too few."""
 
     places: list[Place]
     problems: int
     common: int
     outside: int
     interval: tuple[float, float] | None
-    orders: dict[int, list[str]]
 
     @property
     def unclear(self) -> str:
@@ -180,9 +178,8 @@ def choose(
     models = groups[["model", "dimension"]].first().reindex(facts.index)
     facts["law"] = [law(*what) for what in models.itertuples(index=False)]
     facts["form"] = share_of_form(own, ["label"])
-    means = {c: np.exp(weight @ np.log(charged.where(reached, c * charged) + SHIFT)) - SHIFT for c in CHARGES}
     has_mean = (facts["law"] == "") | (facts["reached"] == len(charged))
-    facts["mean"] = means[1].where(has_mean)
+    facts["mean"] = charged.apply(shifted_geometric_mean, weight=weight).where(has_mean)
     shared = reached[facts.index[has_mean & (facts["reached"] > 0)]].all(axis=1)
     facts["common"] = charged[shared].apply(shifted_geometric_mean, weight=weight[shared]) if shared.any() else np.nan
     facts["common"] = facts["common"].where(has_mean & (facts["reached"] > 0))
@@ -198,7 +195,6 @@ def choose(
         int(shared.sum()),
         sum(label in outside for label in ranked),
         interval,
-        {charge: list(mean[ranked].sort_values(kind="stable").index[:3]) for charge, mean in means.items()},
     )
 
 
@@ -270,7 +266,7 @@ def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
         speed = f"{_speed(first, mine)}; {second.words} the order of the first three is the same"
     else:
         speed = f"{_speed(first, mine)}; {_speed(second, theirs)}"
-    return f"{where}{dependable(mine)}. {speed[0].upper()}{speed[1:]}.{_charges(mine)}"
+    return f"{where}{dependable(mine)}. {speed[0].upper()}{speed[1:]}."
 
 
 def dependable(choice: Choice) -> str:
@@ -311,9 +307,3 @@ def _speed(by: RankBy, choice: Choice) -> str:
     ahead, other = f"{choice.lead:.3g} times ahead of", choice.places[1].label
     low, high = choice.interval
     return f"{mean}, {ahead} {other} ({low:.3g} to {high:.3g})" + (f": {choice.unclear}" if choice.unclear else "")
-
-
-def _charges(choice: Choice) -> str:
-    """Which other charges for a problem not solved change the order of the first three."""
-    changed = [f"by PAR{charge} {', '.join(order)}" for charge, order in choice.orders.items() if order != choice.orders[1]]
-    return f" Other charges for what is not solved change the first three: {'; '.join(changed)}." if changed else ""

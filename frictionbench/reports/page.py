@@ -5,11 +5,14 @@ the only script that it runs is templates/page.js, by its hash, and figures are 
 """
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from frictionbench.problems.verdicts import Verdict
+import pandas as pd
+
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports import robustness, tables
 from frictionbench.reports.accuracy import OVERALL, overall, percentiles
 from frictionbench.reports.batches import has_batches, write_batches
@@ -20,9 +23,8 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.recorded import motions, recorded_problems
 from frictionbench.reports.run import Run, read_run
-from frictionbench.reports.sheets import sheets
 from frictionbench.reports.templates import environment, script
-from frictionbench.results.conventions import RankBy
+from frictionbench.results.conventions import RankBy, endings
 from frictionbench.results.files import write_text
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
@@ -30,6 +32,8 @@ MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the sam
 FEW = 8  # curves that are distinguishable in one figure
 CURVES = ["times", "energies", "penetrations"]  # columns that no table shows
 MUCH_FORM = 0.2  # share of form in the time, above which the formulation by this suite may decide the rank
+MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent ones
+LONGEST = 6000  # characters of a description, three times the longest in this package; a plug-in's may be of any length
 
 Values = dict[str, Any]
 Records = list[dict[str, Any]]
@@ -82,7 +86,7 @@ def view(run: Run) -> Values:
         "recorded": recorded_problems(run),
         "classes": _classes(run, simulated),
         "simulated_only": [row for scene, rows in simulated.items() if scene not in scenes for row in rows],
-        "sheets": sheets(run),
+        "sheets": _sheets(run),
         "claims": claims.head(MOST_CLAIMS),
         "claims_count": len(claims),
         "settings": {part: json.dumps(value, indent=1) for part, value in run.manifest.items() if part != "solvers"},
@@ -183,3 +187,48 @@ def _classes(run: Run, simulated: dict[str, Records]) -> Records:
         {"facts": facts, "simulations": simulated.get(scene_of[facts["problem_class"]], [])}
         for facts in tables.problem_classes(run).to_dict("records")
     ]
+
+
+def _sheets(run: Run) -> Records:
+    """A sheet per solver: the labels that have cells, in alphabetical order. label, variant, facts, description: its own, in
+    paragraphs, from the manifest; results: its rows of the summary over all problems of the plane and of space, each with its
+    target; failures: rows of _failures, the first MOST_FAILURES."""
+    descriptions = run.manifest.get("solvers", {})
+    parts = [table.assign(target=target) for target, table in run.summaries.items()]
+    results = pd.concat([part[part["problem_class"].isin(run.overall)] for part in parts])
+    failed = _failures(run)
+    found = []
+    for row in run.rows.drop_duplicates("label").sort_values("label").to_dict("records"):
+        label, variant = row["label"], row["variant"]
+        text = descriptions.get(variant, "")
+        facts = {name: str(row[name] or "") for name in ("family", "model", "version", "members")}
+        found.append({
+            "label": label,
+            "variant": variant,
+            "facts": {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
+            "description": [_flowing(part) for part in str(text)[:LONGEST].split("\n\n") if part.strip()],
+            "results": results[results["label"] == label].to_dict("records"),
+            "failures": failed[failed["label"] == label].head(MOST_FAILURES).to_dict("records"),
+        })  # fmt: skip
+    return found
+
+
+def _flowing(paragraph: str) -> str:
+    """The paragraph with its lines joined, except formulas, which are indented as a whole, and items of lists."""
+    if all(line.startswith(" ") for line in paragraph.splitlines()):
+        return paragraph
+    return re.sub(r"\n(?!\* |\d\. |[A-Z]\w*: )\s*", " ", paragraph)
+
+
+def _failures(run: Run) -> pd.DataFrame:
+    """A row per label, class and verdict other than solved and skipped, the most frequent first: cells, of all that ran (of);
+    and contacts, residual, reason and key of the one with the fewest contacts."""
+    ran = run.ranked[measured(run.ranked)]
+    of = ran.groupby(["label", "problem_class"]).size().rename("of")
+    ran = ran.assign(verdict=endings(ran))
+    failed = ran[ran["verdict"] != Verdict.SOLVED].sort_values(["contacts", "tol"], kind="stable")
+    columns = ["contacts", "residual", "reason", "key"]
+    kinds = failed.groupby(["label", "problem_class", "verdict"], sort=False)
+    table = kinds[columns].first().assign(cells=kinds.size()).reset_index().join(of, on=["label", "problem_class"])
+    table = table.sort_values("cells", ascending=False, kind="stable")
+    return table[["label", "problem_class", "verdict", "cells", "of", *columns]]

@@ -149,9 +149,5 @@ def captions_file(captions: Mapping[str, str], setting: str) -> str:
         rf"\newcommand{{\benchsetting}}{{{escaped(setting)}}}",
     ]
     for name, caption in captions.items():
-        lines.append(rf"\expandafter\def\csname benchcaption@{_label(name)}\endcsname{{{escaped(caption)}}}")
+        lines.append(rf"\expandafter\def\csname benchcaption@{name}\endcsname{{{escaped(caption)}}}")
     return "\n".join([*lines, ""])
-
-
-def _label(name: str) -> str:
-    return "".join(c for c in name if c.isalnum() or c in "_-")

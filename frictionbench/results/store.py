@@ -6,7 +6,7 @@
     DIR/problems/HASH.npz         the problems, so that any cell can be rerun
     DIR/shards/TABLE-*.jsonl      rows in order of arrival, one file per writer, appended and flushed row by row
     DIR/solves.parquet, simulations.parquet    the merged shards
-    DIR/shrunk/                   failing problems reduced in size, see harness.shrink
+    DIR/shrunk/                   failing problems reduced in size, see commands.shrink
     DIR/report.html, report.md, paper/    made from the files above, see reports
 
 A shard may end in an incomplete line, if its writer was killed. Such a line, and any other that is not a row, is ignored, and

@@ -8,7 +8,8 @@ import pytest
 
 from frictionbench.commands import single
 from frictionbench.commands.export import export
-from frictionbench.commands.single import rerun_row, shrink, solve_one
+from frictionbench.commands.shrink import shrink
+from frictionbench.commands.single import rerun_row, solve_one
 from frictionbench.harness.plans.choose import RunOptions, choose
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run

@@ -6,10 +6,9 @@ import shlex
 import numpy as np
 import pytest
 
-from frictionbench.commands.single import shrink
+from frictionbench.commands.shrink import fails_as, reduced, shrink
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
-from frictionbench.harness.shrink import fails_as, reduced
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.catalogue import scene

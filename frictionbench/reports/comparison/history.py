@@ -2,7 +2,8 @@
 these runs measured."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from functools import reduce
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,7 +36,7 @@ def lines(paths: Iterable[Path]) -> dict[str, list[Line]]:
     found = {}
     for variant in sorted({variant for _, cells in measured for variant in cells["variant"]}):
         own = [(run, cells[cells["variant"] == variant]) for run, cells in measured if variant in set(cells["variant"])]
-        common = _common([cells for _, cells in own])
+        common = reduce(pd.Index.intersection, [cells.index for _, cells in own])
         good = [key for key in common if all(cells["verdict"][key] in ACCEPTED for _, cells in own)]
         found[variant] = [_line(run, cells.loc[common], good) for run, cells in own]
     if not found:
@@ -53,13 +54,6 @@ def history(found: dict[str, list[Line]]) -> str:
             names = ("" if i else variant, str(line.run.path), line.run.made[:10], line.run.code)
             rows.append([*map(escaped, (*names, *results))])
     return "\n".join(pipe(("solver", "run", "made", "code", "cells", "verdicts", "work", "time"), rows))
-
-
-def _common(tables: Sequence[pd.DataFrame]) -> pd.Index:
-    common = tables[0].index
-    for table in tables[1:]:
-        common = common.intersection(table.index)
-    return common
 
 
 def _line(run: Cells, cells: pd.DataFrame, good: list[str]) -> Line:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.commands.single import rerun_row, shrink
+from frictionbench.commands.shrink import shrink
+from frictionbench.commands.single import rerun_row
 from frictionbench.harness import machine
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run

@@ -1,4 +1,4 @@
-"""Shrinking the problem of a failing cell: contacts are removed while the solver still fails, and the rest is saved as a file.
+"""`frictionbench rerun --shrink`: contacts are removed while the solver still fails, and the rest is saved as a file.
 
 Delta debugging (Zeller and Hildebrandt 2002): leave out each of n parts of the contacts in turn, with n growing as parts turn
 out to be needed, until no single contact can be removed. A body is removed with its last contact. Every trial runs isolated
@@ -9,24 +9,33 @@ from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
+from frictionbench.commands.stored_cell import stored_cell, trusted
 from frictionbench.harness import process
 from frictionbench.harness.cells.collect import stored_friction
 from frictionbench.harness.cells.rows import no_problem
-from frictionbench.harness.plans.plan import Plugin, SolveCell, Source
+from frictionbench.harness.plans.plan import SolveCell, Source
 from frictionbench.harness.run import cell_task, row_of
 from frictionbench.harness.workers.pool import scratch_pool
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded.own import save
 from frictionbench.problems.subproblems import keep_contacts
+from frictionbench.problems.verdicts import Verdict
+from frictionbench.results import commands
 from frictionbench.results.files import replaced, subfolder
 from frictionbench.results.store import Row
 
 
-def shrink_row(folder: Path, row: Row, plugins: tuple[Plugin, ...], memory_limit: int) -> tuple[Path, FrictionProblem, int]:
-    """Shrink the problem of a failing solve row into DIR/shrunk: the file, the problem in it, and the number of trials.
+def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int, str]:
+    """Shrink the problem of a failing solve row into DIR/shrunk: the file, the problem in it, the number of trials, and the
+    command that shows the failure.
 
-    Errors: InputError where the problem is damaged, or does not fail again from a cold start.
+    named: outside solvers that the user trusts. Errors: as of store.find_row, and InputError where the row did not fail or does
+    not fail again from a cold start, its problem is damaged, or its solver is neither ours nor among the named.
     """
+    _, row, settings, memory_limit = stored_cell(folder, key, ["solves"])
+    if row["verdict"] in (Verdict.SOLVED, Verdict.SKIPPED):
+        raise InputError(f"row: {row['key']} is {row['verdict']}; only failing rows can be shrunk")
+    plugins = trusted(row, settings, named)
     with process.memory_within(memory_limit):
         problem = stored_friction(folder, row["problem"])
     trials = 0
@@ -48,7 +57,7 @@ def shrink_row(folder: Path, row: Row, plugins: tuple[Plugin, ...], memory_limit
     path = subfolder(folder, "shrunk") / f"{row['solver']}-{row['verdict']}-{small.contacts}-contacts-{small.hash}.npz"
     with replaced(path) as file:
         save(small, file)
-    return path, small, trials
+    return path, small, trials, commands.solve(path, row["variant"], row["tol"], commands.sources(settings))
 
 
 def fails_as(row: Row, found: Row) -> bool:
