@@ -164,15 +164,12 @@ def report(
 ) -> None:
     """Make the HTML report of a results folder."""
     from frictionbench.problems import InputError
-    from frictionbench.reports.batches import has_batches, write_batches
+    from frictionbench.reports.batches import has_batches
     from frictionbench.reports.page import write_report
     from frictionbench.reports.run import read_run
 
-    if has_batches(folder):
-        if paper or markdown:
-            raise InputError(f"{'paper' if paper else 'markdown'}: a run of batches has a page and no figures")
-        typer.echo(f"report: {write_batches(folder)}")
-        return
+    if (paper or markdown) and has_batches(folder):
+        raise InputError(f"{'paper' if paper else 'markdown'}: a run of batches has a page and no figures")
     run = read_run(folder, rank_by, budget)
     typer.echo(f"report: {write_report(folder, run)}")
     if paper:

@@ -21,20 +21,15 @@ SUFFIXES = ("", ".hdf5", ".h5", ".npz")
 
 def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
     """Write the problems and yield the files. Errors: InputError naming the argument that is unknown or cannot be written."""
-    with process.memory_within(MEMORY_LIMIT):
-        yield from _exported(what, out, pick)
-
-
-def _exported(what: str, out: Path, pick: int) -> Iterator[Path]:
-    if (Path(what) / "manifest.json").exists():
-        store.read_manifest(Path(what))
-        listed = sorted((Path(what) / "problems").glob("source-*.json"))
-        records = [record for path in listed for record in read_records(path)]
-        yield from _written(Path(what), records, out)
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            records = collect(Path(folder), Source(*parse("scene", what), pick=pick))
-            yield from _written(Path(folder), records, out)
+    with process.memory_within(MEMORY_LIMIT), tempfile.TemporaryDirectory() as scratch:
+        folder = Path(what) if (Path(what) / "manifest.json").exists() else Path(scratch)
+        if folder == Path(scratch):
+            records = collect(folder, Source(*parse("scene", what), pick=pick))
+        else:
+            store.read_manifest(folder)
+            listed = sorted((folder / "problems").glob("source-*.json"))
+            records = [record for path in listed for record in read_records(path)]
+        yield from _written(folder, records, out)
 
 
 def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:

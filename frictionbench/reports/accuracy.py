@@ -110,7 +110,8 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
     )
     table["share"] = (both["weight"] * both["reached"]).groupby([both["problem_class"], both["label"]], sort=False).sum()
     table["written"] = share_of_form(both, ["problem_class", "label"])
-    table["mean"] = groups[["charged", "weight"]].apply(lambda own: shifted_geometric_mean(own["charged"], own["weight"]))
+    logs = (both["weight"] * np.log(both["charged"] + SHIFT)).groupby([both["problem_class"], both["label"]], sort=False).sum()
+    table["mean"] = np.exp(logs) - SHIFT
     table["law"] = [law(*what) for what in zip(table["model"], table["dimension"], strict=True)]
     table["mean"] = table["mean"].where((table["law"] == "") | (table["reached"] == table["problems"]))
     table["solved"] = [*map(solved_words, table["reached"], table["unjudgeable"])]

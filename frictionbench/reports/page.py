@@ -14,7 +14,7 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports import robustness, tables
-from frictionbench.reports.accuracy import OVERALL, overall, percentiles
+from frictionbench.reports.accuracy import OVERALL
 from frictionbench.reports.batches import has_batches, write_batches
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
@@ -118,9 +118,8 @@ def _head(run: Run, rankings: Records) -> Values:
 
 
 def _ranked(run: Run) -> Values:
-    """All that depends on the time by which the run ranks. matrices, overall, percentiles: by target, then by the classes
+    """All that depends on the time by which the run ranks. matrices, overall: by target, then by the classes
     of all problems of a dimension; classes: the ranking of each class of problems."""
-    wholes = {target: overall(times) for target, times in run.times.items() if target in run.outer_targets}
     scenes = _scenes(run)
     return {
         "by": run.rank_by,
@@ -130,10 +129,6 @@ def _ranked(run: Run) -> Values:
             for target, table in run.summaries.items()
         },
         "overall": {where: tables.ranking(run.summaries, where) for where in run.overall},
-        "percentiles": {
-            target: {where: percentiles(times, run.budget) for where, times in parts.items()}
-            for target, parts in wholes.items()
-        },
         "classes": {name: tables.ranking(run.summaries, name) for names in scenes.values() for name in names},
         "sequences": motions(run),
     }

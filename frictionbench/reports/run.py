@@ -32,10 +32,9 @@ from frictionbench.problems.verdicts import SINGLE, Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.commands import sources
-from frictionbench.results.conventions import COLD, RankBy, json_object
+from frictionbench.results.conventions import APART, COLD, RankBy, json_object
 from frictionbench.results.histories import ConvergenceHistory, read_histories
 from frictionbench.results.maps import GridPoint, maps_of, read_thresholds
-from frictionbench.results.outcomes import with_outcomes
 from frictionbench.results.store import read_manifest, read_table
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods are faster below, sparse ones above
@@ -152,8 +151,8 @@ def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the solves table with the columns label, problem_id, problem_class, stratum, time, answered and own_solved,
-    and those of results.outcomes."""
+    """A copy of the solves table with the columns label, problem_id, problem_class, stratum, time, answered, own_solved
+    and the others above."""
     rows = solves.reset_index(drop=True)
     texts = ["scene", "parameters", "solver", "variant", "model", "verdict", "reason"]
     texts += ["phase", "problem", "start", "key", "host"]
@@ -161,9 +160,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     for name in ("trivial", "idle", "claimed"):
         rows[name] = rows[name].eq(True)
     rows["infeasible"] = rows["proved_infeasible"].eq(True)
-    rows = with_outcomes(rows)
-    outcomes = rows["outcomes_found"].fillna(rows["outcomes"].astype(float))
-    rows["several_outcomes"] = outcomes.groupby(rows["problem"]).transform("max") > 1
+    rows["several_outcomes"] = outcomes(rows).groupby(rows["problem"]).transform("max") > 1
     rows["robot"] = rows["scene"] == ROBOTS
     models = rows["parameters"].map(lambda text: str(json_object(text).get("case", "")).partition("-")[0])
     rows["cluster"] = rows["scene"].where(~rows["robot"], rows["scene"] + " " + models)
@@ -179,6 +176,21 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     judged = rows["answered"] & (rows["verdict"] != Verdict.UNJUDGEABLE)
     rows["own_solved"] = judged & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])
     return rows
+
+
+def outcomes(rows: pd.DataFrame) -> "pd.Series[float]":
+    """For each row how many velocities the problem has at least, by the answers of the run and the reference, or by enumeration
+    where no answer has a distance from the reference (column outcome_distance, problems.analysis.outcomes).
+
+    Velocities at distances that differ by more than APART are apart by at least as much; those at the same one may differ.
+    """
+    known = rows[rows["outcome_distance"].notna()].groupby("problem")["outcome_distance"].agg(_apart)
+    return rows["problem"].map(known).fillna(rows["outcomes"]).astype(float)
+
+
+def _apart(distances: pd.Series) -> int:
+    """How many groups of distances there are, with that of the reference, 0."""
+    return 1 + int((np.diff(np.sort(distances.to_numpy(float)), prepend=0.0) > APART).sum())
 
 
 def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:

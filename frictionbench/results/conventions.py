@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # the command line imports this file for its options
 
 DEFAULT_SCHEME = "anitescu_potra"  # of time stepping, where none is named
 COLD, WARM, SHUFFLED = "cold", "warm", "shuffled"  # starts: zero; the impulses before; impulses drawn from the whole motion
+APART = 1e-3  # of what contact changes: velocities whose distances from one reference differ by more are other outcomes
 
 DRAWN = {"push": (0.2, 2.0), "friction": (0.2, 0.8), "mass_ratio": (1.0, 10.0)}  # of each problem of a batch, the bounds
 NEARBY = 0.02  # by how much smaller the push is, in whose answers a batch starts warm

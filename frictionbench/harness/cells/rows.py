@@ -16,8 +16,7 @@ from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.check import Array
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import Finding, verify
-from frictionbench.results.conventions import COLD
-from frictionbench.results.outcomes import APART
+from frictionbench.results.conventions import APART, COLD
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, SolverInfo, Status, find
 

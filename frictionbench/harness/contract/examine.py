@@ -49,8 +49,7 @@ def examine(specs: list[str], jobs: int) -> list[Found]:
 
 def _texts(value: Any) -> list[str]:
     """The violations that a worker reports; a plug-in may have made it reply with anything."""
-    texts = isinstance(value, list) and all(isinstance(text, str) for text in value)
-    return value if texts else ["its worker returned a malformed reply"]
+    return [str(text) for text in value] if isinstance(value, list) else ["its worker returned a malformed reply"]
 
 
 def format_findings(found: Iterable[Found]) -> str:

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
 from typing import Any
 
-from frictionbench.problems.catalogue import instances, is_spatial
+from frictionbench.problems.catalogue import is_spatial
 from frictionbench.problems.check import require
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, WARM
 from frictionbench.results.maps import Map
@@ -44,16 +44,6 @@ class Source:
     @property
     def key(self) -> str:
         return _key("source", self)
-
-    @property
-    def moves(self) -> bool:
-        """Whether it is a scene, which can be simulated."""
-        return not self.file and self.scene not in instances()
-
-    @property
-    def spatial(self) -> bool:
-        """Whether it is a scene in space."""
-        return self.moves and is_spatial(self.scene)
 
 
 @dataclass(frozen=True)
@@ -102,11 +92,6 @@ class BatchSource:
     scene: str
     parameters: dict[str, Any]
     count: int
-
-    @property
-    def spatial(self) -> bool:
-        """Whether its problems are in space."""
-        return is_spatial(self.scene)
 
 
 @dataclass(frozen=True)
@@ -208,7 +193,7 @@ class Plan:
             SimulationCell(simulation.scene, simulation.parameters, variant, self.simulation_tol, scheme, simulation.steps)
             for simulation in self.simulations
             for scheme in self.schemes
-            for variant in (self.lineup(3) if simulation.spatial else self.simulation_solvers)
+            for variant in (self.lineup(3) if is_spatial(simulation.scene) else self.simulation_solvers)
         ]
         return [*simulated, *self.map_simulations]
 
@@ -218,7 +203,7 @@ class Plan:
             BatchCell(batch.scene, batch.parameters, batch.count, variant, way, tol, start)
             for batch in self.batches
             for tol in sorted(self.tolerances, reverse=True)
-            for variant in self.lineup(3 if batch.spatial else 2)
+            for variant in self.lineup(3 if is_spatial(batch.scene) else 2)
             for way, start in self._ways(variant)
         ]
 
