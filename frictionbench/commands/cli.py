@@ -74,9 +74,12 @@ def about(
 @_command("list")
 def list_(what: options.Listing, as_json: options.AsJson = False) -> None:
     """List the scenes, the solvers or the suites."""
-    from frictionbench.commands import listing
+    from frictionbench.commands.listing import listed, show
 
-    (listing.show_json if as_json else listing.show)(what)
+    if as_json:
+        typer.echo(json.dumps(listed(what), indent=1))
+    else:
+        show(what)
 
 
 @_command()

@@ -1,11 +1,12 @@
 """`frictionbench judge`: the judgement on an engine's steps in a few lines; its page shows percentiles and the worst steps."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from frictionbench.commands.table import columns, paragraph, screen
-from frictionbench.reports.drawing.text import seconds
+from frictionbench.reports.drawing.text import residual, seconds
 from frictionbench.results.files import printable
 from frictionbench.results.judgement import read_judged, steps
 
@@ -25,17 +26,18 @@ def told(folder: Path) -> str:
     most = ", ".join(f"{law} in {count}" for law, count in found.laws.items())
     lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")
     for one in found.worst(1):
-        lines += [f"worst step: {printable(one.file)}, residual {_number(one.residual)}, {one.law}"]
+        lines += [f"worst step: {printable(one.file)}, residual {residual(one.residual, 1)}, {one.law}"]
     for answer in filter(None, (found.creep, found.forces, found.impossible)):
         lines += paragraph(printable(answer), screen(), "")
     if noted := found.notes:
         means = "; ".join(f"{printable(name)} {100 * share:.2g} % in {steps(count)}" for name, (share, count) in noted.items())
         lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")
     header = ("", "solved", "residual p50", "residual worst", "time p50", "time p99", "time worst")
-    engine = _shown(found.percentiles["residual"], (0, 3), _number)
+    digits = partial(residual, decimals=1)
+    engine = _shown(found.percentiles["residual"], (0, 3), digits)
     body: list[tuple[str, ...]] = [("the engine", "", *engine, "", "", "")]
     for other in found.beside:
-        residuals, times = _shown(other["residual"], (0, 3), _number), _shown(other["time"], (0, 2, 3), seconds)
+        residuals, times = _shown(other["residual"], (0, 3), digits), _shown(other["time"], (0, 2, 3), seconds)
         body.append((other["variant"], f"{other['solved']}/{other['problems']}", *residuals, *times))
     return "\n".join([*lines, "", *columns(header, body, screen())])
 
@@ -43,7 +45,3 @@ def told(folder: Path) -> str:
 def _shown(values: list[float] | None, which: tuple[int, ...], form: Callable[[float], str]) -> list[str]:
     """Some of the percentiles as text; nothing where there are none."""
     return [form(values[i]) if values else "" for i in which]
-
-
-def _number(value: float) -> str:
-    return f"{value:.1e}" if value else "0"

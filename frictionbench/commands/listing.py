@@ -1,6 +1,5 @@
 """The lists of `frictionbench list`: as JSON, or a paragraph for each scene, solver or suite, wrapped to the terminal."""
 
-import json
 from dataclasses import fields
 from typing import Any
 
@@ -17,11 +16,6 @@ Facts = dict[str, Any]
 def listed(what: str) -> dict[str, Facts]:
     """The scenes, solvers or suites by name, each with its summary and facts."""
     return {"scenes": _scenes, "solvers": _solvers, "suites": _suites}[what]()
-
-
-def show_json(what: str) -> None:
-    """Print the scenes, solvers or suites as a JSON object by name."""
-    print(json.dumps(listed(what), indent=1))
 
 
 def show(what: str) -> None:

@@ -75,9 +75,9 @@ def _times(run: Run) -> list[Table]:
     facts = {name: texts for name, texts in facts.items() if any(texts)}
     header, columns = [*facts], [*facts.values()]
     for i, target in enumerate(run.summaries):
-        unit, means = one_unit([cells[i]["mean"] for *_, cells in ranking])
-        header += [f"to {power(target)}", f"mean, {unit}"]
-        columns += [[f"{cells[i]['solved']}/{cells[i]['problems']}" for *_, cells in ranking], means]
+        header += [f"to {power(target)}", "mean"]
+        columns.append([f"{cells[i]['solved']}/{cells[i]['problems']}" for *_, cells in ranking])
+        columns.append([seconds(cells[i]["mean"], 3) for *_, cells in ranking])
     caption = (
         "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
         f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved charged the time limit."
@@ -96,18 +96,17 @@ def _percentiles(run: Run) -> list[Table]:
         table = in_order(percentiles(times, run.budget))
         places += [(where, str(label), row) for label, row in zip(table.index, table.to_dict("records"), strict=True)]
     levels = shown_levels(pd.DataFrame([row for *_, row in places], columns=[*LEVELS]))
-    unit, shown = one_unit([row[name] for *_, row in places for name in levels])
     budget = [] if run.budget is None else [f"within {seconds(run.budget)}"]
     rows = [
-        [label, where, *shown[len(levels) * i : len(levels) * (i + 1)], *([percent(row["within"], 1)] if budget else [])]
-        for i, (where, label, row) in enumerate(places)
+        [label, where, *(seconds(row[name], 3) for name in levels), *([percent(row["within"], 1)] if budget else [])]
+        for where, label, row in places
     ]
     named = {"p50": "half", "p99": "99 %", "worst": "all"}
     caption = (
         f"The times {run.rank_by.words} ({run.rank_by.parts}) within which {', '.join(named[name] for name in levels)} of the "
         f"problems, by weight, are solved to {power(run.outer_targets[-1])}; a dash: not solved."
     )
-    return [Table("percentiles", caption, ["solver", "where", *(f"{name}, {unit}" for name in levels), *budget], rows)]
+    return [Table("percentiles", caption, ["solver", "where", *levels, *budget], rows)]
 
 
 def _solvability(run: Run) -> list[Table]:
@@ -151,18 +150,6 @@ def _solvers(run: Run) -> list[Table]:
     both = pd.concat([run.rows[["solver", "model"]], run.simulations[["solver"]]]).drop_duplicates("solver").fillna("")
     rows = [[row.solver, row.model, ", ".join(cited(row.solver)) or "–"] for row in both.sort_values("solver").itertuples()]
     return [Table("solvers", "Solvers, the model that each solves, and references.", ["solver", "solves", REFERENCES], rows)]
-
-
-def one_unit(times: Sequence[float]) -> tuple[str, list[str]]:
-    """A unit suitable for the times, s, and the times in this unit with three digits."""
-    known = [time for time in times if np.isfinite(time) and time > 0]
-    middle = float(np.exp(np.mean(np.log(known)))) if known else 1.0
-    scale, unit = next(((s, u) for s, u in ((1.0, "s"), (1e-3, "ms")) if middle >= s), (1e-6, "µs"))
-    return unit, [_digits(time / scale) if np.isfinite(time) else "–" for time in times]
-
-
-def _digits(value: float) -> str:
-    return f"{value:.0f}" if abs(value) >= 99.5 else f"{value:#.3g}".rstrip(".")
 
 
 TABLES: tuple[Callable[[Run], list[Table]], ...] = (*(_choice, _solvability, _times, _percentiles, _problems, _solvers),)

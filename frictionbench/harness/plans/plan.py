@@ -6,9 +6,9 @@ one unit of work with one row in the results. Cells are plain values that are se
 
 import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from hashlib import sha256
-from typing import Any
+from typing import Any, ClassVar
 
 from frictionbench.problems.catalogue import is_spatial
 from frictionbench.problems.check import require
@@ -22,7 +22,19 @@ MEMORY_LIMIT = 4 * 2**30  # bytes that a worker may allocate: more than the suit
 
 
 @dataclass(frozen=True)
-class Source:
+class _Keyed:
+    """What is known by a hash of its fields. kind: how the key begins."""
+
+    kind: ClassVar[str]
+
+    @property
+    def key(self) -> str:
+        fields = {name: "" if name == "problem" else part for name, part in asdict(self).items()}
+        return f"{self.kind}-{sha256(json.dumps(fields, sort_keys=True).encode()).hexdigest()[:16]}"
+
+
+@dataclass(frozen=True)
+class Source(_Keyed):
     """Problems of one scene, an instance, or a problem in a file.
 
     scene: the name of the scene or instance (problems.instances), or of the set that a file belongs to. pick: the number of
@@ -41,13 +53,11 @@ class Source:
     before: str = ""
     step: int = 0
 
-    @property
-    def key(self) -> str:
-        return _key("source", self)
+    kind = "source"
 
 
 @dataclass(frozen=True)
-class SolveCell:
+class SolveCell(_Keyed):
     """One problem, one solver, one tolerance.
 
     problem: the content hash under which it is stored. origin: see `origin`; the key is computed from the origin, because the
@@ -60,15 +70,11 @@ class SolveCell:
     tol: float
     start: str = COLD
 
-    table = "solves"
-
-    @property
-    def key(self) -> str:
-        return _key("solve", replace(self, problem=""))
+    kind, table = "solve", "solves"
 
 
 @dataclass(frozen=True)
-class SimulationCell:
+class SimulationCell(_Keyed):
     """One scene in closed loop with one solver."""
 
     scene: str
@@ -78,11 +84,7 @@ class SimulationCell:
     scheme: str = DEFAULT_SCHEME
     steps: int | None = None
 
-    table = "simulations"
-
-    @property
-    def key(self) -> str:
-        return _key("simulation", self)
+    kind, table = "simulation", "simulations"
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ class BatchSource:
 
 
 @dataclass(frozen=True)
-class BatchCell:
+class BatchCell(_Keyed):
     """The problems of a batch, all solved by one solver in one way (results.conventions.WAYS)."""
 
     scene: str
@@ -106,11 +108,7 @@ class BatchCell:
     tol: float
     start: str = COLD
 
-    table = "batches"
-
-    @property
-    def key(self) -> str:
-        return _key("batch", self)
+    kind, table = "batch", "batches"
 
 
 Cell = SolveCell | SimulationCell | BatchCell
@@ -244,7 +242,3 @@ def owner(variant: str, plugins: tuple[Plugin, ...]) -> str:
 def origin(record: dict[str, Any]) -> str:
     """The origin of a problem: scene, parameters, step and phase."""
     return f"{record['scene']} {record['parameters']} {record['step']} {record['phase']}"
-
-
-def _key(kind: str, value: Source | Cell) -> str:
-    return kind + "-" + sha256(json.dumps(asdict(value), sort_keys=True).encode()).hexdigest()[:16]
