@@ -7,7 +7,9 @@ s r_n > u_n, has u_n = 0, an open one r = 0. With z = s r_t - u_t it sticks, u_t
 
 A step solves the linearised equations of the closed contacts by LU with the term `shift` s added to those in velocities: W is
 singular where contacts are redundant. A small shift leaves Newton's convergence, a large one is a step of proximal points,
-which changes impulses by no more than they need. References: Alart and Curnier 1991; Acary and Brogliato 2008, chapter 13.
+which changes impulses by no more than they need. Full steps may cycle among active sets; from a
+point just past the first kink of the equations on the way (`past_first_change`) the next step follows another of their pieces.
+References: Alart and Curnier 1991; Acary and Brogliato 2008, chapter 13.
 
 r (nc, 3) are the impulses, zero where a contact has no row; what is written over r goes with velocities in the workspace.
 """
@@ -23,6 +25,7 @@ from frictionbench.problems.rows import Index64
 from frictionbench.solvers.sweeps.laws import spatial_contact
 
 CLOSED, SLIDES, STICKS = 1, 2, 4
+LEAST_SHARE = 2.0**-15  # of a step
 
 
 class Work(NamedTuple):
@@ -137,6 +140,32 @@ def newton_step(rows, r, work, shift):  # type: ignore[no-untyped-def]
             if place[i, a] >= 0:
                 r[i, a] += right[place[i, a]]
     return True
+
+
+@part
+def past_first_change(rows, r, old, work):  # type: ignore[no-untyped-def]
+    """Overwrite r by a point between old and r just past where the first contact changes its state, at most half way.
+
+    Where contacts are redundant a step may be as long as what is inconsistent among their equations over the shift: far beyond
+    the bounds at which friction begins to slide or a contact to open, which would make the equations consistent.
+    """
+    w, state = work.w, work.state
+    new, moved = r.copy(), w.copy()
+    r[:] = old
+    measure(rows, r, work)
+    begun = w.copy()
+    for i in range(len(r)):
+        state[i] = _state(rows, r, w, i, work.z[i])
+    share, same = LEAST_SHARE, True
+    while same and share < 1:
+        for i in range(len(r)):
+            for a in range(3):
+                r[i, a] = old[i, a] + share * (new[i, a] - old[i, a])
+        for g in range(len(w)):
+            w[g] = begun[g] + share * (moved[g] - begun[g])
+        for i in range(len(r)):
+            same = same and _state(rows, r, w, i, work.z[i]) == state[i]
+        share *= 2
 
 
 @lean

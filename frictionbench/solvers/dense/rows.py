@@ -87,22 +87,6 @@ def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no
 
 
 @part
-def softened(rows, anchor, rho):  # type: ignore[no-untyped-def]
-    """The rows of u + rho s (r - anchor) in place of u, s the scale; its scale is that of both terms."""
-    V, block, q, rest = rows.V.copy(), rows.block.copy(), rows.q.copy(), rows.rest.copy()
-    for i in range(len(q)):
-        for a in range(3):
-            stiffness, g = rho * rows.scale[i], rows.row[i, a]
-            block[i, a, a] += stiffness
-            q[i, a] -= stiffness * anchor[i, a]
-            if g >= 0:
-                V[g, g] += stiffness
-                rest[g] -= stiffness * anchor[i, a]
-    law = rows.friction, rows.friction_bias
-    return DenseRows(V, rows.row, block, q, rest, rows.locked, (1 + rho) * rows.scale, rows.units, law[0], law[1])
-
-
-@part
 def _without_joints(start, column, J, m_start, m_column, m_value, mu, b_f):  # type: ignore[no-untyped-def]
     """J M^-1 J' over the rows that matter, these rows' numbers, and the diagonal (nc, 3) of all.
 
