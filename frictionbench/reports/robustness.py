@@ -10,7 +10,9 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.run import Run
-from frictionbench.results.maps import Map, at_grid_points, failed_rows, maps_of
+from frictionbench.results.maps import Map, at_grid_points, maps_of
+
+EXACT = ("coulomb", "lcp")  # models
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +60,13 @@ def robustness(maps: list[MapCells]) -> pd.DataFrame:
 
 
 def failures(maps: list[MapCells]) -> pd.DataFrame:
-    """The cells of exact methods on maps of first problems that are not solved where a solution is known; map: its name."""
-    parts = [failed_rows(cells.rows).assign(map=cells.spec.name) for cells in maps if not cells.spec.steps]
-    return pd.concat(parts) if parts else pd.DataFrame(columns=["map", "label", "key"])
+    """The cells of exact methods on maps of first problems that are not solved where a solution is known, those of the smallest
+    problems of each map first; map: its name."""
+    parts = [cells.rows.assign(map=cells.spec.name) for cells in maps if not cells.spec.steps]
+    if not parts:
+        return pd.DataFrame(columns=["map", "label", "key"])
+    rows = pd.concat([part.sort_values(["contacts", "i", "j"], kind="stable") for part in parts])
+    return rows[rows["known"] & rows["model"].isin(EXACT) & ~rows["verdict"].isin([Verdict.SOLVED, Verdict.SKIPPED])]
 
 
 def smallest(failed: pd.DataFrame) -> pd.DataFrame:

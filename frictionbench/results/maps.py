@@ -40,7 +40,6 @@ UNITS = {
 }
 MOST_LEVELS, MOST_POINTS = 8, 10**6  # of the refined grid: far above those of any suite
 THEORY = ("gaps", "pointed")  # reasons of existence that also hold for the same problem with fewer contacts
-EXACT = ("coulomb", "lcp")  # models
 DIGITS = 6  # significant digits of a parameter's value: few enough to be the same on every machine and short in a table
 
 
@@ -164,12 +163,3 @@ def at_grid_points(rows: "pd.DataFrame", spec: Map) -> "pd.DataFrame":
     if spec.steps:
         return rows.assign(known=solved)
     return rows.assign(known=rows["existence"].isin([*THEORY, "counted"]) | (solved & (rows["existence"] != "none")))
-
-
-def failed_rows(rows: "pd.DataFrame") -> "pd.DataFrame":
-    """The rows of exact methods that are not solved where a solution is known, those of the smallest problems first.
-
-    rows: of a map of first problems, see `at_grid_points`.
-    """
-    wanted = rows["known"] & rows["model"].isin(EXACT) & ~rows["verdict"].isin([Verdict.SOLVED, Verdict.SKIPPED])
-    return rows[wanted].sort_values(["contacts", "i", "j"], kind="stable")

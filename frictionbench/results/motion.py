@@ -8,22 +8,25 @@ forces, the work of the hinges, and the remainder: the error of the time-steppin
 """
 
 import json
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import asdict
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BeforeValidator, ConfigDict
+from pydantic.dataclasses import dataclass
 
 from frictionbench.results.conventions import scene_title
-from frictionbench.results.files import ResultsError
+from frictionbench.results.files import parsed
 
-Array = NDArray[np.float64]
+Array = Annotated[NDArray[np.float64], BeforeValidator(lambda values: np.array(values, dtype=float))]
+ARRAYS = ConfigDict(arbitrary_types_allowed=True)
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
 SHOWN = 3  # digits of a parameter in a title
 DIGITS = 12  # significant digits of what is encoded: a defect is the small difference of large energies
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, config=ARRAYS)
 class Outline:
     """A shape to draw. body: the body in whose frame the corners (k, d) are given, -1 for the fixed ground.
 
@@ -38,7 +41,7 @@ class Outline:
     endless: bool
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, config=ARRAYS)
 class Motion:
     """parameters: of the scene, all; changed: those that are not its defaults.
     times: (n,), s. poses: (n, nb, 3), x, y and angle; in space (n, nb, 7), x, y, z and a quaternion, w first.
@@ -72,6 +75,24 @@ class Motion:
     normal: Array
     joints: Array
     residual: Array
+
+    def __post_init__(self) -> None:
+        if self.poses.ndim != 3 or len(self.poses) == 0 or self.poses.shape[2] not in (3, 7):
+            raise ValueError(f"poses: expected (n, nb, 3) or (n, nb, 7), got {self.poses.shape}")
+        n, bodies = self.poses.shape[:2]
+        lengths = {name: getattr(self, name).shape for name in CURVES} | {"contacts": (len(self.contacts),)}
+        if wrong := [name for name, shape in lengths.items() if shape != (n,)]:
+            raise ValueError(f"{', '.join(wrong)}: expected one value for each of {n} frames")
+        # Lists without entries have no columns.
+        vars(self)["contacts"] = tuple(each.reshape(-1, 3 * self.dimension) for each in self.contacts)
+        vars(self)["hinges"] = self.hinges.reshape(-1, 3)
+        owners = [outline.body for outline in self.outlines] + self.hinges[:, 0].tolist()
+        if not all(-1 <= owner < bodies for owner in owners):
+            raise ValueError("outlines: the index of a body is out of range")
+        arrays = (self.poses, self.hinges, *self.contacts, *(outline.corners for outline in self.outlines))
+        curves = (getattr(self, name) for name in CURVES if name != "residual")
+        if not all(np.isfinite(array).all() for array in (*arrays, *curves)):
+            raise ValueError("a number is not finite")
 
     @property
     def dimension(self) -> int:
@@ -107,40 +128,4 @@ def plain(value: Any, digits: int) -> Any:
 
 def decoded(found: Any, origin: str) -> Motion:
     """The motion that was encoded. Errors: ResultsError naming the origin of what is not a recorded motion."""
-    try:
-        fields: dict[str, Any] = {name: str(found[name]) for name in ("scene", "solver", "scheme", "ended")}
-        fields |= {name: float(found[name]) for name in ("step", "coefficient", "restitution")}
-        fields |= {name: np.array(found[name], dtype=float) for name in ("poses", *CURVES)}
-        fields |= {name: dict(found[name]) for name in ("parameters", "changed")}
-        fields["hinges"] = _numbers(found["hinges"], 3)
-        d = 3 if fields["poses"].shape[-1] == 7 else 2
-        fields["contacts"] = tuple(_numbers(contacts, 3 * d) for contacts in found["contacts"])
-        fields["outlines"] = tuple(
-            Outline(int(o["body"]), _numbers(o["corners"], d), float(o["radius"]), bool(o["endless"]))
-            for o in found["outlines"]
-        )
-        motion = Motion(**fields)
-        _check(motion)
-    except (ValueError, TypeError, LookupError, AttributeError, OverflowError) as error:
-        raise ResultsError(f"{origin}: not a recorded motion ({type(error).__name__}: {error})") from None
-    return motion
-
-
-def _numbers(rows: Any, columns: int) -> Array:
-    return np.array(rows, dtype=float).reshape(-1, columns)
-
-
-def _check(motion: Motion) -> None:
-    if motion.poses.ndim != 3 or len(motion.poses) == 0 or motion.poses.shape[2] not in (3, 7):
-        raise ValueError(f"poses: expected (n, nb, 3) or (n, nb, 7), got {motion.poses.shape}")
-    n, bodies = motion.poses.shape[:2]
-    lengths = {name: getattr(motion, name).shape for name in CURVES} | {"contacts": (len(motion.contacts),)}
-    if wrong := [name for name, shape in lengths.items() if shape != (n,)]:
-        raise ValueError(f"{', '.join(wrong)}: expected one value for each of {n} frames")
-    owners = [outline.body for outline in motion.outlines] + motion.hinges[:, 0].tolist()
-    if not all(-1 <= owner < bodies for owner in owners):
-        raise ValueError("outlines: the index of a body is out of range")
-    arrays = (motion.poses, motion.hinges, *motion.contacts, *(outline.corners for outline in motion.outlines))
-    curves = (getattr(motion, name) for name in CURVES if name != "residual")
-    if not all(np.isfinite(array).all() for array in (*arrays, *curves)):
-        raise ValueError("a number is not finite")
+    return parsed(found, Motion, origin)

@@ -123,7 +123,7 @@ def test_invalid_motions_are_refused() -> None:
     bad = [{"times": [0.0]}, {"poses": [[1.0]]}, {"energy": [0, 0, float("nan")]}, {"outlines": [{}]}]
     bad += [{"contacts": [[1], [], []]}, {"parameters": 3}, {"hinges": [[7, 0, 0]]}]
     for found in ([], {}, *(good | change for change in bad)):
-        with pytest.raises(ResultsError, match="worker: not a recorded motion"):
+        with pytest.raises(ResultsError, match="worker: cannot be read"):
             decoded(found, "worker")
 
 
