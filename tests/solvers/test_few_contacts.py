@@ -69,3 +69,13 @@ def test_islands_of_unlike_speeds_are_solved_together() -> None:
     answer = fb.solve(problem, "hybrid")
     assert answer.work["members"] == 1
     assert fb.residual(problem, answer.impulse) <= 1e-8
+
+
+@pytest.mark.parametrize("case", ["dog-settle-244", "fetch_slide-hit-014", "hand_block-grasp-409", "rodent-fall-124"])
+def test_redundant_contacts_of_robots_are_solved_by_careful_steps(case: str) -> None:
+    """Full steps alone go round in circles among active sets."""
+    problem = fb.problem("robot_step", case=case)
+    answer = fb.solve(problem, "hybrid")
+    assert answer.work["members"] == 1
+    assert answer.work["newton steps"] > 6
+    assert fb.residual(problem, answer.impulse) <= 1e-8
