@@ -22,6 +22,7 @@ from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, times
 
+UNTIMED = "they are of other processes, elsewhere. `--confirm --code` runs both versions alternately on this machine"
 SHOWN = 5  # names in a note
 ROUNDED = 1 + 1e-5  # limits in a baseline have six digits
 HALF, FLAKY = 0.5, 0.25  # shares of the repeats above which a change stands; FLAKY for verdicts that no busy machine causes
@@ -94,23 +95,9 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         old, new = read(baseline, limits.rank_by), read(current, limits.rank_by)
     except ResultsError as error:
         return Comparison(baseline, current, unusable=str(error))
-    for side in (old, new):
-        if not side.finished:
-            return Comparison(
-                baseline, current, unusable=f"{side.path}: the run is not finished; run the same command again to resume it"
-            )
-    for name in ("suite", "tolerances"):
-        if getattr(old, name) != getattr(new, name):
-            return Comparison(baseline, current, unusable=f"the runs differ in their {name}")
+    if unusable := _unusable(old, new):
+        return Comparison(baseline, current, unusable=unusable)
     common = old.measured.index.intersection(new.measured.index)
-    if common.empty:
-        return Comparison(baseline, current, unusable="no cell was measured in both runs")
-    before, after = (side.table["limit"].loc[common] for side in (old, new))
-    if (longer := after > ROUNDED * before).any():
-        told = f"{after[longer].iloc[0]:g} s in place of {before[longer].iloc[0]:g} s"
-        return Comparison(
-            baseline, current, unusable=f"{current}: has a longer time limit, {told}, which a slower solver needs"
-        )
     alike = bool(old.machine) and old.machine == new.machine
     found, timeouts = _differences(old.table, new.table, alike, limits)
     timed = times([(old.table, new.table)], limits.slowdown) if alike and limits.times else []
@@ -122,15 +109,25 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         **found,
         times=tuple(timed),
         notes=tuple(_notes(old, new, timeouts)),
-        untimed="" if alike or not limits.times else _untimed(old),
+        untimed="" if alike or not limits.times else UNTIMED,
         sources=new.sources,
     )
 
 
-def _untimed(old: Cells) -> str:
-    of_file = "those of a baseline file are of one process, elsewhere"
-    why = "they were measured on different machines" if old.machine else of_file
-    return f"{why}. `--confirm --code` runs both versions alternately on this machine"
+def _unusable(old: Cells, new: Cells) -> str:
+    """Why the runs cannot be compared, or nothing."""
+    for side in (old, new):
+        if not side.finished:
+            return f"{side.path}: the run is not finished; run the same command again to resume it"
+    for name in ("suite", "tolerances"):
+        if getattr(old, name) != getattr(new, name):
+            return f"the runs differ in their {name}"
+    limits = pd.concat([side.measured["limit"] for side in (old, new)], axis=1, join="inner", keys=["before", "after"])
+    if limits.empty:
+        return "no cell was measured in both runs"
+    before, after = limits.iloc[(limits["after"] / limits["before"]).argmax()]
+    longer = f"{new.path}: has a longer time limit, {after:g} s in place of {before:g} s, which a slower solver needs"
+    return longer if after > ROUNDED * before else ""
 
 
 def _differences(
