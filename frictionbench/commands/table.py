@@ -17,21 +17,22 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], width: int | N
     """The lines of a table; empty columns are left out.
 
     spare: the names of columns to leave out as well, in this order, while the table is wider than the width; a line says so.
+    Where it remains wider, each row is a paragraph of its cells, each after the name of its column.
     """
     widths = {
         i: max(map(len, (name, *(row[i] for row in rows)))) for i, name in enumerate(header) if any(row[i] for row in rows)
     }
-    cut = []
-    for name in spare:
-        if width is not None and sum(widths.values()) + 2 * (len(widths) - 1) > width:
-            cut += [name] if widths.pop(list(header).index(name), None) else []
-    told = (
-        paragraph(f"not shown on {width} columns: {', '.join(cut)}; a wider terminal or a file has all", width, "")
-        if cut
-        else []
-    )
+
+    def fits() -> bool:
+        return width is None or sum(widths.values()) + 2 * (len(widths) - 1) <= width
+
+    cut = [name for name in spare if not fits() and widths.pop(list(header).index(name), 0)]
+    if not fits():
+        texts = (", ".join(f"{name} {cell}".strip() for name, cell in zip(header, row, strict=True) if cell) for row in rows)
+        return [line for text in texts for line in paragraph(text, width, "")]
     lines = ["  ".join(line[i].ljust(column_width) for i, column_width in widths.items()).rstrip() for line in (header, *rows)]
-    return [*lines, *told]
+    left_out = f"not shown on {width} columns: {', '.join(cut)}; a wider terminal or a file has all"
+    return [*lines, *(paragraph(left_out, width, "") if cut else [])]
 
 
 def paragraph(text: str, width: int | None, indent: str = "    ") -> list[str]:

@@ -24,7 +24,6 @@ ROUNDING = 1e-9  # of the largest component of a net impulse: smaller ones are s
 MOST_VELOCITIES = 12  # whose net impulses are shown: those of two free bodies in space
 DRAWN = 6  # of them with a picture of their forces
 COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7")
-SIZE = (4.2, 2.6)  # inches
 LEAST = 1e-12  # m/s: where smaller violations are drawn
 
 
@@ -47,10 +46,10 @@ def write_judgement(folder: Path) -> Path:
             (one, {variant: own.reindex([one.problem]).iloc[0].to_dict() for variant, own in solved.items()}) for one in bad
         ],
         panels=[
-            Panel("residual of each step", partial(_residuals, found=found.touching, solved=solved), size=SIZE),
-            Panel("violation of each law, m/s", partial(_violations, found=found.touching), size=SIZE),
+            Panel("residual of each step", partial(_residuals, found=found.touching, solved=solved)),
+            Panel("violation of each law, m/s", partial(_violations, found=found.touching)),
         ],
-        forces=[Panel(one.file, partial(_forces, one=one), size=(3.2, 2.4)) for one in bad[:DRAWN] if one.forces],
+        forces=[Panel(one.file, partial(_forces, one=one)) for one in bad[:DRAWN] if one.forces],
     )
     path = folder / "judgement.html"
     write_text(path, text)
@@ -70,11 +69,11 @@ def _shown(net: list[float]) -> dict[str, object]:
 def _residuals(ax: Axes, found: list[Judgement], solved: dict[str, pd.DataFrame]) -> None:
     """The engine's residuals step by step, and those of the solvers."""
     at = np.arange(1, len(found) + 1)
-    ax.plot(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, lw=1.0, label="the engine")
+    ax.plot(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, marker=".", label="the engine")
     names = [one.problem for one in found]
     for k, (variant, own) in enumerate(solved.items()):
         by_problem = own["residual"].reindex(names).to_numpy(float)
-        ax.plot(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % 4], lw=0.9, label=plain(variant))
+        ax.plot(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % 4], marker=".", label=plain(variant))
     residual_axis(ax)
     ax.set_ylim(ZERO / 3, WORST * 3)
     _steps(ax, "verified residual")
@@ -85,7 +84,7 @@ def _violations(ax: Axes, found: list[Judgement]) -> None:
     for colour, law in zip(COLOURS, LAWS, strict=True):
         values = np.array([getattr(one, law) for one in found])
         if values.any():
-            ax.plot(at, np.clip(values, LEAST, None), color=colour, lw=0.9, label=law)
+            ax.plot(at, np.clip(values, LEAST, None), color=colour, marker=".", label=law)
     log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(2, -13, -2)})
     ax.set_ylim(LEAST / 3, None)
     _steps(ax, "m/s")
@@ -93,7 +92,7 @@ def _violations(ax: Axes, found: list[Judgement]) -> None:
 
 def _steps(ax: Axes, measured: str) -> None:
     """Axes and legend of what is measured step by step."""
-    ax.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+    ax.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     name_axes(ax, "step with contacts", measured, grid="y")
     if ax.get_legend_handles_labels()[0]:
         ax.legend()

@@ -19,7 +19,7 @@ from frictionbench.reports.animation import write_animation
 from frictionbench.results.files import ResultsError
 from frictionbench.results.motion import decoded, encoded
 from frictionbench.solvers import available, solve
-from tests.helpers.browser import browse, in_browser
+from tests.helpers.browser import browse, faults, in_browser
 from tests.helpers.page import Page, digest, with_more_script
 from tests.helpers.paths import BAD_SOLVERS
 
@@ -199,6 +199,7 @@ setTimeout(() => {
 @in_browser
 def test_page_controls(tmp_path) -> None:
     page = write_animation(record_motion(scene("three_blocks"), "lemke", steps=100), tmp_path / "page.html")
+    assert faults(page) == []
     with_more_script(page, HANDS)
     (opening,) = re.findall(r"<html[^>]*>", browse(page, "--dump-dom", "--virtual-time-budget=10000", anchor="frame=0"))
     assert "data-error" not in opening

@@ -15,6 +15,7 @@ from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
 from frictionbench.results.judgement import NAME, Judged, percentiles, read_judgements
 from frictionbench.results.store import read_table
+from tests.helpers.browser import faults, in_browser
 from tests.helpers.command_line import frictionbench
 from tests.helpers.runs import quiet
 
@@ -134,3 +135,8 @@ def test_hyperstatic_contacts_are_marked(tmp_path) -> None:
     assert difference < 1e-6
     assert nets == pytest.approx([-0.05, 2 * 9.81 * STEP] * 2)
     assert "In 1 of 1 the forces of single contacts are not determined (hyperstatic)" in Judged([one], pd.DataFrame()).forces
+
+
+@in_browser
+def test_page_looks(folder) -> None:
+    assert faults(write_judgement(folder)) == []

@@ -27,6 +27,7 @@ from frictionbench.reports.run import read_run
 from frictionbench.results import store
 from frictionbench.results.maps import Axis, Map
 from frictionbench.solvers import find
+from tests.helpers.browser import faults, in_browser
 from tests.helpers.command_line import frictionbench
 from tests.helpers.runs import quiet
 
@@ -197,3 +198,8 @@ def test_first_steps_are_not_divergence() -> None:
     cell = SimulationCell("bowl", {"step": 1e-4}, "lemke", 1e-8, "stewart_trinkle", steps=3)
     row = run_closed_loop(cell, scene("bowl", step=1e-4), *find("lemke"))
     assert (row["verdict"], row["reason"], row["steps_done"]) == ("solved", "", 3)
+
+
+@in_browser
+def test_page_looks(atlas) -> None:
+    assert faults(atlas / "report.html") == []

@@ -1,5 +1,5 @@
 
-// Appended to a page's own script by tests/reports/test_page_looks.py: what overlaps, sticks out, was asked for or went wrong.
+// Run on a page by tests/helpers/browser.py: what overlaps, sticks out, was asked for, went wrong, or hinders (axe-core).
 const faults = [];
 addEventListener("error", (event) => faults.push(`error: ${event.message}`));
 for (const one of document.querySelectorAll("details")) one.open = true;
@@ -31,4 +31,9 @@ if (root.scrollWidth > root.clientWidth) faults.push(`the page is ${root.scrollW
 for (const entry of performance.getEntriesByType("resource")) faults.push(`asked for ${entry.name}`);
 const dark = matchMedia("(prefers-color-scheme: dark)").matches;
 const drawn = document.querySelectorAll("figure svg").length;
-parent.postMessage(JSON.stringify({ width: root.clientWidth, dark, drawn, faults }), "*");
+axe.run(document, { resultTypes: ["violations"] }).then(({ violations }) => {
+  for (const { id, impact, nodes } of violations) {
+    if (impact !== "minor") faults.push(`${id}: ${nodes.slice(0, 3).map((node) => node.html.slice(0, 200))}`);
+  }
+  parent.postMessage(JSON.stringify({ width: root.clientWidth, dark, drawn, faults }), "*");
+});

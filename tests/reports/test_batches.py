@@ -6,6 +6,8 @@ import pytest
 from typer.testing import CliRunner
 
 from frictionbench.commands.cli import app
+from frictionbench.reports.batches import write_batches
+from tests.helpers.browser import faults, in_browser
 from tests.helpers.made_results import SETTINGS, batch_row, write_folder
 
 
@@ -31,3 +33,8 @@ def test_the_page_shows_rates_and_what_is_refused(folder: Path) -> None:
 def test_it_has_no_figures(option: str, folder: Path) -> None:
     done = CliRunner().invoke(app, ["report", str(folder), option])
     assert str(done.exception).startswith(f"{option[2:]}: ")
+
+
+@in_browser
+def test_page_looks(folder: Path) -> None:
+    assert faults(write_batches(folder)) == []

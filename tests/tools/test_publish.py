@@ -8,8 +8,9 @@ import pytest
 from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded.own import save
 from frictionbench.results.files import ResultsError
-from tests.helpers.browser import browse, in_browser
+from tests.helpers.browser import browse, faults, in_browser
 from tests.helpers.made_results import solve_row, write_folder
+from tests.helpers.paths import ROOT
 from tools.publish.__main__ import publish
 from tools.publish.summary import read
 
@@ -62,6 +63,13 @@ def test_site_of_summaries_alone(site: Path, tmp_path: Path) -> None:
 def test_history_filters_and_sorts(site: Path, tmp_path: Path) -> None:
     shown = browse(site, "--dump-dom")
     assert '<option value="lemke">lemke</option>' in shown
+
+
+@in_browser
+def test_pages_look(tmp_path: Path) -> None:
+    (index,) = publish([ROOT / "results/published"], tmp_path / "site", None)
+    for page in [index, *sorted(index.parent.glob("standard-*.html"))]:
+        assert faults(page) == [], page.name
 
 
 def test_damaged_folders_are_refused(tmp_path: Path) -> None:

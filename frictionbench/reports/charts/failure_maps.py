@@ -60,8 +60,9 @@ def verdicts(run: Run) -> list[Drawing]:
         fields = _verdicts(cells)
         shown = {label: field for label, field in fields.items() if any(tile.colour != field.ground for tile in field.tiles)}
         perfect = ", ".join(label for label in fields if label not in shown)
-        note = f"Every grid point is solved by {perfect}." if perfect else ""
-        drawings.append(_drawing(run, cells, [*_problem(cells), *shown.values()], note, VERDICT | SOLUTIONS))
+        problem, note = _problem(cells)
+        note += f"Every grid point is solved by {perfect}." if perfect else ""
+        drawings.append(_drawing(run, cells, [*problem, *shown.values()], note, VERDICT | SOLUTIONS))
     return drawings
 
 
@@ -146,14 +147,17 @@ def _verdicts(cells: MapCells) -> dict[str, Field]:
     return fields
 
 
-def _problem(cells: MapCells) -> list[Field]:
-    """The properties of the problem that change over the map."""
+def _problem(cells: MapCells) -> tuple[list[Field], str]:
+    """The properties of the problem that change over the map, and a note where the number of its solutions does not."""
     rows = cells.problems
     if cells.spec.steps:
-        return []
-    fields = [_field("solutions", rows, rows.apply(_solutions, axis=1).map(SOLUTIONS))]
+        return [], ""
+    solutions = rows.apply(_solutions, axis=1)
     scales = (("sensitivity", "sensitivity"), ("next mode", "mode_distance"), ("condition", "condition"))
-    return fields + [_scale(title, rows, rows[name]) for title, name in scales if rows[name].max() > 1.01 * rows[name].min()]
+    fields = [_scale(title, rows, rows[name]) for title, name in scales if rows[name].max() > 1.01 * rows[name].min()]
+    if len(different := set(solutions)) == 1:
+        return fields, f"Solutions at every grid point: {different.pop()}. "
+    return [_field("solutions", rows, solutions.map(SOLUTIONS)), *fields], ""
 
 
 def _solutions(row: "pd.Series[Any]") -> str:
@@ -173,7 +177,7 @@ def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Call
     share = (np.log(size.clip(lower=low)) - np.log(low)) / max(np.log(high / low), 1e-9)
     shades = [to_hex(colormaps["viridis"](k / SHADES)) for k in range(SHADES + 1)]
     colours = share.map(lambda x: WORST if x > 1 + 1e-9 else "" if np.isnan(x) else shades[round(x * SHADES)])
-    return _field(f"{title} {write(low)} .. {write(high)}".strip(), rows, colours)
+    return _field(f"{title} {write(low)} .. {write(high)}".strip(), rows, colours)._replace(scale=shades)
 
 
 def _type(mode: object) -> str | None:
@@ -238,12 +242,12 @@ VERDICTS = Chart(
     name="map",
     panels=verdicts,
     section="maps",
-    caption="One map per scene. The first panels show the problem itself: the number of its solutions, its sensitivity to a "
-    "small change of the data, the distance of the solution to a change of mode, and its condition. Then follows a panel for "
-    "each solver that fails somewhere, with the share solved of the grid points where a solution is known. Small tiles "
-    "are refinements between neighbours with different verdicts. Dots are analytical thresholds, traced from the mechanics "
-    "without a solver. Hover over a failure to read its reason; click a tile for its problem "
-    "and the commands that solve and show it.",
+    caption="One map per scene. The first panels show the problem itself, as far as it changes: the number of its solutions, "
+    "its sensitivity to a small change of the data, the distance of the solution to a change of mode, and its condition. Then "
+    "follows a panel for each solver that fails somewhere, with the share solved of the grid points where a solution is known. "
+    "Small tiles are refinements between neighbours with different verdicts. Dots are analytical thresholds, traced from the "
+    "mechanics without a solver. Hover over a failure to read its reason; click a tile for its problem and the commands that "
+    "solve and show it.",
 )
 TYPES = Chart(
     name="map_types",

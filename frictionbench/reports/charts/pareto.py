@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from frictionbench.problems.verdicts import measured
 from frictionbench.reports.accuracy import OVERALL, quantile, shifted_geometric_mean, weights
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.drawing.figures import WHOLE, Panel
+from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK, WORST, ZERO, Look, name_axes, residual_axis, time_axis
 from frictionbench.reports.run import Run
 
@@ -28,7 +28,7 @@ def panels(run: Run) -> list[Panel]:
     """A panel for the plane and one for space, if some solver ran on all problems."""
     found = {where: means(run.ranked[run.ranked["dimension"] == dimension]) for dimension, where in OVERALL.items()}
     draw = partial(_draw, looks=run.looks, across=f"time ({run.rank_by.parts}), mean")
-    return [Panel(where, partial(draw, points=points), size=WHOLE) for where, points in found.items() if len(points)]
+    return [Panel(where, partial(draw, points=points)) for where, points in found.items() if len(points)]
 
 
 def means(rows: pd.DataFrame) -> pd.DataFrame:

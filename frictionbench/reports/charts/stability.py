@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.drawing.figures import WHOLE, Panel
+from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK, WORST, ZERO, Look, log_ticks, name_axes, residual_axis
 from frictionbench.reports.run import Run
 
@@ -28,7 +28,7 @@ def panels(run: Run) -> list[Panel]:
     rows = rows[rows["answered"] & rows["sensitivity"].notna() & rows["backward_error"].notna()]
     if rows.empty:
         return []
-    return [Panel("all problems", partial(_draw, rows=rows, looks=run.looks), size=WHOLE)]
+    return [Panel("all problems", partial(_draw, rows=rows, looks=run.looks))]
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:

@@ -11,13 +11,11 @@ from frictionbench.reports.drawing.style import INK, Look, name_axes, time_axis
 from frictionbench.reports.recorded import step_times
 from frictionbench.reports.run import Run
 
-SIZE = (4.2, 2.4)  # inches
-
 
 def panels(run: Run) -> list[Panel]:
     """A panel per motion, see reports.recorded."""
     draw = partial(_draw, looks=run.looks, budget=run.budget)
-    return [Panel(title, partial(draw, times=times), size=SIZE) for title, times in step_times(run)]
+    return [Panel(title, partial(draw, times=times)) for title, times in step_times(run)]
 
 
 def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look], budget: float | None) -> None:

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from frictionbench.reports.drawing.style import INK, ON_PAGE, RC, Look
 
 PANEL = (3.9, 2.9)  # inches
-WHOLE = (4.2, 2.75)  # inches, of a chart with one panel
 IMAGE = 200  # dots per inch of rasterised parts, twice the resolution of usual screens
 
 
@@ -21,13 +20,12 @@ IMAGE = 200  # dots per inch of rasterised parts, twice the resolution of usual 
 class Panel:
     """One drawing on one pair of axes.
 
-    dots: tooltips of the dots of each tag, in the order drawn. notes: text per label, shown below the panel. size: inches.
+    dots: tooltips of the dots of each tag, in the order drawn. notes: text per label, shown below the panel.
     """
 
     title: str
     draw: Callable[[Axes], object]
     dots: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    size: tuple[float, float] = PANEL
     notes: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -38,7 +36,7 @@ def inline_svg(panel: Panel) -> str:
     and data-dots.
     """
     with mpl.rc_context(RC | ON_PAGE):
-        figure = Figure(figsize=panel.size, layout="constrained")
+        figure = Figure(figsize=PANEL, layout="constrained")
         panel.draw(figure.subplots())
         return _element(figure, f'role="img" aria-label="{escape(panel.title)}"')
 

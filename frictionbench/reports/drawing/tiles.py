@@ -14,7 +14,9 @@ from typing import NamedTuple
 
 from markupsafe import Markup, escape
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -23,6 +25,7 @@ from frictionbench.reports.drawing.text import plain
 
 WIDTH, HEIGHT = 158.0, 142.0
 LEFT, TOP, ACROSS, UP = 30.0, 22.0, 120.0, 96.0  # of the field of tiles
+BAR = 153.0  # left end of the scale of colours, which is as high as the field
 LETTERS = 7.2  # font size
 LONGEST = 38  # letters of a title; a longer one is cut
 FEW = 6  # panels of a map that are drawn large
@@ -60,11 +63,13 @@ class Grid(NamedTuple):
 
 
 class Field(NamedTuple):
-    """One panel. ground: the colour of the field, so that its whole tiles can be left out."""
+    """One panel. ground: the colour of the field, so that its whole tiles can be left out. scale: the colours of a scale, the
+    lowest first; the title names both its ends."""
 
     title: str
     tiles: Sequence[Tile]
     ground: str = ""
+    scale: Sequence[str] = ()
 
 
 class Entry(NamedTuple):
@@ -112,6 +117,8 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
     for axis, place, name in ((grid.x, ax.set_xticks, ax.set_xlabel), (grid.y, ax.set_yticks, ax.set_ylabel)):
         place([line for line, _ in axis.ticks], [text for _, text in axis.ticks])
         name(plain(axis.name, LONGEST))
+    if field.scale:
+        ax.figure.colorbar(ScalarMappable(cmap=ListedColormap(field.scale)), ax=ax, ticks=[])
 
 
 def on_page(drawing: Drawing) -> Markup:
@@ -142,6 +149,9 @@ def markup(field: Field, grid: Grid) -> str:
     for size, (colour, points) in zip(cycle(DOTS), grid.points.items(), strict=False):
         places = "".join(f"M{LEFT + (i + 0.5) * across:.1f} {bottom - (j + 0.5) * up:.1f}h0" for i, j in points)
         parts.append(f'<path d="{places}" stroke-linecap="round" stroke="{colour}" stroke-width="{size}"/>')
+    shade = UP / max(len(field.scale), 1)
+    bar = ((bottom - (k + 1) * shade, colour) for k, colour in enumerate(field.scale))
+    parts += [f'<rect x="{BAR:g}" y="{y:.5g}" width="4" height="{shade:.5g}" fill="{colour}"/>' for y, colour in bar]
     ticks = []
     for i, text in grid.x.ticks:
         x = LEFT + (i + 0.5) * across

@@ -70,8 +70,8 @@ for (const table of document.querySelectorAll(".wide > table")) {
       for (let k = 0; k < head.colSpan; k++, column++) heads[column] = [heads[column], head.textContent.trim()].filter(Boolean).join(", ");
     }
   }
-  if (heads.length > 4) table.classList.add("several");
-  if (heads.length > 12) table.classList.add("many");
+  if (heads.length > 3) table.classList.add("several");
+  if (heads.length > 10) table.classList.add("many");
   for (const row of table.rows) {
     let column = 0;
     for (const cell of row.cells) {
