@@ -5,6 +5,10 @@ import sys
 import textwrap
 from collections.abc import Iterable, Sequence
 
+from rich.console import Console
+from rich.table import Column, Table
+from rich.text import Text
+
 WIDEST = 110  # characters of a line of a paragraph: longer ones are hard to read
 
 
@@ -17,20 +21,20 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], width: int | N
     """The lines of a table; empty columns are left out.
 
     spare: the names of columns to leave out as well, in this order, while the table is wider than the width; a line says so.
-    Where it remains wider, each row is a paragraph of its cells, each after the name of its column.
+    Where that does not suffice, the longest cells are continued on further lines.
     """
     widths = {
         i: max(map(len, (name, *(row[i] for row in rows)))) for i, name in enumerate(header) if any(row[i] for row in rows)
     }
-
-    def fits() -> bool:
-        return width is None or sum(widths.values()) + 2 * (len(widths) - 1) <= width
-
-    cut = [name for name in spare if not fits() and widths.pop(list(header).index(name), 0)]
-    if not fits():
-        texts = (", ".join(f"{name} {cell}".strip() for name, cell in zip(header, row, strict=True) if cell) for row in rows)
-        return [line for text in texts for line in paragraph(text, width, "")]
-    lines = ["  ".join(line[i].ljust(column_width) for i, column_width in widths.items()).rstrip() for line in (header, *rows)]
+    cut = []
+    for name in spare:
+        if width is not None and sum(widths.values()) + 2 * (len(widths) - 1) > width:
+            cut += [name] if widths.pop(list(header).index(name), None) else []
+    table = Table(*(Column(header[i], overflow="fold") for i in widths), box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for row in rows:
+        table.add_row(*(Text(row[i]) for i in widths))
+    wide = Console(width=width or 10**4, no_color=True)
+    lines = ["".join(part.text for part in line).rstrip() for line in wide.render_lines(table, pad=False)]
     left_out = f"not shown on {width} columns: {', '.join(cut)}; a wider terminal or a file has all"
     return [*lines, *(paragraph(left_out, width, "") if cut else [])]
 

@@ -43,7 +43,6 @@ def environment(*folders: Path) -> Environment:
     )
     made.filters |= {
         "seconds3": lambda value: "–" if _absent(value) else "∞" if math.isinf(value) else seconds(value, 3),
-        "decade": lambda exponent: "1 to 10" if exponent == 1 else f"{10 ** (exponent - 1) + 1} to {10**exponent}",
         "seconds": lambda value: "–" if _absent(value) else seconds(value),
         "residual": lambda value: "–" if _absent(value) else residual(value),
         "digits": lambda value: "–" if _absent(value) else residual(value, 1),
