@@ -32,12 +32,12 @@ def browse(page: Path, *wanted: str, anchor: str = "") -> str:
     return done.stdout
 
 
-def audited(page: Path) -> list[dict]:
-    """What page_audit.js and axe-core find on a page in each of the FRAMES, light and dark."""
+def audited(page: Path, accessible: bool = True) -> list[dict]:
+    """What page_audit.js finds on a page in each of the FRAMES, light and dark; and axe-core, unless told otherwise."""
     axe = Path(pytest.importorskip("axe_core_python").__file__).with_name("axe.min.js").read_text(encoding="utf-8")
-    audit = f"<script>{axe}</script><script>{(HELPERS / 'page_audit.js').read_text(encoding='utf-8')}</script></body>"
+    audit = (HELPERS / "page_audit.js").read_text(encoding="utf-8")
     text = re.sub('<meta http-equiv="Content-Security-Policy"[^>]*>', "", page.read_text(encoding="utf-8"))
-    seen = text.replace("</body>", audit)
+    seen = text.replace("</body>", f"<script>{axe if accessible else ''}</script><script>{audit}</script></body>")
     page.with_name("seen.html").write_text(seen, encoding="utf-8")
     page.with_name("printed.html").write_text(seen.replace("@media print", "@media all"), encoding="utf-8")
     frames = [f'<iframe src="{name}.html" width="{width}" height="900" style="border: 0"></iframe>' for name, width in FRAMES]

@@ -55,7 +55,7 @@ def folder_of(path: Path, solvers: int) -> Path:
 @pytest.mark.parametrize("solvers", [3, 30])
 def test_no_text_overlaps(tmp_path, solvers):
     folder = folder_of(tmp_path, solvers)
-    found = audited(write_report(folder))
+    found = audited(write_report(folder), accessible=solvers == 3)  # axe takes minutes for many
     assert [fault for view in found for fault in view["faults"]] == []
     assert {view["dark"] for view in found} == {False, True}
     run = read_run(folder)
