@@ -217,11 +217,11 @@ def follow(
     budget: int,
     until: float,
 ) -> tuple[int, bool]:
-    """How the path ended, and whether its end is the tableau's: the first path of a small problem, where no false ray."""
+    """How the path ended, and whether its end is the tableau's: the first path of a small problem, unless on a ray."""
     if first and len(problem.q) <= SMALL:
         put(state.v, problem.q)
         code = follow_in_tableau(state, memory.tableau, slack, budget)
-        if code != RAY or certified(state, problem.q, problem.copositive):
+        if code != INACCURATE:
             return code, True
     basic_values(state.basis, state.q, state.x, ACCURACY)
     return follow_lemke_path(state, slack, precision, budget, until), False

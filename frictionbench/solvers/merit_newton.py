@@ -172,7 +172,7 @@ def iterate(M, q, y, descent, eps, smooth):  # type: ignore[no-untyped-def]
         end = _record(descent, k, y, w, phi @ phi / 2, len(q) if smooth else (w < y).sum())
         if end != GOING:
             return end, k
-        A, B = jacobian(M, y, w, smooth)
+        A, B = jacobian(y, w, smooth)
         gradient = A * phi + (B * phi) @ M
         if smooth and np.sqrt(gradient @ gradient) <= STATIONARY * np.sqrt(phi @ phi):
             return STALLED, k
@@ -240,22 +240,17 @@ def equations(y, w, smooth):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def jacobian(M, y, w, smooth):  # type: ignore[no-untyped-def]
+def jacobian(y, w, smooth):  # type: ignore[no-untyped-def]
     """The diagonals A, B (n,) of an element H = A + B M of the generalised Jacobian.
 
-    At a kink of Fischer and Burmeister's function, y_i = w_i = 0, it is the limit of H along y + t e, t -> 0, with e_i = 1 at
-    the kinks and 0 elsewhere.
+    At a kink of Fischer and Burmeister's function, y_i = w_i = 0, it is the limit at y_i = w_i -> 0.
     """
     if not smooth:
         return np.where(w < y, 0.0, 1.0), np.where(w < y, 1.0, 0.0)
     n = len(y)
-    A, B, e = np.empty(n), np.empty(n), np.zeros(n)
+    A, B = np.empty(n), np.empty(n)
     for i in range(n):
-        if y[i] == 0.0 and w[i] == 0.0:
-            e[i] = 1.0
-    slope = M @ e
-    for i in range(n):
-        a, b = (1.0, slope[i]) if e[i] == 1.0 else (y[i], w[i])
+        a, b = (y[i], w[i]) if y[i] != 0.0 or w[i] != 0.0 else (1.0, 1.0)
         s = np.hypot(a, b)
         A[i], B[i] = a / s - 1.0, b / s - 1.0
     return A, B

@@ -109,7 +109,7 @@ class PathSearch:
 
     def setup(self, scaled: ScaledLCP) -> "Prepared":
         n = len(scaled.q)
-        columns, q, unit, order = columns_in_order(scaled.M, scaled.q, scaled.unit, scaled.contacts[0])
+        columns, q, unit, order = in_order(scaled.M, scaled.q, scaled.unit, scaled.contacts[0])
         basis, noise = new_basis(n, room(n, len(columns.column))), perturbations(self.restarts + 1, n)
         return Prepared(scaled, order, columns, basis, q, unit, noise)
 
@@ -150,13 +150,6 @@ class Prepared(NamedTuple):
     q: Array
     unit: Array
     noise: Array
-
-
-@kernel
-def columns_in_order(M, q, unit, nc):  # type: ignore[no-untyped-def]
-    """The columns to choose from, q, the unit and the order: see in_order."""
-    start, row, value, own_q, own_unit, order = in_order(M, q, unit, nc)
-    return Columns(start, row, value, np.zeros(len(q))), own_q, own_unit, order
 
 
 @kernel

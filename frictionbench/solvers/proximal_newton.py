@@ -92,9 +92,6 @@ class ProximalNewton(Phased):
         impulse = anchor * system.impulse
         least = residual(problem, impulse)
         history, factorisations, rho = [least], 0, SOFT if start is None else min(SOFT, least)
-        if least > tol and len(state.joint) and not is_past(work.until):
-            settle_joints(system, state, work)
-            factorisations += 1
         while least > tol and factorisations < limit and not is_past(work.until):
             steps = min(STEPS, limit - factorisations)
             aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0))
@@ -148,8 +145,8 @@ def _pair(system: System, i: int, state: State, anchor: Array, rho: float) -> Ve
 
 
 @lean
-def move(system: System, state: State, work: Work) -> None:
-    """Overwrite u and the joints' drift for the impulses."""
+def equations(system: System, state: State, anchor: Array, rho: float, work: Work) -> float:
+    """Overwrite u, F and the joints' drift for the impulses; |s F|."""
     for k in range(len(work.momentum)):
         work.momentum[k] = 0.0
     for i in range(len(state.r)):
@@ -163,12 +160,6 @@ def move(system: System, state: State, work: Work) -> None:
     read_joints(system.joints, work.vector, state.drift)
     for j in range(len(state.drift)):
         state.drift[j, 0] += system.joint_bias[j]
-
-
-@lean
-def equations(system: System, state: State, anchor: Array, rho: float, work: Work) -> float:
-    """Overwrite u, F and the joints' drift for the impulses; |s F|."""
-    move(system, state, work)
     total = 0.0
     for i in range(len(state.r)):
         x0, x1, x2 = _pair(system, i, state, anchor, rho)
@@ -183,22 +174,6 @@ def equations(system: System, state: State, anchor: Array, rho: float, work: Wor
     for j in range(len(state.drift)):
         total += state.drift[j, 0] ** 2
     return float(np.sqrt(total))
-
-
-@kernel
-def settle_joints(system: System, state: State, work: Work) -> None:
-    """The joints' impulses that hold them while the contacts' impulses stay as they are; one factorisation."""
-    clear(system, work.storage)
-    factorise(system.fronts, work.storage, work.swap, PIVOT)
-    for _ in range(3):  # each leaves a small share of the drift: delta over the square of a joint's row
-        move(system, state, work)
-        for k in range(len(work.vector)):
-            work.vector[k] = 0.0
-        pull_joints(system, state.drift, work.step.joint, work.vector)
-        solve_factorised(system.fronts, work.storage, work.swap, work.vector)
-        joint_step(system, state.drift, work.vector, work.step.joint)
-        for j in range(len(state.joint)):
-            state.joint[j, 0] += work.step.joint[j, 0]
 
 
 @inlined

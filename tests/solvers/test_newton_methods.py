@@ -90,6 +90,6 @@ def test_the_gradient_of_the_merit() -> None:
         return np.sum(equations(y, M @ y + q, True) ** 2) / 2
 
     phi = equations(y, M @ y + q, True)
-    A, B = jacobian(M, y, M @ y + q, True)
+    A, B = jacobian(y, M @ y + q, True)
     expected = [(merit(y + h * e) - merit(y - h * e)) / (2 * h) for e in np.eye(n)]
     assert A * phi + (B * phi) @ M == pytest.approx(expected, rel=1e-6, abs=1e-7)

@@ -4,6 +4,7 @@ import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.forms.lcp import contact_of
+from frictionbench.solvers.pivots.lu_basis import Columns
 from frictionbench.solvers.sparse_lu.minimum_degree import minimum_degree
 
 
@@ -11,14 +12,15 @@ from frictionbench.solvers.sparse_lu.minimum_degree import minimum_degree
 def in_order(M, q, unit, nc):  # type: ignore[no-untyped-def]
     """A scaled LCP of nc contacts, or a bare one with nc = 0, with its unknowns in this order, a contact's together.
 
-    Returns M by columns (start, row, value), rows ascending, q (n,), the unit (2, n) and the order (n,).
+    Returns the columns to choose from, rows ascending, q (n,), the unit (2, n) and the order (n,).
     """
     n = len(q)
     order = _least_fill(M.start, M.rows, n, nc)
     own_q, own_unit = np.empty(n), np.empty((2, n))
     for i in range(n):
         own_q[i], own_unit[0, i], own_unit[1, i] = q[order[i]], unit[0, order[i]], unit[1, order[i]]
-    return *_reordered(M, order), own_q, own_unit, order
+    start, row, value = _reordered(M, order)
+    return Columns(start, row, value, np.zeros(n)), own_q, own_unit, order
 
 
 @part

@@ -17,7 +17,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import lean, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis
-from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, PIVOT, RAY, LemkeState, ratio_test
+from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, INACCURATE, LIMIT, PIVOT, LemkeState, ratio_test
 from frictionbench.solvers.pivots.vectors import fill
 
 SMALL = 64  # unknowns up to which it is the faster way: from some 80 on lemke_path is, as it leaves out zeros of M
@@ -40,7 +40,7 @@ def new_tableau(n: int) -> Tableau:
 
 @lean
 def follow_in_tableau(state: LemkeState, tableau: Tableau, slack: float, limit: int) -> int:
-    """Follow Lemke's path from the slack basis, and return how it ended, as follow_lemke_path.
+    """Follow Lemke's path from the slack basis, and return how it ended, as follow_lemke_path; a ray is INACCURATE.
 
     At a complementary basis y is the solution for the right side v in place of q, cut off at 0; v is overwritten.
     """
@@ -72,8 +72,7 @@ def follow_in_tableau(state: LemkeState, tableau: Tableau, slack: float, limit: 
             size = max(size, abs(T[p, i]))
         s = ratio_test(x, T[p, :n], state.blocking, z0_row, PIVOT * size, slack)
     if s < 0 and z0_row >= 0:
-        _write_ray(tableau, p, entering, state.a)
-        return RAY
+        return INACCURATE
     fill(state.y, 0.0)
     for i in range(n):
         if at[i] >= n:
@@ -119,18 +118,6 @@ def exchange(T: Array, a: Array, p: int, s: int) -> None:
     for i in range(n):
         T[p, i] = -a[i] / pivot
     T[p, s] = 1.0 / pivot
-
-
-@lean
-def _write_ray(tableau: Tableau, p: int, entering: int, ray: Array) -> None:
-    """The direction (z, z0) in which variable `entering` of column p rises without end."""
-    T, at, n = tableau.T, tableau.at, len(ray) - 1
-    fill(ray, 0.0)
-    for i in range(n):
-        if at[i] >= n:
-            ray[at[i] - n] = -T[p, i]
-    if entering >= n:
-        ray[entering - n] = 1.0
 
 
 @lean
