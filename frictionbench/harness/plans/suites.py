@@ -1,13 +1,19 @@
 """The suites: named plans."""
 
+from collections.abc import Iterable
 from dataclasses import replace
+from hashlib import sha256
+from typing import Any
 
+import numpy as np
+
+from frictionbench.harness import machine
 from frictionbench.harness.plans import families, robots as of_robots
 from frictionbench.harness.plans.atlas import atlas
 from frictionbench.harness.plans.hard import hard
 from frictionbench.harness.plans.plan import BatchSource, Plan, Source
 from frictionbench.harness.plans.recorded import LADDER, recorded, spatial, theirs
-from frictionbench.harness.plans.sealed import sealed as drawn
+from frictionbench.problems.catalogue import instances, scenes
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.conventions import COLD, SHUFFLED, WARM
 
@@ -88,23 +94,53 @@ def standard() -> Plan:
     )
 
 
+SPREAD = 1.25  # of settings that are drawn
+DIGITS = 3  # of what is drawn, so that names of problems can be read
+
+
 def sealed() -> Plan:
     """The families of `standard` with settings drawn from a hash of this version's source, on which nobody can have tuned."""
     problems = drawn((*STEPS, *families.sources(*families.PLANE, *families.SPACE)))
     return replace(standard(), suite="sealed", sources=problems, simulations=())
 
 
+def drawn(sources: Iterable[Source], digest: str | None = None) -> tuple[Source, ...]:
+    """These sources with settings that nobody has chosen, drawn from a digest: by default that of the source of all problems
+    and solvers of this version, so that they exist once these are written and others take their place when a line of them
+    changes: no method can have been tuned on them.
+
+    A count or a number that a family is given, and its friction, is multiplied by a factor between 1/SPREAD and SPREAD, uniform
+    in its logarithm, so that the regime, what sticks and what slides, is mostly kept; a seed is drawn anew. Whoever changes a
+    comment until the draw suits is not kept from it; each draw is kept by the version whose commit holds the source.
+    """
+    digest = digest or machine.content(("problems", "solvers"))
+    return tuple(replace(source, parameters=_drawn(source, f"{digest} {k}")) for k, source in enumerate(sources))
+
+
+def _drawn(source: Source, name: str) -> dict[str, Any]:
+    draw = np.random.default_rng(list(sha256(name.encode()).digest()))
+    defaults = (scenes() | instances())[source.scene].parameters
+    given = {key: defaults[key] for key in ("seed", "friction") if defaults.get(key) is not None} | source.parameters
+    factors = {key: SPREAD ** draw.uniform(-1, 1) for key in sorted(given)}
+    drawn = {key: _scaled(value, factors[key]) for key, value in given.items()}
+    return drawn | ({"seed": int(draw.integers(10**6))} if "seed" in drawn else {})
+
+
+def _scaled(value: float, factor: float) -> float:
+    return max(1, round(value * factor)) if isinstance(value, int) else float(f"{value * factor:.{DIGITS}g}")
+
+
 def seeds() -> Plan:
     """The seven examples, the rod and the jam, with every solver of ours and every applicable time-stepping scheme."""
-    scenes = (*(Source(name, pick=4) for name in EXAMPLES), Source("painleve_rod", pick=4))
+    steps = (*(Source(name, pick=4) for name in EXAMPLES), Source("painleve_rod", pick=4))
     jam = Source("jam", {"sideways": 0.1}, pick=4)  # against a wall that it hits: else no impulse is an answer
     solvers = (*EXACT, *RELAXED, *OTHERS)
     return Plan(
         suite="seeds",
-        sources=(*scenes, jam),
+        sources=(*steps, jam),
         solvers=solvers,
         tolerances=LADDER,
-        simulations=tuple(replace(source, pick=0) for source in (*scenes, jam)),
+        simulations=tuple(replace(source, pick=0) for source in (*steps, jam)),
         simulation_solvers=solvers,
         schemes=tuple(sorted(name for name, scheme in SCHEMES.items() if not scheme.events)),
         time_limit=2.0,

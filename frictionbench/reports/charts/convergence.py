@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ZERO, Look, log_ticks, name_axes, residual_axis
+from frictionbench.reports.drawing.text import count
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
 from frictionbench.results.histories import ConvergenceHistory
@@ -42,9 +43,7 @@ def by_problem(histories: Iterable[ConvergenceHistory]) -> dict[str, list[Conver
     found: dict[str, list[ConvergenceHistory]] = {}
     for history in histories:
         step = f", step {history.step}" if history.step else ""
-        title = (
-            f"{scene_title(history.scene, history.parameters)}{step}: {history.contacts} contact{'s' * (history.contacts != 1)}"
-        )
+        title = f"{scene_title(history.scene, history.parameters)}{step}: {count(history.contacts, 'contact')}"
         found.setdefault(title, []).append(history)
     return found
 

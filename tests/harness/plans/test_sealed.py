@@ -5,14 +5,13 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.harness.plans import families
-from frictionbench.harness.plans.sealed import SPREAD, sealed
-from frictionbench.harness.plans.suites import SUITES
+from frictionbench.harness.plans.suites import SPREAD, SUITES, drawn
 
 SMALL = families.sources(families.ONE, families.SMALL, families.SPACE_ONE, families.SPACE_SMALL)
 
 
 def test_problems_follow_from_the_digest() -> None:
-    first, again, other = (sealed(SMALL, digest) for digest in ("a", "a", "b"))
+    first, again, other = (drawn(SMALL, digest) for digest in ("a", "a", "b"))
     assert first == again
     assert all(one.parameters != two.parameters for one, two in zip(first, other, strict=True))
     assert all(one.parameters != own.parameters for one, own in zip(first, SMALL, strict=True))
@@ -34,7 +33,7 @@ def test_source_of_a_solver_decides(monkeypatch, tmp_path) -> None:
 
 @pytest.mark.parametrize("digest", ["a", "b", "c"])
 def test_problems_can_be_made_and_stay_in_their_family(digest) -> None:
-    for source, own in zip(sealed(SMALL, digest), SMALL, strict=True):
+    for source, own in zip(drawn(SMALL, digest), SMALL, strict=True):
         assert fb.problem(source.scene, **source.parameters).contacts
         for name, value in own.parameters.items():
             if isinstance(value, float) and value:
