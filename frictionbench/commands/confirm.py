@@ -57,7 +57,7 @@ def confirmed(
     _require_same(comparison.current, settings, named)
     stored, current = cells.read(comparison.baseline), cells.read(comparison.current)
     known = set(stored.measured["variant"]) & set(current.measured["variant"])
-    variants = known if code and limits.times else {found.variant for found in comparison.worse} & known
+    variants = known if code else {found.variant for found in comparison.worse} & known
     if not variants:
         return comparison
     for variant in sorted(variants):

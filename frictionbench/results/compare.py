@@ -24,7 +24,7 @@ from frictionbench.results.times import Pair, times
 
 UNTIMED = "they are of other processes, elsewhere. `--confirm --code` runs both versions alternately on this machine"
 SHOWN = 5  # names in a note
-ROUNDED = 1 + 1e-5  # limits in a baseline have six digits
+ROUNDED = 1e-5  # limits in a baseline have six digits
 HALF, FLAKY = 0.5, 0.25  # shares of the repeats above which a change stands; FLAKY for verdicts that no busy machine causes
 
 
@@ -125,9 +125,10 @@ def _unusable(old: Cells, new: Cells) -> str:
     limits = pd.concat([side.measured["limit"] for side in (old, new)], axis=1, join="inner", keys=["before", "after"])
     if limits.empty:
         return "no cell was measured in both runs"
-    before, after = limits.iloc[(limits["after"] / limits["before"]).argmax()]
-    longer = f"{new.path}: has a longer time limit, {after:g} s in place of {before:g} s, which a slower solver needs"
-    return longer if after > ROUNDED * before else ""
+    longer = limits[limits["after"] > limits["before"] + ROUNDED * limits["before"].abs()]
+    for _, (before, after) in longer.head(1).iterrows():
+        return f"{new.path}: has a longer time limit, {after:g} s in place of {before:g} s, which a slower solver needs"
+    return ""
 
 
 def _differences(

@@ -1,6 +1,7 @@
 """`compare --confirm` repeats alerts with the old and the new code in turn before it fails."""
 
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -47,6 +48,10 @@ def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> Non
     monkeypatch.setattr(confirm, "_cells", lambda *_: cells.read(seen.current))  # as if both did what the current one does
     falls = again(seen, str(tmp_path / "base"))
     assert falls.exit_code == 0
+    ran: list[object] = []
+    monkeypatch.setattr(confirm, "_cells", lambda *given: ran.append(given) or cells.read(seen.current))
+    assert again(replace(seen, flips=()), str(tmp_path / "base")).exit_code == 0
+    assert len(ran) == 2  # what the two runs did not show is looked for as well
     assert all(
         note.startswith("Not confirmed, both versions give the same result on this machine: guest")
         for note in falls.notes[-len(seen.worse) :]

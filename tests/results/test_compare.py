@@ -102,6 +102,8 @@ def test_a_longer_limit_is_unusable(runs):
     """It solves what a solver that became slower does not within the baseline's."""
     result = runs(rows(["solved"] * 2), rows(["solved"] * 2, time_limit=30.0))
     assert (result.exit_code, "has a longer time limit, 30 s in place of 10 s" in result.unusable) == (2, True)
+    unknown = rows(["solved"] * 2, time_limit=None)
+    assert runs(unknown, unknown).exit_code == 0
 
 
 @pytest.mark.parametrize("reason", ["not installed", ""])
