@@ -45,7 +45,8 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
     texts = ("variant", "scene", "verdict", "parameters", *(["scheme"] if table == "simulations" else ["start"]))
     usable = {name: isinstance(row[name], str) for name in texts}
     usable["parameters"] = row["parameters"] == "{}" or bool(json_object(row["parameters"]))
-    usable |= {"tol": _between(row["tol"], 0.0, 1e300), "time_limit": _between(row["time_limit"], LEAST_SECONDS, MOST_SECONDS)}
+    usable["tol"] = 0 < (row["tol"] or 0) <= 1e300
+    usable["time_limit"] = LEAST_SECONDS <= (row["time_limit"] or 0) <= MOST_SECONDS
     if table == "simulations":
         usable["scheme"] = row["scheme"] in SCHEMES
         usable["steps"] = row["steps"] is None or 0 < row["steps"] <= MOST_STEPS
@@ -59,10 +60,6 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
     for name, can in usable.items():
         require(can, name, f"cannot be {row[name]!r:.100}")
     return StoredCell(table, row, settings, memory)
-
-
-def _between(value: float | None, least: float, most: float) -> bool:
-    return value is not None and value > 0 and least <= value <= most
 
 
 def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugin, ...]:

@@ -1,9 +1,8 @@
 """Performance profiles of Dolan and Moré (2002): the weighted share of problems within tau times the least time of any solver.
 
 Beside them stand the share within a time, which does not depend on the other solvers; profiles of deterministic counters in
-place of time, which do not depend on the machine; and profiles by the properties that make a problem difficult, the number of
-contacts and the rank of W over its rows: rank deficiency is more difficult for most methods than lack of convexity (Acary,
-Brémond and Huber 2018).
+place of time, which do not depend on the machine; and profiles by the number of contacts. What else makes a problem difficult,
+such as rank deficiency, has columns of its own in the table of hard problems (reports.tables).
 
 The work of a solver on a problem is the counter at the least time within the finest target (reports.accuracy), plus one, so
 that the ratio to a problem solved without work is defined. Counters of different units are not compared: a unit has a panel
@@ -29,11 +28,6 @@ FARTHEST = 1e3  # ratio to the fastest at the right edge: three decades
 STEPS = 160  # of a curve, finer than the resolution of a panel
 UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 SIZES = {"1 to 10 contacts": (1, 10), "11 to 100": (11, 100), "101 to 1000": (101, 1000), "more than 1000": (1001, 10**12)}
-RANKS = {
-    "W of full rank": (1.0, 1.0),
-    "rank 0.75 of the rows or more": (0.75, 1 - 1e-12),
-    "rank below that": (0.0, 0.75 - 1e-12),
-}
 FEWEST = 2  # problems of a class that has a panel
 
 
@@ -82,24 +76,22 @@ def counted(text: object) -> dict[str, int]:
 
 
 def classes(run: Run) -> list[Panel]:
-    """A panel per class of size and of rank, if the problems of a run belong to several classes."""
+    """A panel per class of size, if the problems of a run belong to several classes."""
     tried = [target for target in sorted(run.times) if len(run.times[target])]
     if not tried:
         return []
     times = run.times[tried[0]]
-    facts = run.ranked.groupby("problem_id")[["contacts", "rank", "dimension"]].max()
-    ratio = facts["rank"] / (facts["contacts"] * facts["dimension"])
+    facts = run.ranked.groupby("problem_id")[["contacts", "dimension"]].max()
     found = []
     for dimension, where in OVERALL.items():
-        for values, bounds in ((facts["contacts"], SIZES), (ratio, RANKS)):
-            own = values[facts["dimension"] == dimension]
-            members = {name: own.index[own.between(*ends)] for name, ends in bounds.items()}
-            members = {name: problems for name, problems in members.items() if len(problems) >= FEWEST}
-            for name, problems in members.items() if len(members) > 1 else ():
-                within = times[times["problem_id"].isin(problems)]
-                costs = next(map(profiles, overall(within).values()), {})
-                title = f"{where}, {name}: {within['problem_id'].nunique()} problems"
-                found.append(Panel(title, partial(_draw, costs=costs, looks=run.looks)))
+        own = facts.loc[facts["dimension"] == dimension, "contacts"]
+        members = {name: own.index[own.between(*ends)] for name, ends in SIZES.items()}
+        members = {name: problems for name, problems in members.items() if len(problems) >= FEWEST}
+        for name, problems in members.items() if len(members) > 1 else ():
+            within = times[times["problem_id"].isin(problems)]
+            costs = next(map(profiles, overall(within).values()), {})
+            title = f"{where}, {name}: {within['problem_id'].nunique()} problems"
+            found.append(Panel(title, partial(_draw, costs=costs, looks=run.looks)))
     return found
 
 
@@ -167,9 +159,8 @@ CLASSES = Chart(
     name="classes",
     panels=classes,
     section="time",
-    title="Performance profiles by size and by rank, within the tightest target",
-    caption="Performance profiles for the problems of one class, by number of contacts and by the rank of W over its rows, "
-    "which is computed for up to 600 rows.",
+    title="Performance profiles by size, within the tightest target",
+    caption="Performance profiles for the problems of one class, by number of contacts.",
     folded=True,
     ranked=True,
 )

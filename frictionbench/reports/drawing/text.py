@@ -35,11 +35,10 @@ def seconds(value: float, digits: int = 2) -> str:
     """A time, s, in a suitable unit: 12 µs, 3.4 ms, 1.2 s. digits: significant ones, without zeros at the end."""
     if not np.isfinite(value):
         return "–"
-    for scale, unit in ((1e-6, "µs"), (1e-3, "ms"), (1.0, "s")):
-        if abs(value) < 999.5 * scale or unit == "s":
-            size = value / scale
-            return f"{size:.{digits}g} {unit}" if abs(size) < 10**digits - 0.5 else f"{size:.0f} {unit}"
-    raise AssertionError  # the last unit takes all
+    units = ((1e-6, "µs"), (1e-3, "ms"))
+    scale, unit = next((each for each in units if abs(value) < 999.5 * each[0]), (1.0, "s"))
+    size = value / scale
+    return f"{size:.{digits}g} {unit}" if abs(size) < 10**digits - 0.5 else f"{size:.0f} {unit}"
 
 
 def percent(share: float, decimals: int = 0) -> str:
