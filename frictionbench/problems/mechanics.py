@@ -123,10 +123,12 @@ class Mechanics(ReadOnly):
     def W(self) -> sparse.csr_array:
         """The Delassus matrix J P J' (nc*d, nc*d)."""
         if self._has_joints:
-            moves = sparse.diags_array((~self._locked).astype(float).ravel())
-            W = self._free_blocks().matrix() - sparse.csr_array(self._held.coupled())
-            W = sparse.csr_array(moves @ W @ moves)
-            W.eliminate_zeros()
+            full, (_, locked, lost) = self._free_blocks().matrix().toarray(), self._joint_diagonal
+            full -= self._held.coupled()
+            for k in np.flatnonzero(lost & ~locked).tolist():
+                full[k] = full[:, k] = self.jacobian @ self._held_response(k)
+            full[locked.ravel()] = full[:, locked.ravel()] = 0.0
+            W = sparse.csr_array(full)
         else:
             W = self.blocks.matrix()
         check.set_read_only(W)
@@ -197,7 +199,7 @@ class Mechanics(ReadOnly):
         free, bodies = self._on_joints(self.free_velocity), (*self.contact_rows, *self.inverse_rows)
         q, scale, velocity_scale, units, unlike = delassus.measures(*bodies, free, self.bias, self.friction_bias)
         if self._has_joints:
-            diagonal, locked = self._joint_diagonal
+            diagonal, locked, _ = self._joint_diagonal
             by_contact, none = q.reshape(diagonal.shape), np.zeros(diagonal.shape)
             terms = delassus.velocity_size(*bodies, self._moves, none, self.bias)
             by_contact[locked & (np.abs(by_contact) <= delassus.LOCKED * terms)] = 0.0
@@ -315,15 +317,23 @@ class Mechanics(ReadOnly):
         return ManyJoints(self.joints, self.joint_bias, self.inverse_mass, self.jacobian)
 
     @cached_property
-    def _joint_diagonal(self) -> tuple[Array, NDArray[np.bool_]]:
-        """The diagonal (nc, d) of W, 0 in locked directions, but without the joints where they lock the whole contact; and the
+    def _joint_diagonal(self) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
+        """The diagonal (nc, d) of W, 0 in locked directions, but without the joints where they lock the whole contact; the
         locked directions (nc, d): those in which joints leave a contact no velocity that impulses could change, so that W's
-        diagonal is a rounding error."""
+        diagonal is a rounding error; and those whose rows of W are found by `_held_response`."""
         diagonal: Array = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
         held, terms = (share.reshape(diagonal.shape) for share in self._held.shares())
-        size = diagonal + terms
-        locked: NDArray[np.bool_] = diagonal - held <= delassus.LOCKED * size
-        return np.where(locked.all(axis=1, keepdims=True), diagonal, np.where(locked, 0.0, diagonal - held)), locked
+        left = diagonal - held
+        lost: NDArray[np.bool_] = (left <= delassus.LOST * (diagonal + terms)) & (diagonal > 0)
+        for k in np.flatnonzero(lost).tolist():
+            left.flat[k] = (self.jacobian[[k]] @ self._held_response(k))[0]
+        locked: NDArray[np.bool_] = left <= delassus.LOCKED * diagonal
+        return np.where(locked.all(axis=1, keepdims=True), diagonal, np.where(locked, 0.0, left)), locked, lost
+
+    def _held_response(self, k: int) -> Array:
+        """P J_k' (nv,) of row k of J, to rounding also where it is a small difference of large terms."""
+        pushed = self.inverse_mass @ self.jacobian[[k]].toarray()[0]
+        return self._held.hold(self._held.hold(pushed, 0.0), 0.0)
 
     @property
     def _locked(self) -> NDArray[np.bool_]:

@@ -12,7 +12,8 @@ from frictionbench.solvers.dense.few_contacts import few_contacts, few_steps
 
 def robot(seed: int, joints: int = 2) -> FrictionProblem:
     """Ten velocities with a dense mass matrix, of which the last four are locked by redundant equations: contacts with and
-    without friction, one that the equations lock, one in a plane, a limit and dry friction."""
+    without friction, one that the equations lock, one in a plane, a limit and dry friction. With a single joint, a very light
+    body is welded to another instead."""
     rng = np.random.default_rng(seed)
     A = rng.normal(size=(10, 10))
     normal, tangent = rng.normal(size=(6, 10)), rng.normal(size=(6, 2, 10))
@@ -25,11 +26,13 @@ def robot(seed: int, joints: int = 2) -> FrictionProblem:
     law = {"friction": np.array([0.5, 0.3, 0.7, 0.0, 0.0, 0.0]), "friction_bias": np.array([0.0, 0.0, 0.0, 0.0, 0.05, 0.0])}
     held = {"joints": np.vstack([F, F.sum(axis=0)]), "joint_bias": np.zeros(5)} if joints else {}
     mass = np.diag(rng.uniform(1, 3, 10)) if joints else A @ A.T + np.eye(10)  # with another, contact 1 is not locked exactly
+    if joints == 1:
+        held, mass[0, 0] = {"joints": np.eye(10)[:1] - np.eye(10)[5:6]}, 1e-11
     rows = {"normal": normal, "tangent": tangent.reshape(12, 10), "bias": np.array([0.0, 0.0, 0.1, 0.0, 1.0, -0.1])}
     return FrictionProblem(mass=mass, free_velocity=rng.normal(size=10), dimension=3, **rows, **law, **held)
 
 
-@pytest.mark.parametrize("joints", [0, 2])
+@pytest.mark.parametrize("joints", [0, 1, 2])
 @pytest.mark.parametrize("seed", range(6))
 def test_the_residual_is_the_verifiers(seed: int, joints: int) -> None:
     """Of impulses that are no solution, also where joints lock a contact: scale, units, velocities and floor are the same."""

@@ -13,8 +13,8 @@ from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.islands import length, mechanical_units, spread
 from frictionbench.problems.rows import Array, Index32
 
-# Of the terms that add up to a diagonal entry of W: below this the joints lock the direction. The rounding errors observed were
-# up to 160 eps, and the entries of directions that move were above 1e9 eps.
+LOST = 1e-9  # of the terms whose difference is a diagonal entry of W: below this it is found from the response that joints hold
+# Of the diagonal entry of W without joints: below this they lock the direction.
 LOCKED = 1000 * float(np.finfo(float).eps)
 
 

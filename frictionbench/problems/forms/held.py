@@ -11,7 +11,8 @@ from frictionbench.problems.compiled import kernel
 from frictionbench.problems.forms.delassus import joint_response, product
 
 # Of its own diagonal entry of G, times nj: what a row adds to the rows before it is a rounding error below this.
-DEPENDENT = 10 * float(np.finfo(float).eps)
+EPSILON = float(np.finfo(float).eps)
+DEPENDENT = 10 * EPSILON
 PASSES = 2  # of `hold`: the second removes what the rounding of the inverse leaves, where rows are nearly dependent
 
 
@@ -94,17 +95,22 @@ def hold(f_start, f_column, F, bias, response, X, velocity):  # type: ignore[no-
 
 @kernel
 def hold_rounding(f_start, f_column, F, bias, response, X, velocity):  # type: ignore[no-untyped-def]
-    """(nv,) the absolute values of the terms that `hold` adds to a velocity."""
+    """(nv,) the size of the terms that `hold` adds to a velocity: of the first pass, whose errors in F v the second removes,
+    its impulses; of the second what X makes of the terms of F v + b_F; and what it leaves, in roundings."""
     nv, nj = response.shape
-    size, terms = np.zeros(nv), np.empty(nj)
+    off, terms = np.empty(nj), np.empty(nj)
+    held = hold(f_start, f_column, F, bias, response, X, velocity)
+    size = np.abs(hold(f_start, f_column, F, bias, response, X, held) - held) / (2 * EPSILON)
     for j in range(nj):
-        terms[j] = abs(bias[j])
+        off[j], terms[j] = bias[j], abs(bias[j])
         for k in range(f_start[j], f_start[j + 1]):
-            terms[j] += abs(F[k]) * abs(velocity[f_column[k]])
+            off[j] += F[k] * velocity[f_column[k]]
+            terms[j] += abs(F[k] * held[f_column[k]])
     for j in range(nj):
-        push = 0.0
+        push = spread = 0.0
         for k in range(nj):
-            push += abs(X[j, k]) * terms[k]
+            push += X[j, k] * off[k]
+            spread += abs(X[j, k]) * terms[k]
         for v in range(nv):
-            size[v] += abs(response[v, j]) * push
+            size[v] += abs(response[v, j]) * (abs(push) + spread)
     return size

@@ -25,8 +25,9 @@ from frictionbench.problems.rows import ByContact, Rows, from_matrix
 FEW = 100  # equations up to which a dense inverse is as fast as a factorisation of a band
 # Of a joint's bias: a larger defect is a contradiction. It is the tightest tolerance of the suites.
 CONTRADICTION = 1e-8
+EPSILON = float(np.finfo(float).eps)
 # Of the largest terms of any joint equation, as speeds of unit kinetic energy: what rounding leaves.
-ROUNDING = 1000 * float(np.finfo(float).eps)
+ROUNDING = 1000 * EPSILON
 # Of the terms' rounding errors, which are independent: their sum is seldom larger than twice the root of their squares' sum.
 PROBES, DEVIATIONS = 8, 2.0
 
@@ -49,9 +50,9 @@ class FewJoints:
         check.require(bool(np.isfinite(G).all()), "joints", "F M^-1 F' overflows")
         self.inverse: Array = held.generalised_inverse(G)
 
-    def hold(self, velocity: Array) -> Array:
-        """The velocity (nv,) nearest in the kinetic metric that satisfies the equations."""
-        nearest: Array = held.hold(*self.rows, self.bias, self.response, self.inverse, velocity)
+    def hold(self, velocity: Array, share: float = 1.0) -> Array:
+        """The velocity (nv,) nearest in the kinetic metric that satisfies the equations with a share of the biases."""
+        nearest: Array = held.hold(*self.rows, share * self.bias, self.response, self.inverse, velocity)
         return nearest
 
     def solution(self) -> Array:
@@ -121,27 +122,29 @@ class ManyJoints:
         lower = sparse.coo_array(sparse.tril(G))
         self.factor = np.zeros((len(order), half + 1))
         self.factor[lower.row, lower.col - lower.row + half] = lower.data
-        banded.factorise(self.factor, 10 * len(order) * float(np.finfo(float).eps))
+        banded.factorise(self.factor, 10 * len(order) * EPSILON)
 
-    def hold(self, velocity: Array) -> Array:
-        """The velocity (nv,) nearest in the kinetic metric that satisfies the equations."""
-        return self._hold(self.own_bias, velocity)
+    def hold(self, velocity: Array, share: float = 1.0) -> Array:
+        """As of FewJoints."""
+        return self._hold(share * self.own_bias, velocity)
 
     def solution(self) -> Array:
         """A velocity that satisfies the equations, where one does."""
         return self.hold(np.zeros(self.response.shape[1]))
 
     def rounding(self, velocity: Array) -> Array:
-        """(nv,) the size of the terms that `hold` adds to a velocity, and of what errors in them change.
+        """(nv,) the size of the terms that `hold` adds to a velocity, of what errors in them change, and of what it leaves.
 
         |X| is not formed. Errors of each equation's terms, with random signs, are put through X instead, and the root of the
         mean square of the results is taken.
         """
-        off = abs(self.rows.matrix(len(velocity))) @ np.abs(velocity) + np.abs(self.own_bias)
+        held = self.hold(velocity)
+        off = abs(self.rows.matrix(len(velocity))) @ np.abs(held) + np.abs(self.own_bias)
+        left = np.abs(self.hold(held) - held) / (2 * EPSILON)
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (PROBES, len(off)))
         zero = np.zeros(len(velocity))
         spread = np.sqrt(np.mean([self._hold(sign * off, zero) ** 2 for sign in signs], axis=0))
-        return np.abs(self.hold(velocity) - velocity) + DEVIATIONS * spread
+        return np.abs(held - velocity) + left + DEVIATIONS * spread
 
     def shares(self) -> tuple[Array, Array]:
         """(nc*d,) each: the diagonal of J M^-1 F' X F M^-1 J', which W lacks, and the same of its terms' absolute values."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import lean, part
-from frictionbench.problems.forms.delassus import LOCKED, coupling, mean_diagonal
+from frictionbench.problems.forms.delassus import LOCKED, LOST, coupling, mean_diagonal
 from frictionbench.problems.forms.held import hold, hold_rounding
 from frictionbench.problems.forms.islands import mechanical_units
 from frictionbench.problems.rows import Index64
@@ -58,19 +58,28 @@ def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no
                 for i in range(3 * nc):
                     XC[j, i] += X[j, k] * C[k, i]
     V, row, diagonal = _without_joints(start, column, J, m_start, m_column, m_value, mu, b_f)
-    q, locked = np.zeros((nc, 3)), np.zeros((nc, 3), np.bool_)
+    q, locked, lost = np.zeros((nc, 3)), np.zeros((nc, 3), np.bool_), np.zeros((nc, 3), np.bool_)
     for i in range(nc):
         q[i, 0] = bias[i]
         for k in range(start[i], start[i + 1]):
             for a in range(3):
                 q[i, a] += J[k, a] * held[column[k]]
         if nj:
-            _lock(i, start, column, J, moves, bias, C, XC, X, q, diagonal, locked)
+            _lock(i, bodies, joints, inverse, moves, bias, C, XC, q, diagonal, locked, lost)
     scale = mean_diagonal(diagonal)
     flat = q.copy().reshape(3 * nc)
     units = mechanical_units(start, column, J, m_start, m_column, m_value, f_start, f_column, moves, bias, flat, scale, b_f)
     if nj:
         _hold_rows(V, row, C, XC, locked)
+        for i in range(nc):
+            for a in range(3):
+                if lost[i, a] and not locked[i, a] and row[i, a] >= 0:
+                    y = _held_response(i, a, bodies, joints, inverse)
+                    for j in range(nc):
+                        for b in range(3):
+                            if row[j, b] >= 0 and not locked[j, b]:
+                                w = _along(j, b, start, column, J, y)
+                                V[row[i, a], row[j, b]] = V[row[j, b], row[i, a]] = w
     block, rest = np.zeros((nc, 3, 3)), np.zeros(len(V))
     for i in range(nc):
         for a in range(3):
@@ -153,17 +162,23 @@ def _hold_rows(V, row, C, XC, locked):  # type: ignore[no-untyped-def]
                 V[g, h] = V[h, g] = 0.0 if locked[p // 3, p % 3] or locked[q // 3, q % 3] else w
 
 
-@lean
-def _lock(i, start, column, J, moves, bias, C, XC, X, q, diagonal, locked):  # type: ignore[no-untyped-def]
+@part
+def _lock(i, bodies, joints, inverse, moves, bias, C, XC, q, diagonal, locked, lost):  # type: ignore[no-untyped-def]
     """Take the joints' share from contact i's diagonal, 0 in the directions that they lock; all of it stays where they lock
-    the whole contact. What rounding leaves of q in a locked direction is 0."""
+    the whole contact. What rounding leaves of q in a locked direction is 0. lost: directions in which the difference of W's
+    terms has too few digits."""
+    (start, column, J), X, left = bodies[:3], inverse[1], diagonal[i].copy()
     for a in range(3):
         held, terms, at = 0.0, 0.0, 3 * i + a
         for j in range(len(X)):
             held += C[j, at] * XC[j, at]
             for k in range(len(X)):
                 terms += abs(C[j, at] * X[j, k] * C[k, at])
-        locked[i, a] = diagonal[i, a] - held <= LOCKED * (diagonal[i, a] + terms)
+        left[a] -= held
+        lost[i, a] = left[a] <= LOST * (diagonal[i, a] + terms) and diagonal[i, a] > 0
+        if lost[i, a]:
+            left[a] = _along(i, a, start, column, J, _held_response(i, a, bodies, joints, inverse))
+        locked[i, a] = left[a] <= LOCKED * diagonal[i, a]
     whole = locked[i, 0] and locked[i, 1] and locked[i, 2]
     for a in range(3):
         if locked[i, a]:
@@ -173,7 +188,26 @@ def _lock(i, start, column, J, moves, bias, C, XC, X, q, diagonal, locked):  # t
             if abs(q[i, a]) <= LOCKED * size:
                 q[i, a] = 0.0
         if not whole:
-            for j in range(len(X)):
-                diagonal[i, a] -= C[j, 3 * i + a] * XC[j, 3 * i + a]
-            if locked[i, a]:
-                diagonal[i, a] = 0.0
+            diagonal[i, a] = 0.0 if locked[i, a] else left[a]
+
+
+@part
+def _held_response(i, a, bodies, joints, inverse):  # type: ignore[no-untyped-def]
+    """P J_k' (nv,) of direction a of contact i (problems.mechanics)."""
+    start, column, J, m_start, m_column, m_value = bodies
+    (f_start, f_column, F, b_F), (response, X), y = joints, inverse, np.zeros(len(m_start) - 1)
+    for k in range(start[i], start[i + 1]):
+        for m in range(m_start[column[k]], m_start[column[k] + 1]):
+            y[m_column[m]] += J[k, a] * m_value[m]
+    for _ in range(2):
+        y = hold(f_start, f_column, F, 0.0 * b_F, response, X, y)
+    return y
+
+
+@lean
+def _along(i, a, start, column, J, v):  # type: ignore[no-untyped-def]
+    """J_k v in direction a of contact i."""
+    u = 0.0
+    for k in range(start[i], start[i + 1]):
+        u += J[k, a] * v[column[k]]
+    return u
