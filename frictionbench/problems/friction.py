@@ -225,13 +225,13 @@ class GivenDelassus(FrictionProblem):
     @cached_property
     def _measures(self) -> tuple[Array, Array, float, Array, float]:
         scale = delassus.block_scale(*self.blocks)
-        units = self._units_at(self.q, scale)
+        units, _ = self._units_at(self.q, scale)
         units.setflags(write=False)
         return self.q, scale, float(delassus.largest(self.q, self.dimension)), units, float(spread(units))
 
-    def _units_at(self, q: Array, scale: Array) -> Array:
-        units: Array = delassus_units(*self.blocks, q, scale, self.friction_bias)
-        return units
+    def _units_at(self, q: Array, scale: Array) -> tuple[Array, Index64]:
+        found: tuple[Array, Index64] = delassus_units(*self.blocks, q, scale, self.friction_bias)
+        return found
 
     @cached_property
     def islands(self) -> Index64:

@@ -204,15 +204,15 @@ class Mechanics(ReadOnly):
             terms = delassus.velocity_size(*bodies, self._moves, none, self.bias)
             by_contact[locked & (np.abs(by_contact) <= delassus.LOCKED * terms)] = 0.0
             scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, self.dimension)
-            units = self._units_at(q, scale)
+            units, _ = self._units_at(q, scale)
             unlike = spread(units)
         check.set_read_only((q, units))
         return q, scale, velocity_scale, units, unlike
 
-    def _units_at(self, q: Array, scale: Array) -> Array:
-        """The units (nc,) where the free contact velocities are q (nc*d,)."""
-        units: Array = mechanical_units(*self._bodies, self._moves, self.bias, q, scale, self.friction_bias)
-        return units
+    def _units_at(self, q: Array, scale: Array) -> tuple[Array, Index64]:
+        """The units (nc,) where the free contact velocities are q (nc*d,), and the islands (nc,) that have them."""
+        found: tuple[Array, Index64] = mechanical_units(*self._bodies, self._moves, self.bias, q, scale, self.friction_bias)
+        return found
 
     @property
     def _moves(self) -> Array:
@@ -231,7 +231,12 @@ class Mechanics(ReadOnly):
         where a contact slides."""
         q = self.q.reshape(-1, self.dimension).copy()
         q[:, 0] -= self.friction * np.linalg.norm(q[:, 1:], axis=1)
-        return self._units_at(q.ravel(), self.scale)
+        return self._units_at(q.ravel(), self.scale)[0]
+
+    @property
+    def bearing_islands(self) -> Index64:
+        """(nc,), numbers below 2 nc + nv: contacts that have one alike are connected by contacts that can bear."""
+        return self._units_at(self.q, self.scale)[1]
 
     @cached_property
     def islands(self) -> Index64:

@@ -227,7 +227,7 @@ def _measured(packed):  # type: ignore[no-untyped-def]
             at += len(own_q)
             first, neighbours, block = known_blocks(packed, k)
             own_scale = block_scale(first, neighbours, block)
-            unit = delassus_units(first, neighbours, block, packed.q[at - len(own_q) : at], own_scale, b_f)
+            unit, _ = delassus_units(first, neighbours, block, packed.q[at - len(own_q) : at], own_scale, b_f)
             unlike[k] = spread(unit)
         for i in range(end - begin):
             scale[begin + i], units[begin + i] = own_scale[i], unit[i]

@@ -71,11 +71,15 @@ def contact_residuals(problem: FrictionProblem, impulse: Array, shift: float = 1
     if softness is not None:
         u = u + softness * impulse
     law = problem.friction, problem.friction_bias
-    return _residuals(impulse, u, problem.scale, *law, _units(problem, shift), shift)
+    return _residuals(impulse, u, problem.scale, *law, _units(problem, impulse, shift), shift)
 
 
-def _units(problem: FrictionProblem, shift: float) -> Array:
-    return problem.units if shift else problem.relaxation_units
+def _units(problem: FrictionProblem, impulse: Array, shift: float = 1.0) -> Array:
+    """The contacts' units (nc,); where nothing moves, the largest s_i |r_i|."""
+    units = problem.units if shift else problem.relaxation_units
+    if len(units) and not units.any():
+        return np.full(len(units), (problem.scale * np.linalg.norm(impulse, axis=1)).max())
+    return units
 
 
 def polygon_residual(problem: FrictionProblem, lcp: LCP, z: Array) -> float:
@@ -135,7 +139,7 @@ def _impulses(problem: FrictionProblem, impulse: Any) -> Array:
 
 def residual_with_floor(problem: FrictionProblem, impulse: Array) -> tuple[float, float]:
     """The residual and its floor together, of finite impulses (nc, d), for solvers that stop by both."""
-    law = problem.scale, problem.friction, problem.friction_bias, problem.units
+    law = problem.scale, problem.friction, problem.friction_bias, _units(problem, impulse)
     if problem.mechanical and not len(problem.joint_bias):  # in one pass: three take longer than it for few contacts
         rows = *problem.contact_rows, *problem.inverse_rows
         found, floor = _mechanical(*rows, problem.free_velocity, impulse, problem.bias, *law)
@@ -153,7 +157,7 @@ def contact_floors(problem: FrictionProblem, impulse: Array, shift: float = 1.0)
         return np.full(nc, np.inf)
     u, terms = problem.contact_velocity(impulse), problem.velocity_size(impulse)
     law = problem.friction, problem.friction_bias
-    return _floors(impulse, u, terms, problem.scale, *law, _units(problem, shift), shift)
+    return _floors(impulse, u, terms, problem.scale, *law, _units(problem, impulse, shift), shift)
 
 
 @kernel

@@ -8,9 +8,10 @@ The residuals of the exact problem and of the model are computed separately: the
 the second only the solver's. Verdicts are no finer than floating-point arithmetic: see residual_floor in problems.residual.
 
 Contacts are judged one by one, each in its own unit and with its own floor (problems.residual). A contact is unjudgeable
-where its floor is above the tolerance and its residual is within the floor, and where the tolerance is above LEAST_GAIN of
-the residual of no impulses in its island, because there being within it says little; the verdict is that on all other
-contacts if they are not solved, otherwise `unjudgeable`. So neither the speed nor the rounding errors of one part excuse
+where its floor is above the tolerance and its residual is within the floor, and where the residual is above LEAST_GAIN of that
+of no impulses in its island, because there being within the tolerance says little; the verdict is that on all other contacts
+if they are not solved, otherwise `unjudgeable`. The floor of a solver of the relaxation is that of its model where the verdict
+is `relaxed`, elsewhere the larger one of both laws. So neither the speed nor the rounding errors of one part excuse
 another. A solver that stops by the norm of the whole problem leaves the slow islands of a problem less accurate by the ratio
 of the speeds, and its answer is a `near_miss` or `wrong` as for any other difference of norms: it must ask for tol times the
 smallest unit, or solve the balanced problem, as the solvers and adapters of this package do (solvers.balanced).
@@ -32,7 +33,7 @@ import numpy as np
 
 from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.check import Array
-from frictionbench.problems.forms.islands import LEVEL
+from frictionbench.problems.forms.islands import NOISE
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import (
@@ -46,7 +47,7 @@ from frictionbench.problems.simulate import ledger_defect
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 
 NEAR = 10.0  # times the tolerance: a residual below may be due to another norm in the solver's own stopping test
-LEAST_GAIN = 0.01  # of the residual of no impulses: a tolerance above it hardly tells an answer from none
+LEAST_GAIN = 0.01  # of the residual of no impulses: a residual above it hardly tells an answer from none
 SOFTEST = 1e-6  # of s: softness allowed at any tolerance, because regularised methods cannot solve with rigid contacts
 
 
@@ -99,7 +100,12 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
     )
     exact, of_model, floor = (largest(part) for part in parts[:3])
     reported = claimed or answer.status is Status.ROUNDING
-    verdict, why = _verdict([*parts[:3], _of_island(problem, idle)], claimed, reported, tol)
+    of_island = _of_island(problem, idle)
+    verdict, why = _verdict([*parts[:3], of_island], claimed, reported, tol)
+    if shift == 0 and verdict != Verdict.RELAXED:
+        larger = np.maximum(parts[2], contact_floors(problem, impulse))
+        verdict, why = _verdict([*parts[:2], larger, of_island], claimed, reported, tol)
+        floor = largest(larger)
     accepted = claimed and verdict in ACCEPTED
     with np.errstate(over="ignore", invalid="ignore"):
         defect = ledger_defect(problem, impulse)
@@ -148,9 +154,10 @@ def _model_residuals(problem: FrictionProblem, answer: Answer, model: str, exact
 
 def _of_island(problem: FrictionProblem, by_contact: Array) -> Array:
     """Of each contact (nc,), the largest value in its island."""
-    worst = np.zeros(problem.islands.max(initial=-1) + 1)
-    np.maximum.at(worst, problem.islands, by_contact)
-    return worst[problem.islands]
+    island = problem.bearing_islands
+    worst = np.zeros(island.max(initial=-1) + 1)
+    np.maximum.at(worst, island, by_contact)
+    return worst[island]
 
 
 def _verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
@@ -180,7 +187,7 @@ def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> t
     """
     exact, model, floor, idle = parts
     best = np.minimum(exact, model)
-    coarse = (best <= tol) & (idle > LEVEL) & (tol > LEAST_GAIN * idle)
+    coarse = (best <= tol) & (idle > NOISE) & (best > LEAST_GAIN * idle)
     rounded = (floor > tol) & (best <= floor) & np.isfinite(floor)
     unknown = coarse | rounded
     worst, of_model = largest(exact[~unknown]), largest(model[~unknown])

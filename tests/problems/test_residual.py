@@ -156,3 +156,67 @@ def test_what_a_row_hides_is_bounded_by_the_energy_that_it_stops(mass) -> None:
 def test_a_far_island_hides_what_is_smaller_by_its_noise() -> None:
     beside = contact_space(np.eye(4), [-1e-20, 0.0, -1.0, 0.0], [0.5, 0.5], 2)
     assert residual(beside, np.array([[0.0, 0.0], [1.0, 0.0]])) == pytest.approx(1e-20 / NOISE)
+
+
+def verdicts(problem, impulse, model="coulomb"):
+    """At 1e-4, 1e-6 and 1e-8, of an answer that claims to be solved."""
+    answer = Answer(np.array(impulse), Status.SOLVED)
+    return [str(verify(problem, answer, model, tol).verdict) for tol in (1e-4, 1e-6, 1e-8)]
+
+
+def test_what_is_solved_within_a_tolerance_is_solved_within_larger_ones() -> None:
+    """One block falls with 1 m/s, another slides along its floor with a gap of -1e-12 m/s: none has 2e-6."""
+    rows = [[0, 1, 0, 0], [0, 0, 0, 1]], [[1, 0, 0, 0], [0, 0, 1, 0]]
+    problem = contacts_of(*rows, 0.3, [0.0, -1.0, 1.0, 0.0], bias=[0.0, -1.8e-12])
+    assert verdicts(problem, [[1.0, 0.0], [1.8e-12, -5.4e-13]]) == ["solved"] * 3
+
+
+PAIR = (
+    [[0, 1, 0, 0], [0, 0, 0, 1], [0, -1, 0, 1]],
+    [[1, 0, 0, 0], [0, 0, 1, 0], [-1, 0, 1, 0]],
+)  # two blocks and what is between
+
+
+@pytest.mark.parametrize("contacts", [2, 3])
+def test_a_contact_that_is_open_by_far_joins_no_islands(contacts) -> None:
+    """Nothing holds the block that slides with 3e4 m/s and sinks with 2e-6 m/s, which its unit can hardly tell from none."""
+    normal, tangent = (rows[:contacts] for rows in PAIR)
+    problem = contacts_of(normal, tangent, 0.5, [3e4, -2e-6, 0.0, -1.0], bias=[0.0, 0.0, 1e7][:contacts])
+    other_falls = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]])[:contacts]
+    assert verdicts(problem, other_falls) == ["unjudgeable", "wrong", "wrong"]
+
+
+@pytest.mark.parametrize("rests", [1e-3, 1e-7])
+def test_a_contact_that_is_open_by_far_carries_nothing(rests) -> None:
+    """Beside a block that hits the ground with 100 m/s another rests, held by what is 10 m away from it."""
+    problem = contacts_of(*PAIR, 0.5, [0.0, -100.0, 0.0, -rests], bias=[0.0, 0.0, 1e4])
+    assert verdicts(problem, [[100.0 + rests, 0.0], [0.0, 0.0], [rests, 0.0]]) == ["wrong"] * 3
+    far = block(0.0, mass=1.0, h=rests)
+    far = contacts_of([[0.0, 1.0]] * 2, [[1.0, 0.0]] * 2, 0.5, far.free_velocity, bias=[0.0, 1.0 / rests])
+    assert verdicts(far, [[0.0, 0.0], [9.81 * rests, 0.0]]) == ["wrong"] * 3
+
+
+@pytest.mark.parametrize(("error", "tight"), [(0.0, "unjudgeable"), (2.0**-30, "unjudgeable"), (2.0**-26, "wrong")])
+def test_the_floor_is_that_of_the_law_which_decides(error, tight) -> None:
+    """A block squeezed with 1e6 N s slides with 1e4 m/s: the relaxation's unit is 1e3 times that of Coulomb's law."""
+    mu, squeeze, fall = 2.0**-10, 2.0**20, 2.0**-7
+    problem = contacts_of([[0.0, 1.0], [0.0, -1.0]], [[1.0, 0.0]] * 2, mu, [1e4, -fall])
+    r_n = np.array([[squeeze + fall + error], [squeeze]])
+    impulse = np.hstack([r_n, -mu * r_n])
+    assert verdicts(problem, impulse)[2] == verdicts(problem, impulse, "relaxation")[2] == tight
+
+
+def test_where_nothing_moves_impulses_may_balance() -> None:
+    """A body at rest is wedged between three planes: its equilibrium holds to rounding."""
+    angle = np.radians([90.0, 210.0, 330.0])
+    normal = np.column_stack([np.cos(angle), np.sin(angle)])
+    problem = contacts_of(normal, normal[:, ::-1] * [-1.0, 1.0], 0.5, [0.0, 0.0])
+    impulse = np.column_stack([np.full(3, 0.1), np.zeros(3)])
+    assert verdicts(problem, impulse) == ["solved"] * 3
+    assert verdicts(problem, impulse * [[1.0], [1.0], [1.01]]) == ["wrong"] * 3
+
+
+@pytest.mark.parametrize("demand", [3.1e-8, 2.9e-8])
+def test_a_demand_of_thousands_of_roundings_counts(demand) -> None:
+    problem = contacts_of([[0.0, 1.0]], [[1.0, 0.0]], 0.0, [3e4, -demand])
+    assert problem.units[0] == pytest.approx(CANCELLED * 3e4)

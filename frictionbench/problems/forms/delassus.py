@@ -410,5 +410,5 @@ def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f):  # 
                 for a in range(d):
                     own[i, a] += J[k, a] * J[k, a] * m_value[column[k]]
     s, none = mean_diagonal(own), np.zeros(1, np.int32)
-    units = mechanical_units(start, column, J, m_start, m_column, m_value, none, none[:0], np.abs(free), bias, q, s, b_f)
+    units = mechanical_units(start, column, J, m_start, m_column, m_value, none, none[:0], np.abs(free), bias, q, s, b_f)[0]
     return q, s, largest(q, d), units, spread(units)

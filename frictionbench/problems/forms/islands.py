@@ -25,9 +25,9 @@ have at most the energy of what they stop, and change contact i's velocity by at
 
 it counts as at most FAR sqrt(s_i E_i), however fast it slides, or as CANCELLED of its terms; where q_n,i exceeds FAR
 sqrt(s_i E_i), it is open in any answer by far, r_n,i = 0, and is left out as a link too, unless it has a friction bias. Its own
-unit is then the largest of the islands that push it, or its own speed where none does. A contact with a friction bias counts in
-the sum as what b_f can stop of its sliding. E_i is an estimate of the energy, invariant under changes of frame, of units and of
-the observer's velocity.
+unit is then the least of the islands that push it, or its own speed where none does; its defect s r_n has no rounding of u_n. A
+contact with a friction bias counts in the sum as what b_f can stop of its sliding. E_i is an estimate of the energy, invariant
+under changes of frame, of units and of the observer's velocity.
 
 Of given mechanics W is not formed: a contact acts on the velocities that it touches, |W_ij| <= sum_v |J_iv| |J_jv| / m_v, and
 bodies that the mass matrix or joints connect are one.
@@ -40,15 +40,14 @@ from frictionbench.problems.compiled import kernel, part
 COUPLED = 1e-10  # share of a velocity that is transmitted: mass ratios of neighbours up to 1e10 leave an island connected
 FAR = 10.0  # the sum is less than the energy where contacts share bodies: by the root of their number, for equal masses
 CANCELLED = 1e-6  # so that the rounding floor of contacts at rest on moving bodies is some 1e-9
-LEVEL = 1e-12  # share of a contact's speed below which it is not known to open
-NOISE = 1e-14  # some fifty roundings
+NOISE = 1e-14  # some fifty roundings: of a contact's speed, below which it is not known to open, and of the terms of a demand
 
 
 @kernel
 def mechanical_units(  # type: ignore[no-untyped-def]
     start, column, J, m_start, m_column, m_value, f_start, f_column, moves, bias, q, s, b_f
 ):
-    """The units (nc,) of given mechanics.
+    """The units (nc,) of given mechanics, and the island (nc,) of each contact.
 
     moves: (nv,), the size of the terms of each velocity. f_start, f_column: the entries of the joints' rows.
     """
@@ -66,14 +65,14 @@ def mechanical_units(  # type: ignore[no-untyped-def]
         else:
             terms += abs(bias[i])
         size[i] = max(terms, own_speed(q, i, d))
-        closes[i] = q[i * d] <= max(CANCELLED * of_normal, LEVEL * own_speed(q, i, d))
+        closes[i] = q[i * d] <= max(CANCELLED * of_normal, NOISE * own_speed(q, i, d))
     graph = mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_column, s)
     return _units(*graph, size, closes, row, q, s, b_f)
 
 
 @kernel
 def delassus_units(first, neighbours, block, q, s, b_f):  # type: ignore[no-untyped-def]
-    """The units (nc,) where only W, by blocks, and q are known."""
+    """The same where only W, by blocks, and q are known."""
     nc, d = len(s), block.shape[1]
     size, closes, row, q = np.empty(nc), np.empty(nc, np.bool_), np.zeros(nc, np.bool_), q.copy()
     for i in range(nc):
@@ -86,7 +85,7 @@ def delassus_units(first, neighbours, block, q, s, b_f):  # type: ignore[no-unty
                 if block[k, 0, 0] <= 0:
                     open_without_normal(q, i, d)
         size[i] = own_speed(q, i, d)
-        closes[i] = q[i * d] <= LEVEL * size[i]
+        closes[i] = q[i * d] <= NOISE * size[i]
     return _units(*delassus_graph(first, neighbours, block, s), size, closes, row, q, s, b_f)
 
 
@@ -159,13 +158,13 @@ def delassus_graph(first, neighbours, block, s):  # type: ignore[no-untyped-def]
 
 @part
 def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # type: ignore[no-untyped-def]
-    """The units. size: that of the terms of q_i, at least |q_i|. closes: q_n,i <= 0 to rounding. row: of a joint."""
+    """The units and the islands. size: that of the terms of q_i, at least |q_i|. closes: q_n,i <= 0 to rounding. row: of a
+    joint."""
     nc, d = len(s), len(q) // max(len(s), 1)
     needed, speed, terms = np.empty(nc), np.empty(nc), size.copy()
     for i in range(nc):
         needed[i] = demand(q, i, d, s[i], b_f[i])
         speed[i] = max(CANCELLED * size[i], own_speed(q, i, d))
-    uncut = speed.copy()
     bears = _bearing(start, node, push, read, nodes, closes, q, s, b_f, needed, speed, terms)
     parent = _components(start, node, push, read, nodes, bears)
     # Of the bearing contacts of each tree: the largest in their own velocities, and of rows and of all over sqrt(s).
@@ -177,8 +176,9 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
                 kind = 1 if row[i] else 0
                 worst[tree, m, kind] = max(worst[tree, m, kind], value / root if row[i] else value)
                 worst[tree, m, 2] = max(worst[tree, m, 2], value / root)
-    unit, largest = np.zeros(nc), 0.0
+    unit, island, largest = np.zeros(nc), np.empty(nc, np.int64), 0.0
     for i in range(nc):
+        island[i] = top(parent, i)
         if bears[i]:
             unit[i] = _unit(worst[top(parent, i)], row[i], s[i])
             largest = max(largest, unit[i])
@@ -189,21 +189,23 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
                 for m in range(first[node[k]], first[node[k] + 1]):
                     i = reader[m, 0]
                     if not bears[i] and read[reader[m, 1]] * push[k] > COUPLED:
-                        unit[i] = max(unit[i], _unit(worst[top(parent, j)], row[i], s[i]))
+                        pushing = _unit(worst[top(parent, j)], row[i], s[i])
+                        unit[i] = pushing if unit[i] == 0 or 0 < pushing < unit[i] else unit[i]
         for i in range(nc):
             if unit[i] == 0:
-                unit[i] = uncut[i]
+                unit[i] = own_speed(q, i, d)
             largest = max(largest, unit[i])
     for i in range(nc):
-        unit[i] = max(unit[i], CANCELLED * size[i], NOISE * largest) if unit[i] > 0 else largest
-    return unit
+        own = CANCELLED * size[i] if bears[i] else 0.0
+        unit[i] = max(unit[i], own, NOISE * largest) if unit[i] > 0 else largest
+    return unit, island
 
 
 @part
 def _unit(worst, row, s):  # type: ignore[no-untyped-def]
     """The unit of a contact from the largest demand, speed and terms of an island, (3, 3), in its own dimension."""
     needed, fastest, terms = worst[:, 2] * np.sqrt(s) if row else np.maximum(worst[:, 0], worst[:, 1] * np.sqrt(s))
-    return max(needed if needed > LEVEL * terms else fastest, CANCELLED * terms)
+    return max(needed if needed > NOISE * terms else fastest, CANCELLED * terms)
 
 
 @kernel

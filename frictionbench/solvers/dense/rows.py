@@ -68,7 +68,7 @@ def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no
             _lock(i, bodies, joints, inverse, moves, bias, C, XC, q, diagonal, locked, lost)
     scale = mean_diagonal(diagonal)
     flat = q.copy().reshape(3 * nc)
-    units = mechanical_units(start, column, J, m_start, m_column, m_value, f_start, f_column, moves, bias, flat, scale, b_f)
+    units, _ = mechanical_units(start, column, J, m_start, m_column, m_value, f_start, f_column, moves, bias, flat, scale, b_f)
     if nj:
         _hold_rows(V, row, C, XC, locked)
         for i in range(nc):
