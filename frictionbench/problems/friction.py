@@ -43,7 +43,7 @@ class FrictionProblem(Mechanics):
     Joints that stop and rub are contacts by convention, in rad/s and N m s where the joint's coordinate is an angle:
     a limit has T = 0 and mu = 0: N is its direction and b the gap over the step;
     dry friction has N = 0 and mu = 0: T is the direction, in its first row, b_f the step times the force of friction, and b any
-    positive number, 1 by custom, so that r_n = 0. That b counts as a term of its velocity.
+    positive number, 1 by custom, so that r_n = 0. That b is no velocity and counts nowhere.
 
     Everything is checked, copied and made read-only here. Errors: InputError naming the field.
 
