@@ -73,6 +73,7 @@ def _solvers() -> dict[str, Facts]:
             "dimension": tuple(info.dimension),
             "takes_a_start": info.warm_start,
             "portfolio": bool(info.members),
+            "single_precision": info.precision == "single",
             "version": "" if first.missing else first.version,
             "missing": info.missing,
             "settings": {each.name: getattr(made, each.name) for each in fields(made)},
