@@ -128,7 +128,10 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
 def booktabs(table: Table) -> str:
     """A tabular with the first column aligned left and the others right; its document loads booktabs and graphicx."""
     cited = [head == REFERENCES for head in table.header]
-    body = [[rf"\cite{{{cell}}}" if c else escaped(cell) for c, cell in zip(cited, row, strict=True)] for row in table.rows]
+    body = [
+        [rf"\cite{{{cell}}}" if c and cell.isascii() else escaped(cell) for c, cell in zip(cited, row, strict=True)]
+        for row in table.rows
+    ]
     code = [list(map(escaped, table.header)), *body]
     lines = [" & ".join(row) + r" \\" for row in code]
     widths = [max(map(len, column)) for column in zip(*code, strict=True)]
