@@ -31,7 +31,7 @@ from studies.study import Study, Summary, Tables
 
 NAMES = (  # in the order of the page
     *("convexity", "relaxation", "interior", "inclusion", "cone", "outcomes"),
-    *("orders", "events", "substeps", "coordinates", "compliance", "neighbours", "warm", "rankings", "exactness"),
+    *("orders", "events", "substeps", "coordinates", "compliance", "neighbours", "warm", "rankings", "exactness", "precision"),
 )
 HERE = Path(__file__).parent
 FIGURES = "studies"  # the folder of the figures that studies.md shows

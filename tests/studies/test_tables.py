@@ -239,3 +239,14 @@ def test_substeps_help_while_each_converges() -> None:
     assert errors[64, 16] < 0.5 * errors[64, 1]
     assert errors[16, 16] > errors[16, 4], "one sweep in a substep"
     assert text("substeps", found).answer.startswith("Both")
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_single_precision_reaches_what_is_coarse() -> None:
+    cases = {"cases": ("ant-harsh-159", "cheetah-smooth-119")}
+    found = reduced("precision", rounded=cases, reached=cases | {"limits": (50, 500)})
+    last = found["reached"].query("limit == 500").groupby("precision")["residual"].agg(["min", "max"])
+    assert found["rounded"]["residual"].between(1e-10, 1e-6).all()
+    assert last.loc["single", "max"] < 1e-5
+    assert last.loc["double", "max"] < last.loc["single", "min"]
+    assert text("precision", found).answer.startswith("Nothing at 1e-4")
