@@ -5,16 +5,8 @@ from collections.abc import Iterable, Iterator
 from datetime import timedelta
 from typing import TypeVar
 
+from rich import progress
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress as Bar,
-    ProgressColumn,
-    Task as Stage,
-    TextColumn,
-    TimeElapsedColumn,
-)
 from rich.text import Text
 
 from frictionbench.harness.workers.cluster import Cluster
@@ -23,20 +15,20 @@ from frictionbench.harness.workers.pool import Outcome, Pool, Task
 T = TypeVar("T")
 
 
-class Remaining(ProgressColumn):
+class Remaining(progress.ProgressColumn):
     """The time left at the mean pace so far. It grows while nothing ends, as when kernels are compiled."""
 
-    def render(self, task: Stage) -> Text:
+    def render(self, task: progress.Task) -> Text:
         done = task.completed - task.fields["before"]
         left = (task.elapsed or 0.0) * (task.remaining or 0.0) / done if done else 0.0
         return Text(str(timedelta(seconds=round(left))) if left else "")
 
 
 COLUMNS = (
-    TextColumn("{task.description}"),
-    BarColumn(20),  # characters
-    MofNCompleteColumn(),
-    TimeElapsedColumn(),
+    progress.TextColumn("{task.description}"),
+    progress.BarColumn(20),  # characters
+    progress.MofNCompleteColumn(),
+    progress.TimeElapsedColumn(),
     Remaining(),
 )
 INTERVAL = 20.0  # seconds between plain lines: a log of an hour's run has under two hundred
@@ -59,7 +51,7 @@ class Progress:
     def counted(self, name: str, items: Iterable[T], total: int, done: int = 0) -> Iterator[T]:
         """The items, with a bar of how many there have been of the total; done: before the first."""
         printed = time.monotonic()
-        with Bar(*COLUMNS, console=self._console, disable=not self._console.is_terminal) as bar:
+        with progress.Progress(*COLUMNS, console=self._console, disable=not self._console.is_terminal) as bar:
             task = bar.add_task(name, total=total, completed=done, before=done)
             for count, item in enumerate(items, done + 1):
                 bar.update(task, completed=count)

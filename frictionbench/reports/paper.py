@@ -44,8 +44,11 @@ def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, wi
     """
     paper = subfolder(folder, "paper")
     captions: dict[str, str] = {}
-    for chart in CHARTS if figures is None else [_chart(name) for name in figures]:
-        captions |= _save_chart(chart, run, paper, width, font)
+    charts = {chart.name: chart for chart in CHARTS}
+    for name in charts if figures is None else figures:
+        if name not in charts:
+            raise ResultsError(f"figures: there is no {name}; there are {', '.join(charts)}")
+        captions |= _save_chart(charts[name], run, paper, width, font)
     made = printed(run)
     for table in made:
         write_text(paper / f"{table.name}.tex", booktabs(table))
@@ -53,13 +56,6 @@ def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, wi
     write_text(paper / "captions.tex", captions_file(captions, setting(run)))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
     return paper
-
-
-def _chart(name: str) -> Chart:
-    for chart in CHARTS:
-        if chart.name == name:
-            return chart
-    raise ResultsError(f"figures: there is no {name}; there are {', '.join(chart.name for chart in CHARTS)}")
 
 
 def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
