@@ -98,7 +98,7 @@ def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
     found = known[name]
     if found.kind != kind:
         raise InputError(f"{kind}: {name!r} is no {kind}; frictionbench.problem({name!r}) makes the problem of one step")
-    for key in set(parameters) - found.parameters.keys():
+    for key in set(parameters) - found.parameters.keys() - {*(UNITS if kind == "scene" else ())}:
         like, its = near(key, found.parameters), ", ".join(found.parameters)
         raise InputError(f"{key}: the {kind} {name} has no such parameter{like}; it has {its}")
     return found
@@ -170,7 +170,7 @@ def is_spatial(name: str) -> bool:
 
 def find_scene(name: str, parameters: Iterable[str]) -> Generator[Scene]:
     """The generator of the named scene. Errors: InputError naming the scene or the parameter that is unknown."""
-    return _find("scene", name, [key for key in parameters if key not in UNITS])
+    return _find("scene", name, parameters)
 
 
 def scene(name: str, **parameters: Any) -> Scene:

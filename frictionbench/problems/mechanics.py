@@ -278,7 +278,7 @@ class Mechanics(ReadOnly):
         if not self._has_joints:
             return delassus.pushed_contact_velocity(*self.contact_rows, *self.inverse_rows, self.free_velocity, r, self.bias)
         u = delassus.contact_velocity(*self.contact_rows, self._on_joints(self._pushed(r)), self.bias)
-        np.copyto(u, self.q.reshape(u.shape), where=self._locked)
+        np.copyto(u, self.q.reshape(u.shape), where=self._joint_diagonal[1])  # what joints lock
         return u
 
     def velocity_size(self, impulse: Array) -> Array:
@@ -339,8 +339,3 @@ class Mechanics(ReadOnly):
         """P J_k' (nv,) of row k of J, to rounding also where it is a small difference of large terms."""
         pushed = self.inverse_mass @ self.jacobian[[k]].toarray()[0]
         return self._held.hold(self._held.hold(pushed, 0.0), 0.0)
-
-    @property
-    def _locked(self) -> NDArray[np.bool_]:
-        """(nc, d): see _joint_diagonal."""
-        return self._joint_diagonal[1]

@@ -36,13 +36,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.forms.islands import NOISE
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.residual import (
-    contact_floors,
-    contact_residuals,
-    fclib_error,
-    largest,
-    polygon_residuals,
-)
+from frictionbench.problems.residual import contact_floors, contact_residuals, fclib_error, largest, polygon_residuals
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 
@@ -86,22 +80,23 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
         return _verify_lcp(problem, answer, tol)
     claimed = answer.status is Status.SOLVED
     impulse = np.asarray(answer.impulse, dtype=float)
-    if reason := _malformed(problem, impulse):
-        return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, reason, *(np.inf,) * 5)
+    expected = (problem.contacts, problem.dimension)
+    if impulse.shape != expected or not np.isfinite(impulse).all():
+        wrong = f"has shape {impulse.shape}, not {expected}" if impulse.shape != expected else "is not finite"
+        return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, f"the impulse {wrong}", *(np.inf,) * 5)
     softness, soft = _softness(problem, answer, model, tol)
     shift = 0.0 if model in ("relaxation", "regularised") else 1.0
     by_contact = contact_residuals(problem, impulse)
     idle = contact_residuals(problem, np.zeros_like(impulse))
-    parts = (
-        by_contact,
-        _model_residuals(problem, answer, model, by_contact, softness),
-        contact_floors(problem, impulse, shift),
-        idle,
-    )
-    exact, of_model, floor = (largest(part) for part in parts[:3])
+    of_own_model = _model_residuals(problem, answer, model, by_contact, softness)
+    parts = (by_contact, of_own_model, contact_floors(problem, impulse, shift))
+    exact, of_model, floor = (largest(part) for part in parts)
     reported = claimed or answer.status is Status.ROUNDING
-    of_island = _of_island(problem, idle)
-    verdict, why = _verdict([*parts[:3], of_island], claimed, reported, tol)
+    island = problem.bearing_islands
+    worst = np.zeros(island.max(initial=-1) + 1)
+    np.maximum.at(worst, island, idle)
+    of_island = worst[island]
+    verdict, why = _verdict([*parts, of_island], claimed, reported, tol)
     if shift == 0 and verdict != Verdict.RELAXED:
         larger = np.maximum(parts[2], contact_floors(problem, impulse))
         verdict, why = _verdict([*parts[:2], larger, of_island], claimed, reported, tol)
@@ -109,23 +104,9 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
     accepted = claimed and verdict in ACCEPTED
     with np.errstate(over="ignore", invalid="ignore"):
         defect = ledger_defect(problem, impulse)
-    reasons = [
-        why,
-        soft,
-        "" if accepted and quiet else answer.detail,
-        answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else "",
-    ]
+    said = answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else ""
+    reasons = [why, soft, "" if accepted and quiet else answer.detail, said]
     return Finding(verdict, "; ".join(filter(None, reasons)), exact, of_model, floor, fclib_error(problem, impulse), defect)
-
-
-def _malformed(problem: FrictionProblem, impulse: Array) -> str | None:
-    """What is wrong with the shape or the values of an impulse, or None."""
-    expected = (problem.contacts, problem.dimension)
-    if impulse.shape != expected:
-        return f"the impulse has shape {impulse.shape}, not {expected}"
-    if not np.isfinite(impulse).all():
-        return "the impulse is not finite"
-    return None
 
 
 def _softness(problem: FrictionProblem, answer: Answer, model: str, tol: float) -> tuple[Array | None, str]:
@@ -152,14 +133,6 @@ def _model_residuals(problem: FrictionProblem, answer: Answer, model: str, exact
     return exact
 
 
-def _of_island(problem: FrictionProblem, by_contact: Array) -> Array:
-    """Of each contact (nc,), the largest value in its island."""
-    island = problem.bearing_islands
-    worst = np.zeros(island.max(initial=-1) + 1)
-    np.maximum.at(worst, island, by_contact)
-    return worst[island]
-
-
 def _verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
     """The finding on an answer to a bare LCP, without rounding floor, FCLIB's error and energy defect."""
     claimed = answer.status is Status.SOLVED
@@ -169,13 +142,6 @@ def _verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
     parts = [np.array([part]) for part in (found, found, 0.0, lcp.residual(np.zeros(lcp.size)))]
     verdict, why = _verdict(parts, claimed, claimed, tol)
     return Finding(verdict, "; ".join(filter(None, (why, answer.detail))), found, found, 0.0, np.nan, np.nan)
-
-
-def _above(residual: float, tol: float) -> str:
-    """A residual above the tolerance, with as many digits as show that it is."""
-    if residual < 1.05 * tol:
-        return f"above it by {100 * (residual / tol - 1):.1g} %"
-    return f"{residual:.2g}, {residual / tol:.2g} times that"
 
 
 def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> tuple[Verdict, str]:
@@ -203,5 +169,8 @@ def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> t
     if not claimed:
         return Verdict.UNSOLVED, ""
     of = "" if nearest == worst else " of its model"
-    why = f"claimed solved within {tol:g}; the residual{of} is {_above(nearest, tol)}"
+    above = f"{nearest:.2g}, {nearest / tol:.2g} times that"
+    if nearest < 1.05 * tol:  # with as many digits as show that it is above
+        above = f"above it by {100 * (nearest / tol - 1):.1g} %"
+    why = f"claimed solved within {tol:g}; the residual{of} is {above}"
     return Verdict.NEAR_MISS if nearest < NEAR * tol else Verdict.WRONG, why

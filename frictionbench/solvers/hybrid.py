@@ -77,7 +77,9 @@ class Hybrid:
         simple, other, *others = PLANAR if problem.dimension == 2 else SPATIAL
         if steps := few_steps(problem):
             return problem, (NEWTON, other, simple, *others), steps
-        members = (simple, other, *others) if simple_first(problem) else (other, simple, *others)
+        sizes = problem.contacts, len(problem.free_velocity), len(problem.joint_bias)
+        simple_first = few_pivots(problem) if problem.dimension == 2 else _sweeps_help(*sizes)
+        members = (simple, other, *others) if simple_first else (other, simple, *others)
         return problem, members, find(members[0])[1].form(problem)
 
     def setup(self, formed: Prepared) -> Prepared:
@@ -150,13 +152,6 @@ class Hybrid:
             solved |= (after.status == Status.SOLVED) & (residuals(packed, after.impulse)[:, 0] <= tol)
         work["members"] = members
         return Solved(impulse, np.array([None, Status.SOLVED])[solved.astype(int)], work)
-
-
-def simple_first(problem: FrictionProblem) -> bool:
-    """Whether the simpler method comes before the interior point."""
-    if problem.dimension == 2:
-        return few_pivots(problem)
-    return bool(_sweeps_help(problem.contacts, len(problem.free_velocity), len(problem.joint_bias)))
 
 
 def _only(packed: Packed, chosen: NDArray[np.bool_]) -> Packed:

@@ -374,10 +374,13 @@ def solve(
         raise InputError(f"solver: {reason}")
     shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)
     guess = None if start is None else impulses(start, shape)
-    if time_limit is None:
+    with within(math.inf if time_limit is None else _positive("time_limit", time_limit, "number of seconds")):
         answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
-    else:
-        answer = _solve_in_time(instance, problem, tol, limit, guess if info.warm_start else None, time_limit)
+        late = is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING)
+    if time_limit is not None and (late or answer.status is Status.TIME_LIMIT):
+        bare = isinstance(problem, LCP)
+        found = problem.residual(answer.z) if bare else residual(problem, answer.impulse)  # type: ignore[union-attr,arg-type]
+        answer.status, answer.detail = Status.TIME_LIMIT, f"after {time_limit:g} s, with a residual of {found:.2g}"
     answer.solver = spec
     checked = answer.status is Status.SOLVED and info.ours and not instance.knows_rounding
     if checked and isinstance(problem, FrictionProblem) and residual_with_floor(problem, answer.impulse)[1] > tol:
@@ -395,19 +398,6 @@ def why_lost(info: SolverInfo, problem: FrictionProblem, status: Status, tol: fl
 
 
 _LOST = (Status.RAY, Status.STALLED, Status.BREAKDOWN, Status.WORK_LIMIT)  # a reason for them is looked for
-
-
-def _solve_in_time(
-    instance: Solver, problem: FrictionProblem | LCP, tol: float, limit: int | None, start: Array | None, seconds: Any
-) -> Answer:
-    """The answer, TIME_LIMIT if it is not solved when the time is over. Errors: InputError naming time_limit."""
-    with within(_positive("time_limit", seconds, "number of seconds")):
-        answer = instance.solve(instance.prepare(problem), tol, limit, start)
-        if answer.status is Status.TIME_LIMIT or (is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING)):
-            bare = isinstance(problem, LCP)
-            found = problem.residual(answer.z) if bare else residual(problem, answer.impulse)  # type: ignore[union-attr,arg-type]
-            answer.status, answer.detail = Status.TIME_LIMIT, f"after {seconds:g} s, with a residual of {found:.2g}"
-    return answer
 
 
 def tolerance(tol: Any) -> float:

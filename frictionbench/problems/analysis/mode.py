@@ -1,12 +1,9 @@
 """The mode of each contact in an answer, and the distance of an answer from the nearest change of mode."""
 
 import numpy as np
-import numpy.typing as npt
 
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
-
-Flags = npt.NDArray[np.bool_]
 
 
 def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
@@ -15,16 +12,11 @@ def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
     An impulse up to tol unit/s and a velocity up to tol unit count as zero, in the contact's own s and unit, problem.units.
     """
     require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
-    opened, slides = _open_sliding(problem, impulse, tol)
-    slip = np.where(slides, np.sign(problem.contact_velocity(impulse)[:, 1]), 0).astype(int)
-    return "".join(np.where(opened, "o", np.array(["s", "r", "l"])[slip]))
-
-
-def _open_sliding(problem: FrictionProblem, impulse: Array, tol: float) -> tuple[Flags, Flags]:
-    """Which contacts (nc,) have no impulse, and which have a tangential velocity."""
     least = tol * problem.units
     opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= least
-    return opened, np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1) > least
+    slides = np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1) > least
+    slip = np.where(slides, np.sign(problem.contact_velocity(impulse)[:, 1]), 0).astype(int)
+    return "".join(np.where(opened, "o", np.array(["s", "r", "l"])[slip]))
 
 
 def distance_to_next_mode(problem: FrictionProblem, impulse: Array) -> float:

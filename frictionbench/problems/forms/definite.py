@@ -18,10 +18,16 @@ STEPS = 60  # products with the matrix; up to so many rows the values are exact
 
 
 def require_semidefinite(field: str, W: sparse.csr_array) -> None:
-    """Errors: InputError naming the field where W (n, n) overflows, holds one triangle only, or its symmetric part has an
-    eigenvalue below -INDEFINITE of the largest, as far as spectrum_ends finds it."""
+    """Errors: InputError naming the field where W (n, n) overflows, has entries on one side of its diagonal alone that are more
+    than rounding, as one stored by a triangle does, or its symmetric part has an eigenvalue below -INDEFINITE of the largest,
+    as far as spectrum_ends finds it."""
     require(abs(W).max() < LARGEST if W.nnz else True, field, f"its entries must be below {LARGEST:g}")
-    _require_both_triangles(field, W)
+    sides = sparse.tril(W, -1, format="coo"), sparse.triu(W, 1, format="coo")
+    for side, other in (sides, sides[::-1]):
+        if side.nnz and not other.nnz and abs(side.data).max() > DIGITS * abs(W).max():
+            most = abs(side.data).argmax()
+            i, j = side.row[most], side.col[most]
+            raise InputError(f"{field}: holds one triangle: entry ({i}, {j}) is {side.data[most]:.3g}, but ({j}, {i}) is 0")
     least, largest = spectrum_ends(W)
     require(least >= -INDEFINITE * max(largest, 0.0), field, "not positive semidefinite")
 
@@ -53,14 +59,3 @@ def _orthogonal_to(basis: Array, direction: Array) -> Array:
         direction = direction - basis.T @ (basis @ direction)
         direction = direction / np.linalg.norm(direction)
     return direction
-
-
-def _require_both_triangles(field: str, W: sparse.csr_array) -> None:
-    """Errors: InputError naming the field where W has entries on one side of its diagonal alone, as one stored by a triangle
-    does, that are more than rounding."""
-    sides = sparse.tril(W, -1, format="coo"), sparse.triu(W, 1, format="coo")
-    for side, other in (sides, sides[::-1]):
-        if side.nnz and not other.nnz and abs(side.data).max() > DIGITS * abs(W).max():
-            most = abs(side.data).argmax()
-            i, j = side.row[most], side.col[most]
-            raise InputError(f"{field}: holds one triangle: entry ({i}, {j}) is {side.data[most]:.3g}, but ({j}, {i}) is 0")

@@ -170,17 +170,23 @@ JointEquations = FewJoints | ManyJoints
 
 
 def require_consistent(held: JointEquations, F: sparse.csr_array, bias: Array, inverse_mass: Array, free: Array) -> None:
-    """Check that the equations have a solution, and that rounding leaves them satisfied.
+    """Check that the equations have a solution, and that rounding leaves them satisfied by the velocity nearest to v*.
 
     held: the equations F v + bias = 0. inverse_mass: the diagonal of M^-1 (nv,). free: v* (nv,).
-    Errors: InputError naming joint_bias where they contradict each other, joints where rounding breaks them.
+    Errors: InputError naming joint_bias where they contradict each other, joints where rounding leaves them above CONTRADICTION
+    of their terms, each row in its own unit: of rows that are nearly dependent the inverse has too few digits.
     """
     size = np.sqrt(F.multiply(F) @ inverse_mass)  # the speed that a unit of kinetic energy gives each joint
     unit = np.where(size > 0, size, 1.0)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows compares as false and is refused
         if bias.any():  # without biases, v = 0 satisfies all
             _require_solution(held, F, bias, unit, free)
-        _require_held(held, F, bias, unit, free)
+        v = held.hold(free)
+        left = np.abs(F @ v + bias)
+        terms = (abs(F) @ (np.abs(v) + np.abs(free)) + np.abs(bias)) / unit
+        satisfied = bool((left / unit <= CONTRADICTION * terms.max()).all())
+        reason = f"rows are so nearly dependent that rounding leaves them unsatisfied by up to {left.max():.2g} m/s"
+        check.require(satisfied, "joints", f"{reason}; remove those that follow from others")
 
 
 def _require_solution(held: JointEquations, F: sparse.csr_array, bias: Array, unit: Array, free: Array) -> None:
@@ -198,17 +204,6 @@ def _require_solution(held: JointEquations, F: sparse.csr_array, bias: Array, un
     listed = ", ".join(map(str, bad[:6].tolist())) + ", ..." * (len(bad) > 6)
     missed = f"rows {listed} are missed by up to {(defect * unit)[bad].max(initial=0.0):.2g} m/s"
     check.require(not len(bad), "joint_bias", f"the joint equations contradict each other: {missed}")
-
-
-def _require_held(held: JointEquations, F: sparse.csr_array, bias: Array, unit: Array, free: Array) -> None:
-    """Errors: InputError naming joints where rounding leaves F v + bias, of the nearest velocity, above CONTRADICTION of its
-    terms, each row in its own unit: of rows that are nearly dependent the inverse has too few digits."""
-    v = held.hold(free)
-    left = np.abs(F @ v + bias)
-    terms = (abs(F) @ (np.abs(v) + np.abs(free)) + np.abs(bias)) / unit
-    satisfied = bool((left / unit <= CONTRADICTION * terms.max()).all())
-    reason = f"rows are so nearly dependent that rounding leaves them unsatisfied by up to {left.max():.2g} m/s"
-    check.require(satisfied, "joints", f"{reason}; remove those that follow from others")
 
 
 def _half_bandwidth(rows: sparse.csr_array) -> int:

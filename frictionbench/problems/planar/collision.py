@@ -87,24 +87,16 @@ class Contacts:
 def find_contacts(geometry: Geometry, q: Array, margin: float) -> Contacts:
     """All contacts with gap <= margin (m) at the coordinates q (nv,)."""
     q = check.vector("q", q)
-    gap, place, feature, shape = _meet(geometry, q, margin)
-    return Contacts(gap, place, geometry.owner[shape], feature, q)
-
-
-def _meet(geometry: Geometry, q: Array, margin: float) -> tuple[Array, Array, Index64, Index64]:
     corners = geometry.world_corners(q)
     start, owner, radius, endless = geometry.start, geometry.owner, geometry.radius, geometry.endless
     low = np.where(endless[:, None], -np.inf, _reduce(np.minimum, corners, start) - radius[:, None])
     high = np.where(endless[:, None], np.inf, _reduce(np.maximum, corners, start) + radius[:, None])
-    pairs = near_pairs(low, high, owner, margin)
-    return meet(pairs[~geometry.hinged(pairs)], corners, start, radius, endless, margin)
+    beyond = (low[:, None] > high + margin).any(axis=2)
+    # Pairs (i < j) of shapes of different bodies whose boxes [low, high] come within the margin, in order.
+    pairs = np.argwhere(np.triu(~(beyond | beyond.T) & (owner[:, None] != owner)))
+    gap, place, feature, shape = meet(pairs[~geometry.hinged(pairs)], corners, start, radius, endless, margin)
+    return Contacts(gap, place, owner[shape], feature, q)
 
 
 def _reduce(extreme: np.ufunc, corners: Array, start: Index64) -> Array:
     return np.asarray(extreme.reduceat(corners, start[:-1])) if len(start) > 1 else np.zeros((0, 2))
-
-
-def near_pairs(low: Array, high: Array, owner: Index64, margin: float) -> Index64:
-    """Pairs (i < j) of shapes of different bodies whose boxes [low, high] come within the margin, in order."""
-    beyond = (low[:, None] > high + margin).any(axis=2)
-    return np.argwhere(np.triu(~(beyond | beyond.T) & (owner[:, None] != owner)))

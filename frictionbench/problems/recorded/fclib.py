@@ -17,7 +17,6 @@ import subprocess
 import sys
 from io import BytesIO
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,19 +155,15 @@ def write(problem: FrictionProblem, path: Path, title: str = "", description: st
                 matrices["G"], vectors["b"] = sparse.csr_array(problem.joints.T), problem.joint_bias
             file[OURS] = problem.free_velocity
         for name, matrix in matrices.items():
-            _write_matrix(group.create_group(name), matrix, by_rows=local)
+            entries, own = matrix.tocoo(), group.create_group(name)
+            sizes = {"m": matrix.shape[0], "n": matrix.shape[1], "nz": -2 if local else matrix.nnz, "nzmax": matrix.nnz}
+            for size, value in sizes.items():
+                own[size] = _integer(value)
+            own["p"] = (matrix.indptr if local else entries.col).astype(np.int32)
+            own["i"] = (matrix.indices if local else entries.row).astype(np.int32)
+            own["x"] = matrix.data if local else entries.data
         for name, vector in (vectors | {"mu": problem.friction}).items():
             group[f"vectors/{name}"] = vector
-
-
-def _write_matrix(group: Any, matrix: sparse.csr_array, by_rows: bool) -> None:
-    entries = matrix.tocoo()
-    sizes = {"m": matrix.shape[0], "n": matrix.shape[1], "nz": -2 if by_rows else matrix.nnz, "nzmax": matrix.nnz}
-    for name, size in sizes.items():
-        group[name] = _integer(size)
-    group["p"] = (matrix.indptr if by_rows else entries.col).astype(np.int32)
-    group["i"] = (matrix.indices if by_rows else entries.row).astype(np.int32)
-    group["x"] = matrix.data if by_rows else entries.data
 
 
 def _integer(value: int) -> Array:

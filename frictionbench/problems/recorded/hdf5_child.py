@@ -45,15 +45,11 @@ def read(path: str, most: int) -> dict[str, np.ndarray]:
                 if isinstance(data, h5py.Group):
                     groups.append((field, data, depth + 1))
                 elif isinstance(data, h5py.Dataset) and data.dtype.kind in "fiu" and _is_written(data):
-                    left -= _needed(data)
+                    # The bytes to read it: of its shape, or of one of its chunks, which are unpacked whole and may be larger.
+                    left -= data.dtype.itemsize * max(math.prod(data.shape), math.prod(data.chunks or ()))
                     _check(field, data, left)
                     arrays[field] = data[()]
     return arrays
-
-
-def _needed(data: h5py.Dataset) -> int:
-    """The bytes to read the data set: of its shape, or of one of its chunks, which are unpacked whole and may be larger."""
-    return data.dtype.itemsize * max(math.prod(data.shape), math.prod(data.chunks or ()))
 
 
 def _check(field: str, data: h5py.Dataset, left: int) -> None:

@@ -138,7 +138,13 @@ def _read(path: Path, arrays: dict[str, Array]) -> tuple[FrictionProblem | LCP, 
         found = _problem(arrays)
         if isinstance(found, LCP) or not arrays.keys() & {*NAMES}:
             return found, None
-        return found, unpacked(found, arrays)
+        require("impulse" in arrays, "impulse", "is missing: the file holds a problem, but not what an engine answered")
+        expected, shape = (found.contacts, found.dimension), arrays["impulse"].shape
+        require(shape == expected, "impulse", f"expected shape {expected}, got {shape}")
+        step = arrays.get("step")
+        require(step is None or step.size == 1, "step", "expected a number")
+        notes = _text(arrays["notes"]) if "notes" in arrays else {}
+        return found, EngineStep(found, arrays["impulse"], notes, None if step is None else float(step.item()))
     except KeyError as error:
         raise InputError(f"{path}: field {error.args[0]} is missing") from None
     except (ValueError, TypeError) as error:
@@ -173,17 +179,6 @@ def _names(arrays: Collection[str]) -> set[str]:
 def _matrix(arrays: dict[str, Array], name: str) -> sparse.csr_array:
     *parts, shape = (arrays[f"{name}_{part}"] for part in _PARTS)
     return sparse_matrix(name, sparse.csr_array, tuple(parts), shape)
-
-
-def unpacked(problem: FrictionProblem, arrays: Mapping[str, Array]) -> EngineStep:
-    """The step in a file's arrays. Errors: InputError naming the array that cannot be used."""
-    require("impulse" in arrays, "impulse", "is missing: the file holds a problem, but not what an engine answered")
-    expected, found = (problem.contacts, problem.dimension), arrays["impulse"].shape
-    require(found == expected, "impulse", f"expected shape {expected}, got {found}")
-    step = arrays.get("step")
-    require(step is None or step.size == 1, "step", "expected a number")
-    notes = _text(arrays["notes"]) if "notes" in arrays else {}
-    return EngineStep(problem, arrays["impulse"], notes, None if step is None else float(step.item()))
 
 
 def _text(stored: Array) -> Any:

@@ -94,15 +94,11 @@ def read(path: Path) -> FrictionProblem | LCP:
         numbers = _Numbers(file, size)
         # Both begin with small integers; in an LCP the second is M's storage, and the first is repeated as M's shape.
         if len(head) > 3 and head[0] == head[2] == head[3] and "CSparse" not in head[6:]:
-            return _lcp(numbers)
+            n = numbers.whole("n", least=1)
+            M = _matrix(numbers, "M")
+            require(M.shape == (n, n), "M", f"expected shape {(n, n)}, got {M.shape}")
+            return LCP(M, numbers.reals("q", n))
         return _friction(numbers)
-
-
-def _lcp(numbers: _Numbers) -> LCP:
-    n = numbers.whole("n", least=1)
-    M = _matrix(numbers, "M")
-    require(M.shape == (n, n), "M", f"expected shape {(n, n)}, got {M.shape}")
-    return LCP(M, numbers.reals("q", n))
 
 
 def _friction(numbers: _Numbers) -> FrictionProblem:

@@ -65,7 +65,12 @@ def find_spatial_contacts(geometry: SpatialGeometry, q: Array, margin: float) ->
         if np.linalg.norm(centre[i] - centre[j]) > one.reach + other.reach + margin:
             continue
         if isinstance(one, Sphere) and isinstance(other, Sphere):
-            found += _spheres(i, j, centre, one.radius, other.radius, margin)
+            between = centre[i] - centre[j]
+            distance = float(np.linalg.norm(between))
+            normal = between / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
+            gap = distance - one.radius - other.radius
+            if gap <= margin:
+                found.append((gap, centre[i] - one.radius * normal, normal, (i, j), (64 * i, 6 * j)))
         elif isinstance(one, Cuboid) and isinstance(other, Cuboid):
             found += _boxes((i, j), (_Box(one.half, centre[i], turn[i]), _Box(other.half, centre[j], turn[j])), margin)
     return SpatialContacts(
@@ -75,14 +80,6 @@ def find_spatial_contacts(geometry: SpatialGeometry, q: Array, margin: float) ->
         feature=np.array([feature for *_, feature in found], dtype=np.int64).reshape(-1, 2),
         q=q,
     )
-
-
-def _spheres(i: int, j: int, centre: Array, r: float, s: float, margin: float) -> list[Contact]:
-    between = centre[i] - centre[j]
-    distance = float(np.linalg.norm(between))
-    normal = between / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
-    gap = distance - r - s
-    return [(gap, centre[i] - r * normal, normal, (i, j), (64 * i, 6 * j))] if gap <= margin else []
 
 
 class _Box(NamedTuple):

@@ -89,21 +89,19 @@ class CCP:
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         qpsolvers: Any = import_module("qpsolvers")
         (scaled, given), backend = prepared, BACKENDS[self.backend]
-        settings = _settings(self.backend, *scaled.tolerances(tol, _LEAST_GAP)) | {backend.limit: limit or backend.most}
+        eps, gap = scaled.tolerances(tol, _LEAST_GAP)
+        accuracy = eps / MARGIN
+        settings: dict[str, Any] = {
+            "highs": dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(accuracy, 1e-10)),
+            "ecos": {"feastol": accuracy, "abstol": gap, "reltol": gap},
+            "qpalm": {"eps_abs": accuracy, "eps_rel": 0.0},
+        }[self.backend]
+        settings[backend.limit] = limit or backend.most
         settings |= _TUNED[self.backend] if self.settings == "tuned" else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # qpsolvers warns of a failure; the status reports it
             found = qpsolvers.solve_problem(given, self.backend, **settings)
         return scaled.answer(found.z, found.found, *_iterations_and_detail(found.extras), found.solve_time)
-
-
-def _settings(backend: str, eps: float, gap: float) -> dict[str, Any]:
-    accuracy = eps / MARGIN
-    return {
-        "highs": dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(accuracy, 1e-10)),
-        "ecos": {"feastol": accuracy, "abstol": gap, "reltol": gap},
-        "qpalm": {"eps_abs": accuracy, "eps_rel": 0.0},
-    }[backend]
 
 
 def _iterations_and_detail(extras: Mapping[str, Any]) -> tuple[int | None, str]:

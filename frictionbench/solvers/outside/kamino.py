@@ -49,9 +49,7 @@ class Template(NamedTuple):
     solver: Any
 
 
-class Prepared(NamedTuple):
-    given: ScaledDelassus
-    template: Template | None
+Prepared = tuple[ScaledDelassus, Template]
 
 
 @solver(
@@ -77,8 +75,6 @@ class Kamino:
         return scaled_delassus(problem, TANGENTS_FIRST)
 
     def setup(self, given: ScaledDelassus) -> Prepared:
-        if not len(given.q):
-            return Prepared(given, None)
         template = _template(len(given.friction), self.method)
         dual = template.dual
         dual.zero()
@@ -88,12 +84,10 @@ class Kamino:
             array.assign(filled)
         dual._build_dual_preconditioner()
         dual._apply_dual_preconditioner_to_dual()
-        return Prepared(given, template)
+        return given, template
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         given, template = prepared
-        if template is None:
-            return Answer(np.zeros(given.contacts), Status.SOLVED)
         dual, solver = template
         eps, most = max(given.share * tol / MARGIN, _LEAST), limit or _LIMITS[self.method]
         if self.method == "padmm":

@@ -112,17 +112,14 @@ class Siconos:
             given = dense_lcp(problem)
             message: dict[str, Any] = {"M": given.M, "q": given.q}
         else:
-            dense = kind != "global" and self._dense(problem)
+            nc = problem.contacts
+            full = self.method in _FULL and 2 * len(problem.blocks.neighbours) > nc**2
+            dense = kind != "global" and (full or nc <= _DENSE.get(self.method, 0))
             given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense)
             W = given.W if dense else entries(problem, given.E, given.rows)
             message = global_form(problem, given) if kind == "global" else {"dense": dense, "W": W, "q": given.q}
             message["mu"] = problem.friction
         return kind, given, message
-
-    def _dense(self, problem: FrictionProblem) -> bool:
-        nc = problem.contacts
-        full = self.method in _FULL and 2 * len(problem.blocks.neighbours) > nc**2
-        return full or nc <= _DENSE.get(self.method, 0)
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         kind, given, message = prepared
