@@ -20,7 +20,7 @@ import numpy as np
 from frictionbench.problems import check, sizes
 from frictionbench.problems.check import Array, counted, require
 from frictionbench.problems.forms import delassus
-from frictionbench.problems.forms.balance import components
+from frictionbench.problems.forms.balance import delassus_parts
 from frictionbench.problems.forms.definite import DIGITS, require_semidefinite
 from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands, spread
 from frictionbench.problems.forms.joints import require_consistent
@@ -241,8 +241,8 @@ class GivenDelassus(FrictionProblem):
         return {"q": self.q / np.repeat(factor, self.dimension)}
 
     def parts(self) -> Index64:
-        W = self.W.tocoo()
-        return components(W.row // self.dimension, W.col // self.dimension, self.contacts, self.contacts)
+        found: Index64 = delassus_parts(*self.blocks[:2])
+        return found
 
     def contact_velocity(self, impulse: Array) -> Array:
         return delassus.act(*self.blocks, self._by_contact(impulse), self.offset, False)

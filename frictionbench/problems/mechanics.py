@@ -17,7 +17,7 @@ from scipy import sparse
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, ReadOnly
 from frictionbench.problems.forms import delassus
-from frictionbench.problems.forms.balance import components, factors
+from frictionbench.problems.forms.balance import factors, mechanical_parts
 from frictionbench.problems.forms.delassus import CSR, Blocks, Dense
 from frictionbench.problems.forms.islands import islands, mechanical_graph, mechanical_units, spread
 from frictionbench.problems.forms.joints import FEW, FewJoints, JointEquations, ManyJoints
@@ -263,10 +263,9 @@ class Mechanics(ReadOnly):
     def parts(self) -> Index64:
         """The part that each contact (nc,) is in, numbered from 0; with given mechanics followed by those of the velocities and
         of the joints' equations, -1 where no contact is connected with them."""
-        nc, nv, nj = self.contacts, len(self.free_velocity), len(self.joint_bias)
-        J, M, F = (matrix.tocoo() for matrix in (self.jacobian, self.mass, self.joints))
-        row = np.concatenate([J.row // self.dimension, nc + M.row, nc + nv + F.row])
-        return components(row, nc + np.concatenate([J.col, M.col, F.col]), nc + nv + nj, nc)
+        J, M, F = self.contact_rows, self.mass_rows, self.joint_rows
+        found: Index64 = mechanical_parts(J.start, J.column, M.start, M.column, F.start, F.column)
+        return found
 
     def velocity(self, impulse: Array) -> Array:
         """v (nv,) after the contact impulses (nc, d) or (nc*d,), the joints' equations satisfied; computed without W."""

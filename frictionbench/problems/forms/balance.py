@@ -3,31 +3,63 @@
 A friction problem is homogeneous: free velocities, biases and friction biases divided by a factor > 0 give impulses divided by
 it. Separate parts may have factors of their own, so that one which is slow is solved like one which is fast. The factors are
 powers of two, which change no digits: the largest unit of a part over the largest of the problem, rounded.
+
+A part is a number from 0, of a node that no contact is connected with -1. These are kernels because every solve takes them.
 """
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
-from frictionbench.problems.rows import Array, Index64
-
-
-def components(row: Index64, column: Index64, nodes: int, contacts: int) -> Index64:
-    """The component (nodes,) of each node, those of the first nodes, the contacts, numbered from 0, all others -1.
-
-    row, column: the nodes that are connected.
-    """
-    graph = sparse.coo_array((np.ones(len(row)), (row, column)), shape=(nodes, nodes))
-    count, component = connected_components(graph, directed=False)
-    number = np.full(count, -1)
-    touched = np.unique(component[:contacts])
-    number[touched] = np.arange(len(touched))
-    return np.asarray(number[component])
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.forms.islands import top
 
 
-def factors(part: Index64, units: Array) -> Array:
+@kernel
+def mechanical_parts(start, column, m_start, m_column, f_start, f_column):  # type: ignore[no-untyped-def]
+    """Parts (nc+nv+nj,) of contacts, velocities and joint equations, from the patterns of J by contacts, of M and F by rows."""
+    nc, nv, nj = len(start) - 1, len(m_start) - 1, len(f_start) - 1
+    parent = np.arange(nc + nv + nj)
+    _connect(parent, 0, start, column, nc)
+    _connect(parent, nc, m_start, m_column, nc)
+    _connect(parent, nc + nv, f_start, f_column, nc)
+    return _numbered(parent, nc)
+
+
+@kernel
+def delassus_parts(first, neighbours):  # type: ignore[no-untyped-def]
+    """The parts (nc,) of the contacts, from the pattern of W by blocks."""
+    parent = np.arange(len(first) - 1)
+    _connect(parent, 0, first, neighbours, 0)
+    return _numbered(parent, len(parent))
+
+
+@part
+def _connect(parent, begin, start, column, offset):  # type: ignore[no-untyped-def]
+    """Join each row of a pattern, from node begin on, with its columns, from node offset on."""
+    for i in range(len(start) - 1):
+        for k in range(start[i], start[i + 1]):
+            parent[top(parent, begin + i)] = top(parent, offset + column[k])
+
+
+@part
+def _numbered(parent, nc):  # type: ignore[no-untyped-def]
+    number, found, count = np.full(len(parent), -1), np.empty(len(parent), np.int64), 0
+    for i in range(len(parent)):
+        root = top(parent, i)
+        if i < nc and number[root] < 0:
+            number[root] = count
+            count += 1
+        found[i] = number[root]
+    return found
+
+
+@kernel
+def factors(parts, units):  # type: ignore[no-untyped-def]
     """The factor of each node (nodes,), of the units (nc,) of the contacts; 1 for what no contact is connected with."""
-    own = np.zeros(part.max(initial=-1) + 2)  # the last of the parts without contacts, -1
-    np.maximum.at(own, part[: len(units)], units)
-    share = own / (own.max() or 1.0)
-    return np.asarray(2.0 ** np.rint(np.log2(share, out=np.zeros_like(share), where=share > 0)))[part]
+    fastest, own, factor = 0.0, np.zeros(len(parts)), np.ones(len(parts))
+    for i in range(len(units)):
+        fastest = max(fastest, units[i])
+        own[parts[i]] = max(own[parts[i]], units[i])
+    for v in range(len(parts)):
+        if parts[v] >= 0 and own[parts[v]] > 0:
+            factor[v] = 2.0 ** np.rint(np.log2(own[parts[v]] / fastest))
+    return factor
