@@ -44,6 +44,7 @@ DRAWS = 1000  # bootstrap samples: 25 of them lie beyond each end of an interval
 MEDIANS = 32  # resampled medians of the repeats of a cell, of which each sample takes one
 RIVALS = 4  # solvers after the first that may be the best of a sample
 FEW = 5  # problems, by n_eff; of so few the bootstrap gives no meaningful interval
+CHARGES = (1, 2, 10)  # time limits charged for a problem not solved: PAR1, PAR2 and PAR10
 LISTED = 8  # solvers listed for a kind of problem
 GLOSS = {
     "too few to rank": f"the weights leave {FEW} problems or fewer, of which resampling gives no meaningful interval",
@@ -79,13 +80,14 @@ class Place(NamedTuple):
 class Choice(NamedTuple):
     """The solvers that ran on all problems of a kind, the fastest first. common: how many problems all with a mean solve.
     outside: how many of the solvers of Coulomb's law are from outside libraries. interval: of the lead, None where the problems
-    are too few."""
+    are too few. orders: the first three by each of CHARGES."""
 
     places: list[Place]
     problems: int
     common: int
     outside: int
     interval: tuple[float, float] | None
+    orders: dict[int, list[str]]
 
     @property
     def unclear(self) -> str:
@@ -179,7 +181,8 @@ def choose(
     facts["law"] = [law(*what) for what in models.itertuples(index=False)]
     facts["form"] = share_of_form(own, ["label"])
     has_mean = (facts["law"] == "") | (facts["reached"] == len(charged))
-    facts["mean"] = charged.apply(shifted_geometric_mean, weight=weight).where(has_mean)
+    means = {n: charged.where(reached, n * charged).apply(shifted_geometric_mean, weight=weight) for n in CHARGES}
+    facts["mean"] = means[1].where(has_mean)
     shared = reached[facts.index[has_mean & (facts["reached"] > 0)]].all(axis=1)
     facts["common"] = charged[shared].apply(shifted_geometric_mean, weight=weight[shared]) if shared.any() else np.nan
     facts["common"] = facts["common"].where(has_mean & (facts["reached"] > 0))
@@ -195,6 +198,7 @@ def choose(
         int(shared.sum()),
         sum(label in outside for label in ranked),
         interval,
+        {charge: list(mean[ranked].sort_values(kind="stable").index[:3]) for charge, mean in means.items()},
     )
 
 
@@ -266,7 +270,7 @@ def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
         speed = f"{_speed(first, mine)}; {second.words} the order of the first three is the same"
     else:
         speed = f"{_speed(first, mine)}; {_speed(second, theirs)}"
-    return f"{where}{dependable(mine)}. {speed[0].upper()}{speed[1:]}."
+    return f"{where}{dependable(mine)}. {speed[0].upper()}{speed[1:]}.{_charges(mine)}"
 
 
 def dependable(choice: Choice) -> str:
@@ -307,3 +311,9 @@ def _speed(by: RankBy, choice: Choice) -> str:
     ahead, other = f"{choice.lead:.3g} times ahead of", choice.places[1].label
     low, high = choice.interval
     return f"{mean}, {ahead} {other} ({low:.3g} to {high:.3g})" + (f": {choice.unclear}" if choice.unclear else "")
+
+
+def _charges(choice: Choice) -> str:
+    """Which other charges for a problem not solved change the order of the first three."""
+    changed = [f"by PAR{charge} {', '.join(order)}" for charge, order in choice.orders.items() if order != choice.orders[1]]
+    return f" Other charges for what is not solved change the first three: {'; '.join(changed)}." if changed else ""

@@ -172,6 +172,19 @@ def test_the_first_screen_tells_the_most_dependable_choice():
     assert told.endswith("most often the fastest is quick, on 7")
 
 
+def test_charges_that_change_the_order_are_told():
+    rows = pair([200.0] * 8)
+    rows[0] |= {"verdict": "unsolved", "residual": 1.0, "time_limit": 1.0}
+    run = run_of(*rows)
+    assert first(run).orders == {1: ["a", "b"], 2: ["a", "b"], 10: ["a", "b"]}
+    rows[1] |= {"verdict": "unsolved", "residual": 1.0, "time_limit": 1.0}
+    run = run_of(*(row | {"time_limit": 40.0} for row in rows))
+    assert first(run).orders[1] == ["a", "b"]
+    assert first(run).orders[10] == ["b", "a"]
+    (line,) = headline({one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}, 1e-8)
+    assert "Other charges for what is not solved change the first three: by PAR10 b, a." in line
+
+
 def test_what_cannot_be_judged_is_counted_apart():
     """Of three answers within the target one is within its own rounding errors only."""
     rows = [solve_row("a", f"p{i}", residual=1e-9, residual_floor=1e-10) for i in range(3)]
