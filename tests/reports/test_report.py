@@ -225,7 +225,9 @@ def test_figures_are_deterministic(tmp_path):
 
 @pytest.mark.slow  # every chart drawn on the page and for the paper: a chart that fails in one of the two
 def test_charts_on_page_and_in_paper(tmp_path):
-    folder = write_folder(tmp_path, RUN, [simulation_row("nsgs")])
+    given = {"contacts": 20, "size": 80, "rank": 40, "work": '{"iterations": 3}'}
+    larger = [solve_row("nsgs", f"larger {i}", tol, **given) for i in range(2) for tol in (1e-4, 1e-8)]
+    folder = write_folder(tmp_path, [*RUN, *larger], [simulation_row("nsgs")])
     write_histories(
         folder, [ConvergenceHistory("bar", "{}", 0, "nsgs", 2, True, [1, 2], [1.0, 1e-9], [[1.0, 0.0], [2.0, 0.0]])]
     )
