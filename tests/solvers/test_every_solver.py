@@ -80,7 +80,7 @@ def test_solver_facts() -> None:
     modules = {info.make.__module__ for info in available().values()}  # also of plug-ins that other tests loaded
     defining = {Path(sys.modules[name].__file__) for name in modules if name.startswith("frictionbench.")}
     methods = set(Path(solvers.__file__).parent.glob("*.py")) - {Path(solvers.__file__)}
-    machinery = {f"{name}.py" for name in ("balanced", "clock", "executable", "interface", "loops", "many", "needs", "plugins")}
+    machinery = {f"{name}.py" for name in ("balanced", "clock", "executable", "interface", "many", "needs", "plugins")}
     assert {path.name for path in methods - defining} == machinery
     for info in available().values():
         assert info.summary.endswith((".", ")"))

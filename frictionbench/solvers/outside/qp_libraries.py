@@ -49,7 +49,7 @@ class Clarabel:
     Settings: presolve off, which would forbid setting tolerances afterwards. tuned is for programs that are already scaled, as
         these are: equilibrate_enable off, static_regularization_constant = 1e-12 instead of 1e-8, and
         iterative_refinement_abstol and iterative_refinement_reltol 1e-16 instead of 1e-12 and 1e-13, `frictionbench solve
-        'stack[blocks=50,mass_ratio=1e6,push=1]' --solver 'clarabel' --solver 'clarabel[settings=tuned]'`.
+        'stack[blocks=50,mass_ratio=1e5,push=1]' --solver 'clarabel' --solver 'clarabel[settings=tuned]'`.
     Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-15; eps stands for tol.
     Flaws: its gap is the difference of two objectives, which rounding can make 0 before the answer is accurate: some answers
         that it calls Solved are off by a few times 1e-8. Or it stays above eps^2, and it reports failure although the answer
@@ -146,7 +146,7 @@ class ProxSuite:
         solve.
     Clock: ProxQP's own solve_time.
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
-        solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=20,mass_ratio=1000000]' --solver
+        solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=20,mass_ratio=100000]' --solver
         'proxsuite' --solver 'proxsuite[settings=tuned]'`.
     Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-14, which is tested only on request; eps_rel = 0;
         eps stands for tol.
