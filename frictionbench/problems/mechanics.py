@@ -233,7 +233,7 @@ class Mechanics(ReadOnly):
         q[:, 0] -= self.friction * np.linalg.norm(q[:, 1:], axis=1)
         return self._units_at(q.ravel(), self.scale)[0]
 
-    @property
+    @cached_property
     def bearing_islands(self) -> Index64:
         """(nc,), numbers below 2 nc + nv: contacts that have one alike are connected by contacts that can bear."""
         return self._units_at(self.q, self.scale)[1]

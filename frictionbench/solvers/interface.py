@@ -119,7 +119,7 @@ class SolverInfo:
     remote: whether the library runs in another process, for reasons of ours: it is then timed by its own clock (Answer.clock).
     variants: settings that count as solvers of their own, as in `ccp[backend=highs]`; a solver of this package takes their
     texts in no other combination. A variant with another model, dimension, needs, lacks or precision has an attribute of that
-        name.
+    name.
     members: the solvers that a portfolio may run.
     precision: of its arithmetic. One of single precision is run and ranked at tolerances and targets of FINEST and coarser.
     make: the class, a frozen dataclass whose fields are the settings.
@@ -307,16 +307,16 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
             values[key] = _FLAGS[text.lower()] if kinds[key] is bool else kinds[key](text)
         except (ValueError, KeyError):
             raise InputError(f"solver: {name}[{key}=...] takes a {kinds[key].__name__}, got {text!r}") from None
+    known = [split("solver", variant)[1] for variant in info.specs]
+    chosen = {key for key, kind in kinds.items() if kind is str and any(key in variant for variant in known)}
+    possible = [{key: variant.get(key, getattr(instance, key)) for key in chosen} for variant in known]
+    if info.ours and {key: values.get(key, getattr(instance, key)) for key in chosen} not in possible:
+        raise InputError(f"solver: {name} has no variant {spec}; it has {', '.join(info.specs)}")
     try:
         made = replace(instance, **values)
         varied = replace(info, **{fact: getattr(made, fact) for fact in _VARIANT_PROPERTIES if hasattr(made, fact)})
     except ValueError as error:
         raise InputError(f"solver: {spec}: {error}") from None
-    known = [split("solver", variant)[1] for variant in info.specs]
-    chosen = {key for key, kind in kinds.items() if kind is str and any(key in variant for variant in known)}
-    possible = [{key: variant.get(key, getattr(instance, key)) for key in chosen} for variant in known]
-    if info.ours and {key: getattr(made, key) for key in chosen} not in possible:
-        raise InputError(f"solver: {name} has no variant {spec}; it has {', '.join(info.specs)}")
     _found[spec] = varied, made
     return _found[spec]
 

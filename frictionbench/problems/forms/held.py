@@ -94,12 +94,11 @@ def hold(f_start, f_column, F, bias, response, X, velocity):  # type: ignore[no-
 
 
 @kernel
-def hold_rounding(f_start, f_column, F, bias, response, X, velocity):  # type: ignore[no-untyped-def]
-    """(nv,) the size of the terms that `hold` adds to a velocity: of the first pass, whose errors in F v the second removes,
-    its impulses; of the second what X makes of the terms of F v + b_F; and what it leaves, in roundings."""
+def hold_rounding(f_start, f_column, F, bias, response, X, velocity, held):  # type: ignore[no-untyped-def]
+    """(nv,) the size of the terms that `hold` adds to a velocity, which make it `held`: of the first pass, whose errors in F v
+    the second removes, its impulses; of the second what X makes of the terms of F v + b_F; and what it leaves, in roundings."""
     nv, nj = response.shape
     off, terms = np.empty(nj), np.empty(nj)
-    held = hold(f_start, f_column, F, bias, response, X, velocity)
     size = np.abs(hold(f_start, f_column, F, bias, response, X, held) - held) / (2 * EPSILON)
     for j in range(nj):
         off[j], terms[j] = bias[j], abs(bias[j])

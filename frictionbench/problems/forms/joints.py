@@ -25,9 +25,8 @@ from frictionbench.problems.rows import ByContact, Rows, from_matrix
 FEW = 100  # equations up to which a dense inverse is as fast as a factorisation of a band
 # Of a joint's bias: a larger defect is a contradiction. It is the tightest tolerance of the suites.
 CONTRADICTION = 1e-8
-EPSILON = float(np.finfo(float).eps)
 # Of the largest terms of any joint equation, as speeds of unit kinetic energy: what rounding leaves.
-ROUNDING = 1000 * EPSILON
+ROUNDING = 1000 * held.EPSILON
 # Of the terms' rounding errors, which are independent: their sum is seldom larger than twice the root of their squares' sum.
 PROBES, DEVIATIONS = 8, 2.0
 
@@ -69,7 +68,7 @@ class FewJoints:
 
     def rounding(self, velocity: Array) -> Array:
         """(nv,) the absolute values of the terms that `hold` adds to a velocity."""
-        size: Array = held.hold_rounding(*self.rows, self.bias, self.response, self.inverse, velocity)
+        size: Array = held.hold_rounding(*self.rows, self.bias, self.response, self.inverse, velocity, self.hold(velocity))
         return size
 
     def shares(self) -> tuple[Array, Array]:
@@ -122,7 +121,7 @@ class ManyJoints:
         lower = sparse.coo_array(sparse.tril(G))
         self.factor = np.zeros((len(order), half + 1))
         self.factor[lower.row, lower.col - lower.row + half] = lower.data
-        banded.factorise(self.factor, 10 * len(order) * EPSILON)
+        banded.factorise(self.factor, 10 * len(order) * held.EPSILON)
 
     def hold(self, velocity: Array, share: float = 1.0) -> Array:
         """As of FewJoints."""
@@ -138,13 +137,13 @@ class ManyJoints:
         |X| is not formed. Errors of each equation's terms, with random signs, are put through X instead, and the root of the
         mean square of the results is taken.
         """
-        held = self.hold(velocity)
-        off = abs(self.rows.matrix(len(velocity))) @ np.abs(held) + np.abs(self.own_bias)
-        left = np.abs(self.hold(held) - held) / (2 * EPSILON)
+        settled = self.hold(velocity)
+        off = abs(self.rows.matrix(len(velocity))) @ np.abs(settled) + np.abs(self.own_bias)
+        left = np.abs(self.hold(settled) - settled) / (2 * held.EPSILON)
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (PROBES, len(off)))
         zero = np.zeros(len(velocity))
         spread = np.sqrt(np.mean([self._hold(sign * off, zero) ** 2 for sign in signs], axis=0))
-        return np.abs(held - velocity) + left + DEVIATIONS * spread
+        return np.abs(settled - velocity) + left + DEVIATIONS * spread
 
     def shares(self) -> tuple[Array, Array]:
         """(nc*d,) each: the diagonal of J M^-1 F' X F M^-1 J', which W lacks, and the same of its terms' absolute values."""

@@ -179,8 +179,9 @@ def _residual(bodies, joints, inverse, free, bias, rows, r):  # type: ignore[no-
     f_start, f_column, F, b_F = joints
     v, terms = _moved(bodies, free, r)
     if len(b_F):
-        terms += hold_rounding(f_start, f_column, F, b_F, inverse[0], inverse[1], v)
-        v = hold(f_start, f_column, F, b_F, inverse[0], inverse[1], v)
+        held = hold(f_start, f_column, F, b_F, inverse[0], inverse[1], v)
+        terms += hold_rounding(f_start, f_column, F, b_F, inverse[0], inverse[1], v, held)
+        v = held
     u, size = np.zeros(r.shape), np.zeros(r.shape)
     for i in range(len(r)):
         u[i, 0], size[i, 0] = bias[i], abs(bias[i])

@@ -7,9 +7,9 @@ s r_n > u_n, has u_n = 0, an open one r = 0. With z = s r_t - u_t it sticks, u_t
 
 A step solves the linearised equations of the closed contacts by LU with the term `shift` s added to those in velocities: W is
 singular where contacts are redundant. A small shift leaves Newton's convergence, a large one is a step of proximal points,
-which changes impulses by no more than they need. Full steps may cycle among active sets; from a
-point just past the first kink of the equations on the way (`past_first_change`) the next step follows another of their pieces.
-References: Alart and Curnier 1991; Acary and Brogliato 2008, chapter 13.
+which changes impulses by no more than they need. Full steps may cycle among active sets; from a point just past the first kink
+of the equations on the way (`past_first_change`) the next step follows another of their pieces. References: Alart and Curnier
+1991; Acary and Brogliato 2008, chapter 13.
 
 r (nc, 3) are the impulses, zero where a contact has no row; what is written over r goes with velocities in the workspace.
 """

@@ -52,7 +52,7 @@ def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no
     C = coupling(start, column, J, response)
     XC = np.zeros(C.shape)
     if nj:
-        moves += hold_rounding(f_start, f_column, F, b_F, response, X, free)
+        moves += hold_rounding(f_start, f_column, F, b_F, response, X, free, held)
         for j in range(nj):
             for k in range(nj):
                 for i in range(3 * nc):

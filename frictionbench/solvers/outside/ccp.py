@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionbench.problems import FrictionProblem, check
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.outside import MARGIN
@@ -67,9 +67,6 @@ class CCP:
 
     backend: str = "highs"
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        check.require(self.backend in BACKENDS, "backend", f"must be one of {', '.join(BACKENDS)}, got {self.backend!r}")
 
     @property
     def needs(self) -> tuple[str, ...]:
