@@ -11,10 +11,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import comply, impact
+from frictionbench.problems import impact
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM
 from studies.motions import FINEST, SAMPLES, by_events, sampled
+from studies.springs import comply
 from studies.study import Row, Study, Summary, Tables, finish, listing, order, require
 
 CASES: dict[str, tuple[dict[str, Any], float]] = {

@@ -1,4 +1,7 @@
-"""Choose the suite `hard` from its candidates by the rule of harness.plans.hard, and write hard.tsv and hard.npz beside it.
+"""Choose the suite `hard` from its candidates by the rule of harness.plans.hard: its hard.tsv, and the answers in answers.npz.
+
+The candidates, in candidates.tsv, are families at their edges: "around p = 0" has Painlevé's rod near the friction at which
+1 + 3 cos^2 = 3 mu sin cos of its angle, "recorded" what was recorded elsewhere.
 
     python -m tools.admit DIR
 
@@ -10,6 +13,7 @@ import csv
 import json
 import sys
 from collections import defaultdict
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import frictionbench as fb
-from frictionbench.harness import Progress, hard, run_plan, stored_friction
+from frictionbench.harness import Plan, Progress, Source, hard, run_plan, stored_friction
 from frictionbench.problems import Verdict
 from frictionbench.results import rows
 
@@ -25,6 +29,8 @@ COLUMNS = ("family", "scene", "parameters", "contacts", "known", "residual", "fl
 FAILED = (Verdict.NEAR_MISS, Verdict.UNJUDGEABLE, Verdict.UNSOLVED, Verdict.CRASHED, Verdict.WRONG)
 PROVEN = ("gaps", "pointed", "counted")  # values of the column `existence` that prove it
 FLOOR = hard.TOL / 10
+LIMIT = 10.0  # seconds
+CANDIDATES, ANSWERS = (Path(__file__).with_name(name) for name in ("candidates.tsv", "answers.npz"))
 
 Record = dict[str, Any]
 
@@ -35,22 +41,57 @@ def admit(folder: Path) -> None:
     answers: dict[str, NDArray[np.float64]] = {}
     for dimension in (2, 3):
         place = folder / f"dimension_{dimension}"
-        run_plan(hard.candidates(dimension), place, 1, Progress())
+        run_plan(candidates(dimension), place, 1, Progress())
         by_problem: dict[tuple[str, str], list[Record]] = defaultdict(list)
         for row in rows(place, "solves").values():
             by_problem[row["scene"], row["parameters"]].append(row)
-        for family, sources in hard.families(dimension).items():
+        for family, sources in families(dimension).items():
             own = [by_problem[source.scene, json.dumps(source.parameters, sort_keys=True)] for source in sources]
             for found in fewest_contacts([each for each in own if admissible(each)]):
                 line, answer = _line(family, found, stored_friction(place, found[0]["problem"]))
                 lines.append(line)
                 if answer is not None:
-                    answers[hard.answer_key(line)] = answer
+                    answers[answer_key(line)] = answer
     with hard.ADMITTED.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_NONE, quotechar=None)
         writer.writeheader()
         writer.writerows(lines)
-    np.savez_compressed(hard.ANSWERS, allow_pickle=False, **answers)
+    np.savez_compressed(ANSWERS, allow_pickle=False, **answers)
+
+
+def candidates(dimension: int) -> Plan:
+    """All candidates of a dimension, with the methods whose model is exact there."""
+    return Plan(
+        suite=f"candidates for hard, dimension {dimension}",
+        sources=tuple(source for family in families(dimension).values() for source in family),
+        solvers=hard.METHODS[:-1] if dimension == 2 else hard.METHODS[4:],
+        tolerances=(hard.TOL,),
+        time_limit=LIMIT,
+    )
+
+
+def families(dimension: int) -> dict[str, list[Source]]:
+    """The candidates by family: a source for every combination of the values in a row of candidates.tsv."""
+    found: dict[str, list[Source]] = {}
+    for row in hard.table(CANDIDATES):
+        if int(row["dimension"]) == dimension:
+            grid = json.loads(row["grid"])
+            chosen = (dict(zip(grid, values, strict=True)) for values in product(*grid.values()))
+            found.setdefault(row["family"], []).extend(Source(row["scene"], each, repeats=1) for each in chosen)
+    return found
+
+
+def kept_answer(row: Record) -> NDArray[np.float64] | None:
+    """The verified impulses (nc, d) kept for a row of hard.tsv; None where a solution is known by theory alone."""
+    if not row["answer"]:
+        return None
+    with np.load(ANSWERS, allow_pickle=False) as answers:
+        return answers[answer_key(row)]
+
+
+def answer_key(row: Record) -> str:
+    """The name of a row's answer in answers.npz."""
+    return f"{row['scene']} {row['parameters']}"
 
 
 def failures(rows: list[Record]) -> dict[str, str]:

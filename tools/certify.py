@@ -35,6 +35,7 @@ from scipy.optimize import linprog
 import frictionbench as fb
 from frictionbench.harness import hard
 from frictionbench.problems import FrictionProblem, refined
+from tools.admit import kept_answer
 
 COLUMNS = ("family", "scene", "parameters", "contacts", "radius", "reason")
 BITS = 400  # a condition of 1e60 leaves half of the digits
@@ -454,7 +455,7 @@ def lines() -> Any:
     """The lines of the table, the header first."""
     yield "\t".join(COLUMNS)
     for row in hard.admitted():
-        known = hard.kept_answer(row)
+        known = kept_answer(row)
         radius, reason = "", ""
         try:
             if known is None:

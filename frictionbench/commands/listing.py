@@ -88,6 +88,6 @@ def _suites() -> dict[str, Facts]:
     found = {}
     for name, make in SUITES.items():
         plan = make()
-        facts = {"summary": (make.__doc__ or "").strip(), "takes": plan.expects}
+        facts = {"summary": " ".join((make.__doc__ or "").split()), "takes": plan.expects}
         found[name] = facts | {"tolerances": list(plan.tolerances), "solvers": list(plan.variants)}
     return found

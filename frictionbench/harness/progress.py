@@ -2,12 +2,10 @@
 
 import time
 from collections.abc import Iterable, Iterator
-from datetime import timedelta
 from typing import TypeVar
 
 from rich import progress
 from rich.console import Console
-from rich.text import Text
 
 from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
@@ -15,21 +13,12 @@ from frictionbench.harness.workers.pool import Outcome, Pool, Task
 T = TypeVar("T")
 
 
-class Remaining(progress.ProgressColumn):
-    """The time left at the mean pace so far. It grows while nothing ends, as when kernels are compiled."""
-
-    def render(self, task: progress.Task) -> Text:
-        done = task.completed - task.fields["before"]
-        left = (task.elapsed or 0.0) * (task.remaining or 0.0) / done if done else 0.0
-        return Text(str(timedelta(seconds=round(left))) if left else "")
-
-
 COLUMNS = (
     progress.TextColumn("{task.description}"),
     progress.BarColumn(20),  # characters
     progress.MofNCompleteColumn(),
     progress.TimeElapsedColumn(),
-    Remaining(),
+    progress.TimeRemainingColumn(),
 )
 INTERVAL = 20.0  # seconds between plain lines: a log of an hour's run has under two hundred
 
@@ -52,7 +41,7 @@ class Progress:
         """The items, with a bar of how many there have been of the total; done: before the first."""
         printed = time.monotonic()
         with progress.Progress(*COLUMNS, console=self._console, disable=not self._console.is_terminal) as bar:
-            task = bar.add_task(name, total=total, completed=done, before=done)
+            task = bar.add_task(name, total=total, completed=done)
             for count, item in enumerate(items, done + 1):
                 bar.update(task, completed=count)
                 if not self._console.is_terminal and time.monotonic() - printed > INTERVAL:

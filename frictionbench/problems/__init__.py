@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from frictionbench.problems.analysis.thresholds import is_p0 as is_p0
     from frictionbench.problems.answer import Answer as Answer, Status as Status
     from frictionbench.problems.check import InputError as InputError
-    from frictionbench.problems.compliant import comply as comply
     from frictionbench.problems.forms.lcp import LCP as LCP
     from frictionbench.problems.friction import FrictionProblem as FrictionProblem
     from frictionbench.problems.generalised import ReducedScene as ReducedScene

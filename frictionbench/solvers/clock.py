@@ -5,8 +5,7 @@
         ...                              # in a kernel: stop with the best answer so far if late(until)
 
 A step that takes long and cannot be interrupted, such as a factorisation, is not begun where it would not end in time:
-deadline(operations, written) is earlier by the time that so many operations take, and dense matrices of so many bytes that are
-written for the first time.
+deadline(operations) is earlier by the time that so many operations take.
 
 Without a limit the clock is not read, and nothing but counts decides. Where the system has no clock_gettime, as Windows,
 kernels run on to their limit of work.
@@ -23,9 +22,6 @@ from numba import types
 from frictionbench.problems.compiled import part
 
 SPEED = 1e10  # operations a second of large factorisations: half of what one core with AVX-512 was measured to reach
-# Bytes a second of memory that is new to the process, an estimate: a virtual machine wrote 0.3e9 to 5e9, the least where its
-# host had yet to provide the memory.
-WRITING = 1e9
 _HAS_CLOCK = hasattr(time, "clock_gettime")
 _MONOTONIC = int(time.CLOCK_MONOTONIC) if _HAS_CLOCK else 0
 _deadline: ContextVar[float] = ContextVar("deadline", default=np.inf)
@@ -46,10 +42,9 @@ def within(seconds: float) -> Iterator[None]:
         _deadline.reset(token)
 
 
-def deadline(operations: float = 0.0, written: float = 0.0) -> float:
-    """When the last step of so many operations, or written bytes, may begin, s on the monotonic clock; infinity without a
-    limit."""
-    return _deadline.get() - operations / SPEED - written / WRITING
+def deadline(operations: float = 0.0) -> float:
+    """When the last step of so many operations may begin, s on the monotonic clock; infinity without a limit."""
+    return _deadline.get() - operations / SPEED
 
 
 def left() -> float:

@@ -34,8 +34,8 @@ from numpy.typing import NDArray
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.solvers.clock import SPEED, deadline, is_past, late
-from frictionbench.solvers.interface import Answer, Status, dense_storage, solver
+from frictionbench.solvers.clock import SPEED, deadline, late
+from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 from frictionbench.solvers.pivots.scaled_lcp import MARGIN, measured
 
@@ -47,13 +47,6 @@ NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work: ste
 ARMIJO = 1e-4  # sigma, the required share of the predicted decrease: the usual Armijo constant
 DESCENT = 1e-8  # required -d'H'Phi, relative to |d|^2.1, of a direction of descent (De Luca, Facchinei and Kanzow 1996)
 STATIONARY = 1e-12  # |H'Phi| relative to |Phi| below which the gradient is rounding
-
-
-class Formed(NamedTuple):
-    """The problem, and its scaled dense LCP, None if there is no time to form it."""
-
-    problem: FrictionProblem | LCP
-    dense: DenseLCP | None
 
 
 class Descent(NamedTuple):
@@ -104,19 +97,15 @@ class MeritNewton:
     def __post_init__(self) -> None:
         require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
 
-    def form(self, problem: FrictionProblem | LCP) -> Formed:
-        if is_past(deadline(written=dense_storage(self, problem))):
-            return Formed(problem, None)
-        return Formed(problem, dense_lcp(problem, self.facets))
+    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
+        return dense_lcp(problem, self.facets)
 
-    def solve(self, form: Formed, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+    def solve(self, dense: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the iterations, 200 by default.
 
         The status is SOLVED also where the method gave up and its best point's exact residual is within tol.
         """
-        problem, dense = form
-        if dense is None:
-            return _nothing(problem)
+        problem = dense.scaled.problem
         descent = new_descent(dense.scaled.unit, MARGIN * tol, 200 if limit is None else limit, self.memory, self.shortest)
         end, iterations = iterate(dense.M, dense.q, np.zeros(len(dense.q)), descent, float(self.regularisation), self.smooth)
         y = np.maximum(descent.best, 0.0)
@@ -153,12 +142,6 @@ class MinmapNewton(MeritNewton):
     memory = 15  # more than usual, as the min-map has kinks to cross
     shortest = 1e-8
     end = "no descent: a kink or stationary point of the merit"
-
-
-def _nothing(problem: FrictionProblem | LCP) -> Answer:
-    """No impulses, as the time is over."""
-    shape, z = ((0, 0), np.zeros(problem.size)) if isinstance(problem, LCP) else ((problem.contacts, problem.dimension), None)
-    return Answer(np.zeros(shape), Status.TIME_LIMIT, dict.fromkeys(UNITS, 0), z=z)
 
 
 @kernel

@@ -44,18 +44,6 @@ def test_a_factorisation_that_would_not_end_in_time_is_not_begun(
     assert fb.solve(given, spec).work["factorisations"] > 0
 
 
-@pytest.mark.parametrize("spec", ["fischer_newton", "minmap_newton"])
-def test_dense_matrices_that_would_not_be_written_in_time_are_not_formed(
-    spec: str, problem: FrictionProblem, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(clock, "WRITING", 1e-9)
-    monkeypatch.setattr(merit_newton, "dense_lcp", None)
-    for given in (problem, problem.lcp()):
-        answer = fb.solve(given, spec, time_limit=1e6)
-        assert answer.status is fb.Status.TIME_LIMIT
-        assert not any(answer.work.values())
-
-
 def test_admm_keeps_its_penalty_where_there_is_no_time_for_another(
     problem: FrictionProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -112,16 +112,6 @@ def mujoco_boxqp(given: Arrays, tol: float) -> Called:
     return Called(of_multipliers(given, z.ravel()), rank >= 0)
 
 
-def qpmad(given: Arrays, tol: float) -> Called:
-    library: Any = import_module("pyqpmad")
-    P, q, G, h = program(given)
-    made, multipliers = library.Solver(), np.zeros(len(h))
-    code = made.solve(np.zeros(len(q)), np.array(dense(P), order="F"), q, None, None, dense(G), np.full(len(h), -1e30), h)
-    active = made.get_inequality_dual()
-    multipliers[active.indices] = active.dual
-    return Called(of_multipliers(given, multipliers), code == library.OK)
-
-
 def highs(given: Arrays, tol: float, **settings: float) -> Called:
     feasible = dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(tol / 10, 1e-10))
     return _by_qpsolvers(given, "highs", **feasible, **settings)
@@ -296,7 +286,6 @@ CALLS: dict[str, Call] = {
     "piqp[matrices=dense]": Call(partial(piqp, matrices="dense"), most=100),
     "daqp": Call(daqp, most=100),
     "quadprog": Call(quadprog, most=100),
-    "qpmad": Call(qpmad, most=100),
     "ccp[backend=highs]": Call(highs),
     "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0)),
     "casadi[method=qrqp]": Call(casadi_qrqp, most=20),

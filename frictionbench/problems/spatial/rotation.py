@@ -8,6 +8,7 @@ with R the rotation from the body's frame to the world's and [w] the matrix of w
 """
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from frictionbench.problems.check import Array
 
@@ -17,22 +18,13 @@ ITERATIONS = 8  # Newton's, quadratic: more than a turn in a step needs
 
 def matrices(quaternion: Array) -> Array:
     """The rotations (n, 3, 3) from the bodies' frames to the world's, of unit quaternions (n, 4)."""
-    w, x, y, z = quaternion.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0)
+    return np.asarray(Rotation.from_quat(quaternion, scalar_first=True).as_matrix())
 
 
 def turned(quaternion: Array, way: Array) -> Array:
     """The unit quaternions (n, 4) after turns about the axes `way` (n, 3), in the bodies' frames, by their lengths, rad."""
-    angle = np.linalg.norm(way, axis=1)[:, None]
-    c, s = np.cos(angle / 2), np.sinc(angle / (2 * np.pi)) / 2 * way
-    w, u = quaternion[:, :1], quaternion[:, 1:]
-    after = np.hstack([w * c - (u * s).sum(axis=1)[:, None], w * s + c * u + np.cross(u, s)])
-    return np.asarray(after / np.linalg.norm(after, axis=1)[:, None])
+    after = Rotation.from_quat(quaternion, scalar_first=True) * Rotation.from_rotvec(way)
+    return np.asarray(after.as_quat(scalar_first=True))
 
 
 def gyroscopic(inertia: Array, spin: Array, step: float) -> Array:
@@ -65,6 +57,4 @@ def frames(normal: Array) -> Array:
 
 def _cross(a: Array) -> Array:
     """The matrices (n, 3, 3) of a x."""
-    x, y, z = a.T
-    zero = np.zeros_like(x)
-    return np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), 2, 0)
+    return np.cross(np.eye(3), -a[:, None])

@@ -24,10 +24,6 @@ Reference: Andersson, Gillis, Horn, Rawlings and Diehl 2019, CasADi; Ferreau and
     (Ipopt).
 """
 
-import ctypes
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import lru_cache
 from importlib import import_module
 from typing import Any
@@ -100,11 +96,8 @@ def _quadratic(method: str, n: int, eps: float, limit: int) -> Any:
     """CasADi's solver of dense programs of n unknowns over z >= 0; eps is for qpoases."""
     casadi: Any = import_module("casadi")
     options = {"max_iter": limit} if method == "qrqp" else {"terminationTolerance": eps, "nWSR": limit}
-    with _without_output():
-        sparsity = {"h": casadi.Sparsity.dense(n, n), "a": casadi.Sparsity(0, n)}
-        made = casadi.conic("solver", method, sparsity, options | _SILENT[method] | {"error_on_fail": False})
-        made(h=np.eye(n), g=np.ones(n), lbx=0.0, ubx=np.inf)  # qpOASES prints its licence in an object's first call
-    return made
+    sparsity = {"h": casadi.Sparsity.dense(n, n), "a": casadi.Sparsity(0, n)}
+    return casadi.conic("solver", method, sparsity, options | _SILENT[method] | {"error_on_fail": False})
 
 
 def _by_ipopt(given: DenseLCP, eps: float, limit: int, tuned: bool) -> Answer:
@@ -125,18 +118,3 @@ def _complementarity(n: int, tol: float, limit: int, tuned: bool) -> Any:
     ipopt = _SILENT["ipopt"] | {"tol": tol, "max_iter": limit} | (_TUNED if tuned else {})
     program = {"x": z, "p": casadi.veccat(M, q), "f": casadi.dot(z, w), "g": w}
     return casadi.nlpsol("solver", "ipopt", program, {"ipopt": ipopt, "print_time": False})
-
-
-@contextmanager
-def _without_output() -> Iterator[None]:
-    """Discard what a library in C prints, whatever its print level."""
-    flush, printed, null = ctypes.CDLL(None).fflush, os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    flush(None)
-    os.dup2(null, 1)
-    try:
-        yield
-        flush(None)
-    finally:
-        os.dup2(printed, 1)
-        os.close(printed)
-        os.close(null)

@@ -1,4 +1,4 @@
-"""The convex relaxation in the plane by dual active sets, of few contacts: DAQP, and Goldfarb and Idnani's method twice.
+"""The convex relaxation in the plane by dual active sets, of few contacts: DAQP, and Goldfarb and Idnani's method by quadprog.
 
 Form: the dimensionless QP (solvers.outside.scaled_program), dense, G above A. Setup: none. Solve: one call, in which the
     library sets up and solves.
@@ -48,40 +48,6 @@ class DAQP:
         _, _, flag, info = daqp.solve(*given, primal_tol=accuracy, dual_tol=accuracy, iter_limit=limit or 10_000)
         clock = float(info["setup_time"] + info["solve_time"])
         return scaled.answer(np.array(info["lam"]), flag > 0, int(info["iterations"]), f"exit flag {flag}", clock)
-
-
-@relaxation_library("qpmad", needs=("pyqpmad",), lacks=("friction_bias", "asymmetry"))
-class QPMad:
-    """The convex relaxation as a QP by qpmad itself, in C++ with Eigen. (outside)
-
-    Work: iterations.
-
-    Licence: Apache-2.0.
-    Clock: none.
-    Settings: its defaults.
-    Tolerance: its tolerance of 1e-12 is left, as a larger one ends it far from the solution.
-    Flaws: it requires a definite matrix and so does not support friction_bias.
-    Reference: Sherikov, qpmad; Goldfarb and Idnani 1983.
-    """
-
-    def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem)
-        return scaled, (*scaled.dense(), *scaled.limits(-1e30))
-
-    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        pyqpmad: Any = import_module("pyqpmad")
-        scaled, (P, C, lower, upper) = prepared
-        parameters = pyqpmad.SolverParameters()
-        parameters.max_iter = limit or 10_000
-        made = pyqpmad.Solver()
-        H = np.asfortranarray(P.copy())  # it is overwritten by its factor
-        try:
-            code = made.solve(np.zeros(len(scaled.q)), H, scaled.q, None, None, C, lower, upper, parameters)
-        except (RuntimeError, ValueError) as error:
-            return scaled.answer(None, False, detail=str(error))
-        z, active = np.zeros(len(upper)), made.get_inequality_dual()
-        z[active.indices] = active.dual
-        return scaled.answer(z, code == pyqpmad.OK, int(made.get_num_iterations()), code.name)
 
 
 @relaxation_library("quadprog", needs=("quadprog",), lacks=("friction_bias", "asymmetry"))

@@ -20,8 +20,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from frictionbench.problems.check import Array, InputError, require
-from frictionbench.problems.scene import Scene
+from frictionbench.problems import InputError, Scene
+from studies.study import Array
 
 LEAST = 0.01  # the least rebound
 
@@ -56,11 +56,9 @@ def comply(
 ) -> CompliantMotion:
     """The scene's motion at these times, by default at its steps.
 
-    stiffness: N/m. slip: the speed s, m/s. accuracy: relative, of the integrator. method: scipy's Radau or BDF.
-    Errors: InputError where the scene is spatial or has hinges, or the integrator fails.
+    scene: planar and without hinges. stiffness: N/m. slip: the speed s, m/s. accuracy: relative, of the integrator.
+    method: scipy's Radau or BDF. Errors: InputError where the integrator fails.
     """
-    require(scene.dimension == 2, "scene", "compliant contact is planar")
-    require(not scene.hinges, "scene", "compliant contact needs independent coordinates: hinges are rigid")
     nv, at = len(scene.v0), np.arange(scene.steps + 1) * scene.step if times is None else times
     evaluations = 0
 

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.compliant import comply
+from studies.springs import comply
 
 
 @pytest.mark.parametrize("method", ["Radau", "BDF"])
@@ -30,8 +29,3 @@ def test_indentation_decides_where_forces_are_two(share: float, lifts: bool) -> 
     turned = abs(end.v[-1, 2] - 4.0) > 0.5
     assert turned is not lifts
     assert tip > 0
-
-
-def test_hinges_are_refused() -> None:
-    with pytest.raises(InputError, match=r"^scene: compliant contact needs independent coordinates"):
-        comply(scene("pendulum"), 1e5)
