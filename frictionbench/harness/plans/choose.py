@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import ConfigDict, ValidationError
 from pydantic.dataclasses import dataclass
 
-from frictionbench.harness.plans.plan import Plan, Plugin, Source
+from frictionbench.harness.plans.plan import BatchSource, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import every, with_data
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
@@ -24,8 +24,11 @@ from frictionbench.problems.catalogue import instances, near, require_known
 from frictionbench.problems.check import require
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
+from frictionbench.results.conventions import DRAWN
 from frictionbench.solvers import find
 from frictionbench.solvers.plugins import defines_all
+
+COUNT = 100  # problems of a batch that is named on the command line
 
 
 @dataclass(frozen=True, config=ConfigDict(strict=True))
@@ -112,18 +115,31 @@ def _restricted(plan: Plan, specs: list[str]) -> Plan:
             kind: [part for part in getattr(plan, kind) if name in (part.scene, getattr(part, "name", None))] for kind in found
         }
         if settings or not (own["sources"] or own["maps"] or own["batches"]):
-            own = _new(name, settings)
+            own = _new(name, settings, bool(plan.batches))
         for kind, each in own.items():
             found[kind] += each
     parts: Any = {kind: tuple(each) for kind, each in found.items()}
     return replace(plan, expects="", **parts)
 
 
-def _new(name: str, settings: dict[str, Any]) -> dict[str, list[Any]]:
-    """The parts of a plan that a name and settings make. Errors: InputError naming the scene or setting that is unknown."""
+def _new(name: str, settings: dict[str, Any], batch: bool) -> dict[str, list[Any]]:
+    """The parts of a plan that a name and settings make; batch: COUNT problems together.
+
+    Errors: InputError naming the scene or the setting that is unknown, or where a batch has none of those that are drawn.
+    """
     require_known(name, settings)
-    one = name in instances()
-    return {"sources": [Source(name, settings, pick=0 if one else 6)], "simulations": [] if one else [Source(name, settings)]}
+    if not batch:
+        one = name in instances()
+        return {
+            "sources": [Source(name, settings, pick=0 if one else 6)],
+            "simulations": [] if one else [Source(name, settings)],
+        }
+    try:
+        require_known(name, dict.fromkeys(DRAWN, 1.0) | settings)
+    except InputError:
+        lacks = f"{name} cannot be a batch: its problems differ by {', '.join(DRAWN)}, and it has not all of them"
+        raise InputError(f"scene: {lacks}") from None
+    return {"batches": [BatchSource(name, settings, COUNT)]}
 
 
 def tolerances(text: str) -> tuple[float, ...]:
