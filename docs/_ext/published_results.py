@@ -2,14 +2,16 @@
 
 `published-results` is a table of them all, `published-answer SUITE` the fastest solver for each kind of problem in the newest
 of a suite, `published-headlines` the sentences of the newest of each suite, `published-ranks KIND` the places of the solvers of
-`standard` in the newest of each suite.
+`standard` in the newest of each suite, `published-leads` how the leads of several runs of the same problems differ.
 """
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from docutils import nodes
+from scipy.stats import t as student
 from sphinx.util.docutils import SphinxDirective
 
 from frictionbench.reports.drawing.text import count, power, seconds
@@ -137,6 +139,46 @@ class PublishedRanks(OfSummaries):
         return [table(("solver", "standard", *others), lines)] if lines else []
 
 
+class PublishedLeads(OfSummaries):
+    """By suite and kind of problem the lead of the newest run's first over its second, in every run of the same problems."""
+
+    def made(self, found: list[Entry]) -> list[nodes.Node]:
+        lines = []
+        for suite, entry in newest(found).items():
+            runs = [one.summary for one in found if one.summary["suite"] == suite and same(one.summary, entry.summary)]
+            for kind in dict.fromkeys(one["kind"] for one in entry.summary["rankings"]) if len(runs) > 1 else ():
+                one, other = [*means(entry.summary, kind), "", ""][:2]
+                every = [means(run, kind) for run in runs]
+                leads = [of[other] / of[one] for of in every if of.get(one) and of.get(other)]
+                if len(leads) > 1:
+                    told = ", ".join(f"{lead:.2f}" for lead in reversed(leads))
+                    texts = (f"{suite}, {kind}", f"{one} over {other}", told, over_runs(leads))
+                    lines.append(row([nodes.paragraph(text=text) for text in texts]))
+        return [table(("problems", "lead of", "by run, the oldest first", "mean, 95 % interval over runs"), lines)] if lines else []
+
+
+def same(one: Summary, other: Summary) -> bool:
+    """Whether two runs have the same problems, to the last bit, and one machine."""
+    return bool(one["problems"]["hashes"] == other["problems"]["hashes"] and one["machine"] == other["machine"])
+
+
+def means(run: Summary, kind: str) -> dict[str, float]:
+    """The mean times from bodies to the finest target by the solvers of Coulomb's law, the first first."""
+    rows = [one for one in run["rankings"] if (one["kind"], one["by"]) == (kind, RankBy.BODIES.value) and not one["law"]]
+    finest = min((one["target"] for one in rows), default=None)
+    return {one["solver"]: one["mean"] for one in rows if one["target"] == finest and one["mean"]}
+
+
+def over_runs(leads: Sequence[float]) -> str:
+    """The geometric mean and its interval by Student's t; of two runs no interval."""
+    logs, n = np.log(leads), len(leads)
+    if n < 3:
+        return f"{np.exp(logs.mean()):.2f}"
+    half = student.ppf(0.975, n - 1) * logs.std(ddof=1) / np.sqrt(n)
+    low, middle, high = np.exp(logs.mean() + np.array([-half, 0, half]))
+    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
+
+
 def write_pages(app: Any) -> None:
     site = Path(app.srcdir) / "_build" / "extra" / "published"
     write_site(entries(), site)
@@ -147,5 +189,6 @@ def setup(app: Any) -> dict[str, bool]:
     app.add_directive("published-answer", PublishedAnswer)
     app.add_directive("published-headlines", PublishedHeadlines)
     app.add_directive("published-ranks", PublishedRanks)
+    app.add_directive("published-leads", PublishedLeads)
     app.connect("builder-inited", write_pages)
     return {"parallel_read_safe": True}

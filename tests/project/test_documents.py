@@ -1,5 +1,6 @@
 """Links, files, subpackages, commands, options and constants named in the documents exist."""
 
+import json
 import re
 from pathlib import Path
 
@@ -47,6 +48,16 @@ def test_commands_and_options_exist(document: Path) -> None:
         known = CliRunner().invoke(app, [command, "--help"])
         assert known.exit_code == 0, command
         assert [option for option in re.findall(r"--[\w-]+", rest) if option not in known.output] == []
+
+
+def test_leads_in_the_paper_are_those_of_published_runs() -> None:
+    """What a new published run changes is changed in the paper, too."""
+    text = " ".join((ROOT / "docs/paper/paper.md").read_text(encoding="utf-8").split())
+    quoted = set(re.findall(r"([\d.]+) times ahead of (\w+) \((?:95 % interval )?([\d.]+) to ([\d.]+)\)", text))
+    runs = [json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "results/published").glob("*.json")]
+    told = " ".join(line for run in runs for line in run["headline"] if run["version"][:7] in text)
+    assert len(quoted) == 7
+    assert quoted <= set(re.findall(r"([\d.]+) times ahead of (\w+)\*? \(([\d.]+) to ([\d.]+)\)", told))
 
 
 def test_readme_is_one_screen() -> None:
