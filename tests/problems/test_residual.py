@@ -153,9 +153,28 @@ def test_what_a_row_hides_is_bounded_by_the_energy_that_it_stops(mass) -> None:
     assert residual(problem, impulse) == pytest.approx(1e-3 / problem.units[1], rel=1e-3)
 
 
-def test_a_far_island_hides_what_is_smaller_by_its_noise() -> None:
-    beside = contact_space(np.eye(4), [-1e-20, 0.0, -1.0, 0.0], [0.5, 0.5], 2)
-    assert residual(beside, np.array([[0.0, 0.0], [1.0, 0.0]])) == pytest.approx(1e-20 / NOISE)
+ROD = ([[0, -1, -1e-3, 0], [0, -1, -1, 1]], [[1, 0, 0, 0]] * 2)  # on a pivot: below it at 1 mm, and a ball above its tip at 1 m
+ABOVE = ([[0, 1, 0, 0], [0, -1, 0, 1]], [[1, 0, 0, 0], [-1, 0, 1, 0]])  # a block on the floor, and one on it
+
+
+@pytest.mark.parametrize(
+    ("problem", "impulse", "hidden"),
+    [
+        (contacts_of(np.eye(2)[::-1], np.eye(2), 0.0, [-1e-3, -10]), [[10, 0], [0, 0]], 1e-4),
+        (contact_space(np.eye(4), [-1e-20, 0, -1, 0], 0.5 * np.ones(2), 2), [[0, 0], [1, 0]], 1e-20 / NOISE),
+        (contacts_of([[1, 0], [-1, 0], [0, 1]], np.zeros((3, 2)), 0.5, [0, 0]), [[2**30, 0], [2**30, 0], [1, 0]], 2.0**-30),
+        (contacts_of([[0, 1], [0, -1]], [[1, 0]] * 2, 0.5, [1, 0], bias=1e-9), [[1, -0.5]] * 2, 1e-9),
+        (contacts_of(*ROD, 0.5, [0, 0, 0, -1], joints=np.eye(2, 4)), [[0.01, 0], [0.5 - 0.5e-5, 0]], 1e-8),
+        (contacts_of(*ABOVE, 0.5, [10, -1e-3, 1e7, 1], mass=np.diag([1, 1, 1e-10, 1e-10])), np.zeros((2, 2)), 1e-4),
+        (contacts_of(*ABOVE, 0.5, [0, -1, 1e9, 2]), [[1, 0], [1e-3, 0]], 1e-3),
+    ],
+    ids=["impact", "far island", "wedge at rest", "gap", "lever", "grain that parts", "own terms"],
+)
+def test_what_the_residual_hides(problem, impulse, hidden) -> None:
+    """That a block enters a wall; that the slow one of two blocks falls; that a body is set in motion; that a block is clamped by
+    walls that it does not touch; that 0.01 N s across a gap move the tip by 5e-6 m/s; that nothing holds a block, and that one is
+    thrown up from afar with 1e-3 m/s."""
+    assert residual(problem, np.array(impulse, float)) == pytest.approx(hidden, rel=1e-3)
 
 
 def verdicts(problem, impulse, model="coulomb"):
