@@ -171,8 +171,8 @@ ABOVE = ([[0, 1, 0, 0], [0, -1, 0, 1]], [[1, 0, 0, 0], [-1, 0, 1, 0]])  # a bloc
     ids=["impact", "far island", "wedge at rest", "gap", "lever", "grain that parts", "own terms"],
 )
 def test_what_the_residual_hides(problem, impulse, hidden) -> None:
-    """That a block enters a wall; that the slow one of two blocks falls; that a body is set in motion; that a block is clamped by
-    walls that it does not touch; that 0.01 N s across a gap move the tip by 5e-6 m/s; that nothing holds a block, and that one is
+    """That a block enters a wall; that the slow one of two blocks falls; that a body is set in motion; that walls clamp a block
+    which they do not touch; that 0.01 N s across a gap move the tip by 5e-6 m/s; that nothing holds a block, and that one is
     thrown up from afar with 1e-3 m/s."""
     assert residual(problem, np.array(impulse, float)) == pytest.approx(hidden, rel=1e-3)
 
