@@ -154,7 +154,8 @@ class PublishedLeads(OfSummaries):
                     told = ", ".join(f"{lead:.2f}" for lead in reversed(leads))
                     texts = (f"{suite}, {kind}", f"{one} over {other}", told, over_runs(leads))
                     lines.append(row([nodes.paragraph(text=text) for text in texts]))
-        return [table(("problems", "lead of", "by run, the oldest first", "mean, 95 % interval over runs"), lines)] if lines else []
+        heads = ("problems", "lead of", "by run, the oldest first", "mean, 95 % interval over runs")
+        return [table(heads, lines)] if lines else []
 
 
 def same(one: Summary, other: Summary) -> bool:

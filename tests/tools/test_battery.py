@@ -46,9 +46,23 @@ def test_page_says_what_is_skipped_and_what_failed(monkeypatch) -> None:
     assert "failed: " in sinking
 
 
+def test_orders_are_those_of_successive_steps() -> None:
+    cells = "4.0e-03 ± 1e-03 / 1.0e-03 ± 1e-03 / -5.0e-04 | – | -8e-03 / -4e-03 / -2e-03 | failed: Error / 1 / 2 |"
+    made = table.orders(
+        f"| phenomenon | form | | a | b | c | d |\n| --- |\n| stopping distance | v | m | {cells}\n| stack | 0 | m | 1 |\n"
+    )
+    assert made.splitlines()[-1] == "| stopping distance | 2.0, – | – | 1.0, 1.0 | – |"
+
+
 @pytest.mark.parametrize(
     ("engine", "package"),
-    [(mujoco.stiff, "mujoco"), (drake.Drake, "pydrake"), (bullet.stiff, "pybullet"), (rapier.Rapier, "rapier3d")],
+    [
+        (mujoco.stiff, "mujoco"),
+        (drake.Drake, "pydrake"),
+        (drake.cenic, "pydrake"),
+        (bullet.stiff, "pybullet"),
+        (rapier.Rapier, "rapier3d"),
+    ],
 )
 def test_installed_engines_stop_where_the_closed_form_says(engine, package) -> None:
     pytest.importorskip(package, reason=f"{package} is not installed")

@@ -1,4 +1,5 @@
-"""Measure the installed engines, and write the table of docs/battery.md: the error against the closed form, for several steps.
+"""Measure the installed engines, and write the tables of docs/battery.md: errors against the closed forms by steps, and
+how errors fall from step to step.
 
 python -m tools.battery
 """
@@ -6,6 +7,7 @@ python -m tools.battery
 import re
 import warnings
 from importlib.metadata import PackageNotFoundError, version
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +17,21 @@ from tools.battery.phenomena import PHENOMENA, Phenomenon
 from tools.battery.world import Make, Unsupported
 
 STEPS = (0.004, 0.002, 0.001)  # s
+MOVING = (
+    "stopping",
+    "direction",
+    "rebound, e = 0.5",
+    "rebound, e = 1",
+    "sliding ball",
+    "box in a groove",
+)  # have an order in it
 ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, and the engine
     "frictionbench": ("frictionbench", own.Exact),
     "MuJoCo": ("mujoco", mujoco.MuJoCo),
     "MuJoCo, stiff": ("mujoco", mujoco.stiff),
     "Drake": ("drake", drake.Drake),
     "Drake, SAP": ("drake", drake.sap),
+    "Drake, CENIC": ("drake", drake.cenic),
     "Drake, margin": ("drake", drake.margin),
     "Drake, softer": ("drake", drake.softer),
     "Drake, stiff": ("drake", drake.stiff),
@@ -50,6 +61,23 @@ def table() -> str:
     return "".join([*(f"| {' | '.join(row)} |\n" for row in rows), *remarks])
 
 
+def orders(made: str) -> str:
+    """A table in Markdown: log2 of the ratio of the errors at each two successive steps, a dash where their signs are unlike.
+
+    made: what `table` gives.
+    """
+    heads, _, *body = ([cell.strip() for cell in line.strip("| ").split("|")] for line in made.splitlines() if line[:1] == "|")
+    rows = [[heads[0], *heads[3:]], ["---", *["--:"] * len(heads[3:])]]
+    rows += [[row[0], *map(_orders, row[3:])] for row in body if row[0].startswith(MOVING)]
+    return "\n" + "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+def _orders(cell: str) -> str:
+    """Of a cell "a / b ± c / d"."""
+    errors = [] if "–" in cell or "failed" in cell else [float(part.split()[0]) for part in cell.split(" / ")]
+    return ", ".join(f"{np.log2(a / b):.1f}" if a * b > 0 else "–" for a, b in pairwise(errors)) or "–"
+
+
 def _errors(one: Phenomenon, make: Make) -> str:
     errors = [_error(one, make, step) for step in STEPS]
     return "–" if set(errors) == {"–"} else " / ".join(errors)
@@ -69,4 +97,5 @@ def _error(one: Phenomenon, make: Make, step: float) -> str:
 
 if __name__ == "__main__":
     made = table()
+    made += orders(made)
     PAGE.write_text(TABLE.sub(lambda _: made, PAGE.read_text(encoding="utf-8")), encoding="utf-8")

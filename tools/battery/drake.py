@@ -10,7 +10,7 @@ from tools.battery.world import Array, Setting, Unsupported, gravity
 
 
 class Drake:
-    """A setting as a discrete MultibodyPlant. modulus: Pa; margin: m; stiction: its tolerance, m/s.
+    """A setting as a MultibodyPlant. modulus: Pa; margin: m; stiction: its tolerance, m/s; integrator: of a continuous plant.
 
     Compliant bodies, which has to be asked for, with the default modulus on rigid half spaces; kLagged.
     """
@@ -23,18 +23,20 @@ class Drake:
         approximation: str = "kLagged",
         margin: float | None = None,
         stiction: float = 1e-4,
+        integrator: str = "",
     ) -> None:
         if setting.restitution:
             raise Unsupported("its dissipation has no coefficient of restitution, and implicit steps damp it besides")
         d: Any = import_module("pydrake.all")
         builder = d.DiagramBuilder()
-        self._plant, scene = d.AddMultibodyPlantSceneGraph(builder, step)
+        self._plant, scene = d.AddMultibodyPlantSceneGraph(builder, 0.0 if integrator else step)
         config = d.SceneGraphConfig()
         config.default_proximity_properties.compliance_type = "compliant"
         config.default_proximity_properties.hydroelastic_modulus = modulus
         config.default_proximity_properties.margin = margin
         scene.set_config(config)
-        self._plant.set_discrete_contact_approximation(getattr(d.DiscreteContactApproximation, approximation))
+        if not integrator:
+            self._plant.set_discrete_contact_approximation(getattr(d.DiscreteContactApproximation, approximation))
         self._plant.set_stiction_tolerance(stiction)
         self._plant.mutable_gravity_field().set_gravity_vector(setting.gravity)
         friction, ground = d.CoulombFriction(setting.friction, setting.friction), self._plant.world_body()
@@ -54,6 +56,8 @@ class Drake:
             self._bodies.append(one)
         self._plant.Finalize()
         self._simulator = d.Simulator(builder.Build())
+        if integrator:
+            d.ApplySimulatorConfig(d.SimulatorConfig(integration_scheme=integrator, max_step_size=step), self._simulator)
         context = self._context = self._plant.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())
         for one, body in zip(self._bodies, setting.bodies, strict=True):
             pose = d.RigidTransform(d.RotationMatrix.MakeXRotation(body.turn), body.position)
@@ -81,6 +85,7 @@ class Drake:
 
 softer = partial(Drake, modulus=1e6)  # for which these light boxes are no longer nearly rigid at these steps
 sap = partial(Drake, approximation="kSap")  # convex, without an iteration that lags behind
+cenic = partial(Drake, integrator="cenic")  # by error control, steps at most as long as asked for
 margin = partial(Drake, margin=1e-4)  # which the documentation names: within it faces keep their contact
 # A modulus that is more than the documentation advises, with kSimilar and a smaller stiction tolerance.
 stiff = partial(Drake, modulus=1e9, approximation="kSimilar", stiction=1e-6)
