@@ -14,6 +14,7 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem, refined, velocity_distance
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
+from frictionbench.reports.drawing.text import count
 from frictionbench.solvers import solve
 from studies.motions import problem_of
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require, share
@@ -154,7 +155,7 @@ def summary(tables: Tables) -> Summary:
         "within": f"{np.quantile(gain[~other], 0.95):.1f}",
         "worst": f"{gain[~other].max():.0f}",
         "other": int(other.sum()),
-        "other_problems": _problems(len(measured[other].groupby(["scene", "friction"]))),
+        "other_problems": count(len(measured[other].groupby(["scene", "friction"])), "problem"),
     }
     figures = {
         "digits": tuple(
@@ -178,10 +179,6 @@ def _agreements(cold: pd.DataFrame) -> dict[str, str]:
         if len(both):
             found[f"{one} and {other}"] = f"{(both[one] == both[other]).sum()} of {len(both)}"
     return found
-
-
-def _problems(number: int) -> str:
-    return f"{number} problem{'s' if number != 1 else ''}"
 
 
 def _draw_digits(ax: Axes, rows: pd.DataFrame) -> None:

@@ -17,14 +17,8 @@ from tools.battery.phenomena import PHENOMENA, Phenomenon
 from tools.battery.world import Make, Unsupported
 
 STEPS = (0.004, 0.002, 0.001)  # s
-MOVING = (
-    "stopping",
-    "direction",
-    "rebound, e = 0.5",
-    "rebound, e = 1",
-    "sliding ball",
-    "box in a groove",
-)  # have an order in it
+MOVING = tuple(f"| {name}" for name in ("stopping", "direction", "rebound, e = 0.5", "rebound, e = 1", "sliding", "box in"))
+ERRORS = re.compile(" / ".join([r"(-?[\d.]+e[-+]\d+)(?: ± \S+)?"] * len(STEPS)))  # of a cell
 ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, and the engine
     "frictionbench": ("frictionbench", own.Exact),
     "MuJoCo": ("mujoco", mujoco.MuJoCo),
@@ -62,20 +56,14 @@ def table() -> str:
 
 
 def orders(made: str) -> str:
-    """A table in Markdown: log2 of the ratio of the errors at each two successive steps, a dash where their signs are unlike.
-
-    made: what `table` gives.
-    """
-    heads, _, *body = ([cell.strip() for cell in line.strip("| ").split("|")] for line in made.splitlines() if line[:1] == "|")
-    rows = [[heads[0], *heads[3:]], ["---", *["--:"] * len(heads[3:])]]
-    rows += [[row[0], *map(_orders, row[3:])] for row in body if row[0].startswith(MOVING)]
-    return "\n" + "".join(f"| {' | '.join(row)} |\n" for row in rows)
+    """The rows of MOVING in `made` with log2 of the ratio of errors at successive steps, a dash where signs are unlike."""
+    kept = [line for line in made.splitlines() if line.startswith(("| phenomenon", "| ---", *MOVING))]
+    return "\n" + "".join(f"{ERRORS.sub(_orders, line)}\n" for line in kept)
 
 
-def _orders(cell: str) -> str:
-    """Of a cell "a / b ± c / d"."""
-    errors = [] if "–" in cell or "failed" in cell else [float(part.split()[0]) for part in cell.split(" / ")]
-    return ", ".join(f"{np.log2(a / b):.1f}" if a * b > 0 else "–" for a, b in pairwise(errors)) or "–"
+def _orders(cell: re.Match[str]) -> str:
+    pairs = pairwise(map(float, cell.groups()))
+    return ", ".join(f"{np.log2(a / b):.1f}" if a * b > 0 else "–" for a, b in pairs)
 
 
 def _errors(one: Phenomenon, make: Make) -> str:
