@@ -50,7 +50,7 @@ test: install
 	$(MAKE) --jobs=2 --output-sync checked compiled-plane compiled-space
 	$(PYTEST)
 
-test-all: test
+test-all: test .venv/documented
 	$(PYTEST) -m slow
 
 # Kernels that both processes of the tests would otherwise compile at the same time.

@@ -20,18 +20,9 @@ html_copy_source = False
 html_show_sphinx = False
 html_show_copyright = False
 html_static_path = ["_static"]
+templates_path = ["_templates"]
 html_css_files = ["wrap.css"]
 highlight_language = "text"
 myst_heading_anchors = 3
 myst_enable_extensions = ["colon_fence"]
 suppress_warnings = ["toc.empty_glob"]  # pages that are matched by a pattern come and go
-
-
-def levels(app, page, template, context, doctree) -> None:
-    """Give Sphinx' captions of lists of pages the level that a heading must have for those who do not see it."""
-    for part in {"body", "furo_navigation_tree"} & context.keys():
-        context[part] = context[part].replace('role="heading"', 'role="heading" aria-level="2"')
-
-
-def setup(app) -> None:
-    app.connect("html-page-context", levels, priority=900)  # after the theme

@@ -1,7 +1,6 @@
 """Links of pages that leave docs/, which hold on a code host: on the site they lead to the page that includes the file.
 
-A link to a folder or file that is no page becomes its text. Pages are completed where the theme leaves out what screen readers
-and keyboards need.
+A link to a folder or file that is no page becomes its text.
 """
 
 import re
@@ -28,14 +27,6 @@ def replace_links(app: Any, name: str, source: list[str]) -> None:
         source[0] = re.sub(r"\[([^\]]+)\]\(\.\./([^)\s]+)\)", on_site, source[0])
 
 
-def name_roles(app: Any, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
-    """The theme's captions have a level, and tables that scroll can be reached by the keyboard."""
-    for part in ("furo_navigation_tree", "body"):
-        text = context.get(part, "").replace('role="heading"', 'role="heading" aria-level="2"')
-        context[part] = text.replace('<table class="docutils', '<table tabindex="0" class="docutils')
-
-
 def setup(app: Any) -> dict[str, bool]:
     app.connect("source-read", replace_links)
-    app.connect("html-page-context", name_roles, priority=900)  # after the theme
     return {"parallel_read_safe": True}

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.reports.templates import as_json, environment, script
+from frictionbench.reports.templates import as_json, environment
 from frictionbench.results.files import write_text
 from frictionbench.results.motion import Array, Motion, Outline, plain
 
@@ -21,20 +21,9 @@ MARGIN = 0.1  # around the motion, relative to its size
 
 def write_animation(motion: Motion, path: Path) -> Path:
     """Write the page; return its path."""
-    text, digest = script("animation.js")
-    page = (
-        environment()
-        .get_template("animation.html")
-        .render(
-            motion=motion,
-            title=motion.title,
-            frames=len(motion.times),
-            script=text,
-            script_hash=digest,
-            data=as_json(_data(motion)),
-        )
-    )
-    write_text(path, page)
+    page = environment().get_template("animation.html")
+    facts = {"title": motion.title, "frames": len(motion.times), "data": as_json(_data(motion))}
+    write_text(path, page.render(motion=motion, **facts))
     return path
 
 

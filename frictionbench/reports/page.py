@@ -23,7 +23,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.recorded import motions, recorded_problems
 from frictionbench.reports.run import Run, read_run
-from frictionbench.reports.templates import environment, script
+from frictionbench.reports.templates import environment
 from frictionbench.results.conventions import RankBy, endings
 from frictionbench.results.files import write_text
 
@@ -55,8 +55,7 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
 
 def render(page: Values) -> str:
     """The page as HTML."""
-    text, digest = script("page.js")
-    return environment().get_template("page.html").render(page, script=text, script_hash=digest)
+    return environment().get_template("page.html").render(page)
 
 
 def view(run: Run) -> Values:

@@ -49,6 +49,6 @@ def audited(page: Path, accessible: bool = True) -> list[dict]:
     return views
 
 
-def faults(page: Path) -> list[str]:
+def faults(page: Path, accessible: bool = True) -> list[str]:
     """What any of the views of a page has to be mended for."""
-    return [f"{view['width']} px: {fault}" for view in audited(page) for fault in view["faults"]]
+    return [f"{view['width']} px: {fault}" for view in audited(page, accessible) for fault in view["faults"]]

@@ -27,8 +27,13 @@ for (const part of document.querySelectorAll("td, th, h1, h2, h3, p, dt, dd, but
   if (text.right > box.right + 2 || text.left < box.left - 2) faults.push(`too wide: ${part.textContent.trim().slice(0, 60)}`);
 }
 const root = document.documentElement;
+for (const wide of document.querySelectorAll(".wide")) {
+  if (root.clientWidth <= 400 && wide.scrollWidth > wide.clientWidth + 1) faults.push(`scrolls: ${wide.textContent.trim().slice(0, 60)}`);
+}
 if (root.scrollWidth > root.clientWidth) faults.push(`the page is ${root.scrollWidth} px wide`);
-for (const entry of performance.getEntriesByType("resource")) faults.push(`asked for ${entry.name}`);
+for (const { name } of performance.getEntriesByType("resource")) {
+  if (!/^file:.*\/_(static|images)\//.test(name)) faults.push(`asked for ${name}`);  // a page of the documentation has files beside it
+}
 const dark = matchMedia("(prefers-color-scheme: dark)").matches;
 const drawn = document.querySelectorAll("figure svg").length;
 const accessible = window.axe ? axe.run(document, { resultTypes: ["violations"] }) : Promise.resolve({ violations: [] });

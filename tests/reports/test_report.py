@@ -17,7 +17,7 @@ from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
 from frictionbench.reports.tables import reliabilities, sentences
-from frictionbench.reports.templates import script
+from frictionbench.reports.templates import environment
 from frictionbench.results.conventions import ENDINGS
 from frictionbench.results.histories import ConvergenceHistory, write_histories
 from frictionbench.results.schema import SOLVES, arrow_schema
@@ -122,7 +122,7 @@ def test_sizes_of_a_scene_are_separate():
 
 def assert_only_our_script_runs(path: Path, page: Page) -> None:
     (ours,) = page.scripts[""]
-    assert ours == script("page.js")[0]
+    assert ours == environment().globals["script"]("cards.js", "page.js")[0]
     assert f"script-src {digest(ours)}" in path.read_text(encoding="utf-8")
     assert page.scripts.keys() <= {"", "application/json"}
     for data in page.scripts["application/json"]:

@@ -66,10 +66,11 @@ def test_history_filters_and_sorts(site: Path, tmp_path: Path) -> None:
 
 
 @in_browser
-def test_pages_look(tmp_path: Path) -> None:
-    (index,) = publish([*(ROOT / "results/published").glob("standard-*.json")], tmp_path / "site", None)
-    for page in [index, *sorted(index.parent.glob("standard-*.html"))]:
-        assert faults(page) == [], page.name
+@pytest.mark.parametrize(("suite", "accessible"), [("standard", True), ("*", False)])  # axe takes minutes for all
+def test_pages_look(tmp_path: Path, suite: str, accessible: bool) -> None:
+    (index,) = publish([*(ROOT / "results/published").glob(f"{suite}-*.json")], tmp_path / "site", None)
+    for page in sorted(index.parent.glob("*.html")):
+        assert faults(page, accessible) == [], page.name
 
 
 def test_damaged_folders_are_refused(tmp_path: Path) -> None:

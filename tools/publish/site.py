@@ -14,7 +14,7 @@ import pandas as pd
 
 from frictionbench.reports.accuracy import OVERALL
 from frictionbench.reports.page import write_report
-from frictionbench.reports.templates import environment, script
+from frictionbench.reports.templates import environment
 from frictionbench.results import TABLES, RankBy, read_table, subfolder, write_text
 from tools.publish.summary import Summary, page_of, write
 
@@ -47,10 +47,8 @@ def write_site(entries: Sequence[Entry], site: Path) -> Path:
     for page, runs in pages.items():
         values = {"runs": runs, "downloads": downloads, "same": [same_problems(run, runs) for run in runs], "by": tuple(RankBy)}
         write_text(site / page, templates.get_template("published_suite.html").render(values))
-    text, digest = script(HERE / "published.js")
     rows = [row for runs in pages.values() for run in runs for row in history_rows(run)]
-    values = {"pages": pages, "rows": rows, "script": text, "script_hash": digest}
-    write_text(site / "index.html", templates.get_template("published.html").render(values))
+    write_text(site / "index.html", templates.get_template("published.html").render(pages=pages, rows=rows))
     return site / "index.html"
 
 

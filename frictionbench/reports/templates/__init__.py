@@ -20,12 +20,6 @@ from frictionbench.results.conventions import ENDINGS, ending, scene_title
 from frictionbench.results.hardness import HARDNESS
 
 
-def script(*names: str | Path) -> tuple[Markup, str]:
-    """Scripts, of this folder or by their paths, as one; and the hash by which a page's policy allows this script only."""
-    text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in names)
-    return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
-
-
 def as_json(value: Any) -> Markup:
     """The value as JSON that cannot end a script element."""
     return Markup(json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"))
@@ -34,8 +28,9 @@ def as_json(value: Any) -> Markup:
 def environment(*folders: Path) -> Environment:
     """Templates of this folder and of others with escaping, and filters for numbers, commands and drawings; "–" stands for a
     missing number."""
+    loader = FileSystemLoader([Path(__file__).parent, *folders])
     made = Environment(
-        loader=FileSystemLoader([Path(__file__).parent, *folders]),
+        loader=loader,
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -61,7 +56,13 @@ def environment(*folders: Path) -> Environment:
         "svg": _svg,
         "json": as_json,
     }
-    made.globals |= {"endings": ENDINGS, "hardness": HARDNESS}
+
+    def script(*names: str) -> tuple[Markup, str]:
+        """Scripts of these folders as one; and the hash by which a page's policy allows this script only."""
+        text = "".join(loader.get_source(made, name)[0] for name in names)
+        return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
+
+    made.globals |= {"endings": ENDINGS, "hardness": HARDNESS, "script": script}
     return made
 
 

@@ -1,5 +1,4 @@
-"use strict";
-// Selects solvers, sorts tables, makes them cards on narrow screens, and shows the tooltips of dots. Without it the page is complete, with the best few solvers highlighted.
+// Selects solvers, sorts tables, and shows the tooltips of dots. Without it the page is complete, with the best few solvers highlighted.
 const marks = document.querySelectorAll("g[data-label], g[data-dots]");
 const chips = document.querySelectorAll("button[data-label]");
 const chosen = new Set();
@@ -58,28 +57,6 @@ for (const table of document.querySelectorAll("table.sorts")) {
       }
     });
   });
-}
-
-// Of each cell the words above its column: where there is no room for columns, rows are shown as cards (page.css).
-for (const table of document.querySelectorAll(".wide > table")) {
-  const heads = [];
-  for (const row of table.rows) {
-    if (!row.querySelector("th")) continue;
-    let column = 0;
-    for (const head of row.cells) {
-      for (let k = 0; k < head.colSpan; k++, column++) heads[column] = [heads[column], head.textContent.trim()].filter(Boolean).join(", ");
-    }
-  }
-  if (heads.length > 3) table.classList.add("several");
-  if (heads.length > 10) table.classList.add("many");
-  for (const row of table.rows) {
-    let column = 0;
-    for (const cell of row.cells) {
-      cell.dataset.head = heads[column] || "";
-      cell.classList.toggle("blank", column > 0 && /^–?$/.test(cell.textContent.trim()));
-      column += cell.colSpan;
-    }
-  }
 }
 
 // The dots of a group are in the order of its list of tooltips.

@@ -1,0 +1,22 @@
+"use strict";
+// Of each cell the words above its column: where there is no room for columns, rows are shown as cards (page.css).
+for (const table of document.querySelectorAll(".wide > table")) {
+  const heads = [];
+  for (const row of table.rows) {
+    if (!row.querySelector("th")) continue;
+    let column = 0;
+    for (const head of row.cells) {
+      for (let k = 0; k < head.colSpan; k++, column++) heads[column] = [heads[column], head.textContent.trim()].filter(Boolean).join(", ");
+    }
+  }
+  if (heads.length > 3) table.classList.add("several");
+  if (heads.length > 10) table.classList.add("many");
+  for (const row of table.rows) {
+    let column = 0;
+    for (const cell of row.cells) {
+      cell.dataset.head = heads[column] || "";
+      cell.classList.toggle("blank", column > 0 && /^–?$/.test(cell.textContent.trim()));
+      column += cell.colSpan;
+    }
+  }
+}
