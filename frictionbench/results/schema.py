@@ -72,7 +72,7 @@ dry_friction       whole     how many of the contacts are dry friction of joints
 trivial            flag      no contact, no friction, or zero impulses are the answer
 idle               flag      friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8
 solutions          text      shape of the set of solutions: none, one, convex, isolated, not convex; null if not enumerated
-outcomes           whole     number of distinct velocities among the solutions; null if not enumerated
+outcomes           whole     number of distinct velocities among the solutions; null if not enumerated or infinite
 existence          text      proof of existence of a solution: gaps or pointed (theorems), counted (enumeration); none: proved
                              to be none
 proved_infeasible  flag      contacts or joints contradict each other, proved (Farkas): no impulses have a residual of 1e-8;
@@ -90,7 +90,7 @@ fclib_error        real      FCLIB's error, for comparison with published work
 backward_error     real  1   smallest relative change of (q, mu) for which the answer is exact
 energy_defect      real  1   defect of the energy balance over the kinetic energy of the free motion
 velocity_error     real  1   |v - v*| / |v* - v_0| in the metric of the mass, v* of the refined reference answer, v_0 without
-                             impulses; an error where the problem has one outcome, null without a reference
+                             impulses; an error where the problem has one outcome, null without a reference that changes them
 outcome_distance   real  1   the same of the answer refined to rounding, from a residual of 1e-4: distances more than 1e-3 apart
                              are of different outcomes; null where it is not refined that far
 mode               text      state of each contact in the answer: o open, s sticking, l, r sliding; null if too many

@@ -27,6 +27,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from frictionbench.problems.check import Array
+from frictionbench.problems.forms.islands import NOISE
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual, residual_floor
 
@@ -38,11 +39,12 @@ HALVINGS = 4
 
 def velocity_distance(problem: FrictionProblem, impulse: Array, reference: Array) -> float | None:
     """The distance of the velocities of impulse (nc, d) from those of the reference (nc, d); None where contact changes nothing
-    or a shape is wrong."""
+    beyond rounding or a shape is wrong."""
     shape = problem.contacts, problem.dimension
     if impulse.shape != shape or reference.shape != shape or not np.isfinite(impulse).all():
         return None
-    changed = _norm(problem, reference, np.zeros(shape))
+    change, size = problem.contact_velocity(reference) - problem.q.reshape(shape), problem.velocity_size(reference)
+    changed = _norm(problem, reference, np.zeros(shape)) if (np.abs(change) > NOISE * size).any() else 0.0
     return _norm(problem, impulse, reference) / changed if changed > 0 else None
 
 
