@@ -99,7 +99,8 @@ def summary(found: Tables) -> Summary:
     lower = {kind: [slope.value for (k, s), slope in slopes.items() if k == kind and s != HIGHER] for kind in kinds}
     numbers = {
         "kept": listing([f"{kind} ({slope})" for kind, slope in high.items() if slope.value - slope.half > 1.5]),
-        "lost": listing([f"{kind} ({slope})" for kind, slope in high.items() if slope.value - slope.half <= 1.5]),
+        "lost": listing([f"{kind} ({slope})" for kind, slope in high.items() if slope.value + slope.half < 1.5]),
+        "open": listing([f"{kind} ({slope})" for kind, slope in high.items() if abs(slope.value - 1.5) <= slope.half]),
         "lowest": f"{min(lower['smooth sliding']):.2f}",
         "highest": f"{max(lower['smooth sliding']):.2f}",
         "by_kind": "; ".join(
