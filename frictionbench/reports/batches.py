@@ -12,7 +12,7 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.templates import environment
-from frictionbench.results.conventions import DRAWN, NEARBY, WAYS, scene_title
+from frictionbench.results.conventions import DRAWN, NEARBY, WAYS, law, scene_title
 from frictionbench.results.files import write_text
 from frictionbench.results.store import read_manifest, read_table
 
@@ -27,7 +27,8 @@ METHOD = (  # how the figures were measured, in words for reports
     f"impulses; warm ones from the answers of the same problems with pushes smaller by {100 * NEARBY:g} %, as of the step "
     "before. Times exclude compilation and loading.",
     "A rate is shown only where the verifier finds the residual of every answer within the tolerance, contacts bear, and "
-    "friction is at work; otherwise the reason stands in its place.",
+    "friction is at work; otherwise the reason stands in its place, by Coulomb's law also for solvers of another law, which are "
+    "marked. Rates are of one run and have no intervals.",
     "MuJoCo's rollout has no row: it takes models and states and detects contacts itself, so that it cannot be given these "
     "problems, a step of its own is more than solving them, and its contacts are soft by its own law. Its constraint solver, "
     "which can be given them, stands among the calls where MuJoCo is installed.",
@@ -78,7 +79,8 @@ def rate_tables(rows: pd.DataFrame) -> list[RateTable]:
 def rate_of(row: dict[str, Any]) -> list[str]:
     """The texts of a row of the table of batches, as METHOD says; a dash where nothing was measured, and only the reason where
     its rate is refused."""
-    names = [str(row[name]) for name in ("variant", "way", "start")]
+    other = law(row["model"] or "coulomb", row["dimension"])
+    names = [f"{row['variant']} ({other})" if other else str(row["variant"]), str(row["way"]), str(row["start"])]
     times, singles = (_seconds(row[name]) for name in ("times", "base_times"))
     if why := refusal(row) or ("" if len(times) and len(singles) else "not timed"):
         return [*names, why, "–"]

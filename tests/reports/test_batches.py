@@ -15,7 +15,7 @@ from tests.helpers.made_results import SETTINGS, batch_row, write_folder
 def folder(tmp_path: Path) -> Path:
     rows = [
         batch_row("lemke", "packed"),
-        batch_row("<b>", "calls", verified=0.5, verdict="relaxed"),
+        batch_row("<b>", "calls", verified=0.5, verdict="relaxed", model="relaxation"),
     ]
     return write_folder(tmp_path, [], batches=rows, settings=SETTINGS | {"batches": [{"scene": "stack"}]})
 
@@ -25,7 +25,8 @@ def test_the_page_shows_rates_and_what_is_refused(folder: Path) -> None:
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "<td>1,000</td><td>2</td>" in page
     assert "<td>50 % verified</td><td>–</td>" in page
-    assert "&lt;b&gt;" in page
+    assert "&lt;b&gt; (another law)" in page
+    assert "lemke (" not in page
     assert "<b>" not in page
 
 
