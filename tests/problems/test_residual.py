@@ -190,10 +190,7 @@ def test_what_is_solved_within_a_tolerance_is_solved_within_larger_ones() -> Non
     assert verdicts(problem, [[1.0, 0.0], [1.8e-12, -5.4e-13]]) == ["solved"] * 3
 
 
-PAIR = (
-    [[0, 1, 0, 0], [0, 0, 0, 1], [0, -1, 0, 1]],
-    [[1, 0, 0, 0], [0, 0, 1, 0], [-1, 0, 1, 0]],
-)  # two blocks and what is between
+PAIR = ([[0, 1, 0, 0], [0, 0, 0, 1], [0, -1, 0, 1]], [[1, 0, 0, 0], [0, 0, 1, 0], [-1, 0, 1, 0]])  # two blocks, and between
 
 
 @pytest.mark.parametrize("contacts", [2, 3])

@@ -33,7 +33,7 @@ FAR = 1e6  # times the problem's own velocities: a proof that excludes only smal
 class Contradiction(NamedTuple):
     """Conditions that no velocity satisfies.
 
-    y: (nc,) >= 0 and z: (nj,), the weights of contacts and joint equations. beyond: no velocity below so many times the
+    y: (nc,) >= 0 and z: (nj,), the proved weights of contacts and joint equations. beyond: no velocity below so many times the
     problem's own, the largest of v* and b in units of each body's mass, satisfies them; infinite where rho = 0.
     least_residual: no impulses that give velocities within sqrt(beyond) of those have a smaller residual.
     """
@@ -95,7 +95,7 @@ def contradiction(problem: FrictionProblem) -> Contradiction | None:
         return None
     y, z = np.split(weight / row, [nc])
     least = gain * (1 - 1 / np.sqrt(beyond)) / float(y @ problem.units) if y.any() else np.inf
-    largest = max(y.max(initial=0.0), np.abs(z).max(initial=0.0))
+    largest = _power_of_two(np.array(max(y.max(initial=0.0), np.abs(z).max(initial=0.0))))  # so that the weights stay proved
     return Contradiction(y / largest, z / largest, beyond, least)
 
 

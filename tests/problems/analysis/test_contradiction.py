@@ -46,6 +46,9 @@ def test_opposite_walls(angle) -> None:
     assert found.least_residual == pytest.approx(1.5 / problem.units.sum(), rel=1e-12)
     assert "conditions of contacts 0, 1 contradict" in str(found)
     assert contradiction(known_by_W(problem)).least_residual == pytest.approx(1.5 / known_by_W(problem).units.sum())
+    walls = contacts_of([[1, 0], [-0.6, 0.8], [-0.6, -0.8]], np.eye(3, 2), 0.5, [0, 0], np.diag([1e6, 1e-3]), [-1, -0.1, -0.1])
+    assert contradiction(walls).beyond == np.inf  # one of the weights is no power of two of the others
+    assert not any(exact_sum(walls, contradiction(walls))[0])
 
 
 @pytest.mark.parametrize("seed", range(12))

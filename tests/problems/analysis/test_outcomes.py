@@ -50,7 +50,7 @@ def test_refined_answers_stay_near_and_reach_rounding(seed) -> None:
 
 
 def test_two_motions_of_the_jam_stay_apart() -> None:
-    """Normal impulses of V/(2 mu) on both walls stop the disc, none let it pass with V; that rounding changes V is no outcome."""
+    """Normal impulses of V/(2 mu) on both walls stop the disc, none let it pass with V; rounding is no outcome."""
     problem = fb.scene("jam").problem()
     passing, stopped = np.zeros((2, 2)), problem.velocity_scale * np.array([[1.0, 0.5], [1.0, -0.5]])
     assert velocity_distance(problem, refined(problem, passing), refined(problem, stopped)) == pytest.approx(1.0)
