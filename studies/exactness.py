@@ -11,21 +11,27 @@ from matplotlib.axes import Axes
 import frictionbench as fb
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
-from studies.study import Array, Row, Study, Summary, Tables, finish, listing, require
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, middle, require, share
 
-REFERENCE, TWIN, MUJOCO, RELAXED = "reference", "twin", "MuJoCo", "relaxation"
+REFERENCE, TWIN, OTHER, MUJOCO, RELAXED = "reference", "twin", "interior point", "MuJoCo", "relaxation"
 TOLERANCES, SWEEPS = (1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10), (1, 4, 10, 50)
+SOLVED = tuple(f"{tol:.0e}" for tol in TOLERANCES)  # ways
 WAYS: dict[str, tuple[str, float, int | None]] = {  # solver, tolerance, limit
     REFERENCE: ("hybrid", 1e-12, None),
     TWIN: ("hybrid", 1e-12, None),
-    **{f"{tol:.0e}": ("nsgs", tol, None) for tol in TOLERANCES},
+    OTHER: ("interior_point", 1e-10, None),
+    **{way: ("nsgs", tol, None) for way, tol in zip(SOLVED, TOLERANCES, strict=True)},
     **{f"{sweeps} sweeps": ("nsgs", 1e-12, sweeps) for sweeps in SWEEPS},
     RELAXED: ("relaxation_ip", 1e-10, None),
     MUJOCO: ("", 0.0, None),
 }
-ROBOTS, TIMES = ("humanoid", "quadruped", "hand_block", "fetch_pick"), (0.1, 0.3)
+TIMES = (0.1, 0.3)  # s
+ROBOTS = (
+    *("humanoid", "humanoid_CMU", "quadruped", "hopper", "walker", "cheetah", "ball_in_cup", "finger", "ant"),
+    *("hand_block", "hand_egg"),
+)
 MOVED = 1e-12  # of the velocities of the twin's start
-COMPARABLE = 1e-6  # m or rad, that the twin may be away
+COMPARABLE = 1e-6  # m that the twin may be away
 HELD = 1.0  # mm: what an object may move that stands or is held
 TOWER = "".join(
     f'<body name="b{k}" pos="0 0 {0.05 + 0.1 * k}"><freejoint/><geom type="box" size=".05 .05 .05" mass="{mass}"/></body>'
@@ -60,54 +66,68 @@ TASKS = {  # scene, body that must not move, forces by joint
 }
 
 
-def paths(names: Iterable[str] = ROBOTS, seeds: Iterable[int] = (0, 1), duration: float = 0.3) -> Iterator[Row]:
-    """Robots under smooth controls: how far each way's coordinates are from the reference's, m or rad."""
+def paths(names: Iterable[str] = ROBOTS, duration: float = 0.3) -> Iterator[Row]:
+    """Robots under smooth controls: how far each way's bodies are from the reference's."""
     from tools.robots.models import MODELS, begin
 
     for name in names:
-        model = next(one for one in MODELS if one.name == name).load()
-        for seed in seeds:
-            known: dict[float, Array] = {}
-            for way in WAYS:
-                data, drive = begin(model, "smooth", seed)
-                if way == TWIN:
-                    data.qvel[:] += MOVED * np.random.default_rng(seed).normal(size=model.nv)
-                for time, q in _moved(model, data, drive, way, duration):
-                    if way == REFERENCE:
-                        known[time] = q
-                    else:
-                        yield {
-                            "model": name,
-                            "seed": seed,
-                            "way": way,
-                            "time": time,  # s
-                            "error": _apart(model, known[time], q),  # the largest of a coordinate, m or rad
-                        }
+        model, known = next(one for one in MODELS if one.name == name).load(), dict[float, Array]()
+        for way in WAYS:
+            data, drive = begin(model, "smooth", 0)
+            if way == TWIN:
+                data.qvel[:] += MOVED * np.random.default_rng(0).normal(size=model.nv)
+            for time, centres in _moved(model, data, drive, way, duration):
+                if way == REFERENCE:
+                    known[time] = centres
+                else:
+                    error = float(np.linalg.norm(centres - known[time], axis=1).max())  # the largest of a body's centre, m
+                    yield {"model": name, "way": way, "time": time, "error": error}
 
 
 def tasks(names: Iterable[str] = tuple(TASKS), duration: float = 0.3) -> Iterator[Row]:
-    """Things that Coulomb's law holds at rest: how far the body moves in the time, mm."""
+    """Things that Coulomb's law holds at rest: how far the body's centre moves in the time, mm."""
+    for name in names:
+        for way in WAYS:
+            model, data = _built(name)
+            body = model.body(TASKS[name][1]).id
+            begin = data.xipos[body].copy()
+            *_, (_, centres) = _moved(model, data, lambda data, k: None, way, duration)
+            yield {"task": name, "way": way, "moved": 1e3 * float(np.linalg.norm(centres[body] - begin))}
+
+
+def grips(steps: int = 10, solvers: Iterable[str] = ("interior_point", "admm_coulomb", "nsgs", "hybrid")) -> Iterator[Row]:
+    """Answers of several methods to one step of the grasp, which the interior point has held until then."""
+    model, data = _built("grasp")
+    *_, _ = fb.mujoco.steps(model, data, steps, "interior_point", TOLERANCES[-1])
+    problem = fb.mujoco.problem(model, data)
+    for solver in solvers:
+        r = fb.solve(problem, solver, tol=TOLERANCES[-1]).impulse
+        face = r[problem.friction > 0, 0].reshape(2, -1)  # the normal impulses of each finger's contacts
+        yield {
+            "solver": solver,
+            "residual": fb.residual(problem, r),  # of Coulomb's law
+            "turning": float(np.linalg.norm(problem.velocity(r)[model.body("held").dofadr[0] + 3 :][:3])),  # of the box, rad/s
+            "corner": float((face.max(axis=1) / face.sum(axis=1)).max()),  # the largest share of a face's load at one contact
+        }
+
+
+def _built(task: str) -> tuple[Any, Any]:
+    """The model of a task, and its data at the start."""
     import mujoco as mj
 
-    for name in names:
-        world, body, forces = TASKS[name]
-        xml = f'<mujoco><option cone="elliptic" timestep=".004"/><worldbody>{world}</worldbody></mujoco>'
-        for way in WAYS:
-            model = mj.MjModel.from_xml_string(xml)
-            data = mj.MjData(model)
-            for joint, force in forces.items():
-                data.joint(joint).qfrc_applied = force
-            mj.mj_forward(model, data)
-            begin = data.body(body).xpos.copy(), data.body(body).xquat.copy()
-            for _ in _moved(model, data, lambda data, k: None, way, duration):
-                pass
-            mj.mj_forward(model, data)
-            there = np.linalg.norm(data.body(body).xpos - begin[0]) + 0.1 * np.linalg.norm(data.body(body).xquat - begin[1])
-            yield {"task": name, "way": way, "moved": 1e3 * float(there)}  # mm; a turn counts at a tenth of a metre
+    world, _, forces = TASKS[task]
+    model = mj.MjModel.from_xml_string(
+        f'<mujoco><option cone="elliptic" timestep=".004"/><worldbody>{world}</worldbody></mujoco>'
+    )
+    data = mj.MjData(model)
+    for joint, force in forces.items():
+        data.joint(joint).qfrc_applied = force
+    mj.mj_forward(model, data)
+    return model, data
 
 
 def _moved(model: Any, data: Any, drive: Any, way: str, duration: float) -> Iterator[tuple[float, Array]]:
-    """At TIMES: the time and the positions; not a number after a divergence."""
+    """At TIMES: the time and the centres of mass of the bodies (nbody, 3), m; not a number after a divergence."""
     import mujoco as mj
 
     solver, tol, limit = WAYS[way]
@@ -123,60 +143,41 @@ def _moved(model: Any, data: Any, drive: Any, way: str, duration: float) -> Iter
         except fb.InputError:
             lost = True
         if k + 1 in ends:
-            yield ends[k + 1], np.full(model.nq, np.nan) if lost else data.qpos.copy()
-
-
-def _apart(model: Any, a: Array, b: Array) -> float:
-    import mujoco as mj
-
-    difference = np.zeros(model.nv)
-    mj.mj_differentiatePos(model, difference, 1.0, a, b)
-    return float(np.abs(difference).max())
+            mj.mj_kinematics(model, data)
+            yield ends[k + 1], data.xipos * (np.nan if lost else 1.0)
 
 
 def summary(found: Tables) -> Summary:
-    errors, held = found["paths"], found["tasks"]
+    errors, grips = found["paths"], found["grips"]
     twins = errors[errors["way"] == TWIN].groupby("model")["error"].max()
-    parted = sorted(twins.index[twins > COMPARABLE])
-    errors = errors[~errors["model"].isin(parted)]
-    middle = errors.pivot_table(index="way", columns="time", values="error", aggfunc="median")
-    worst = errors.pivot_table(index="way", columns="time", values="error", aggfunc="max")
-    twin = worst.loc[TWIN]
-    tight, loose = f"{TOLERANCES[-2]:.0e}", f"{TOLERANCES[0]:.0e}"
-    last = middle.columns.max()
-    require(middle.loc[tight, last] < middle.loc[loose, last], "the error falls with the tolerance")
-    moved = held.pivot_table(index="way", columns="task", values="moved")
-    suffices = {}
-    for task in moved:
-        fine = [way for way in _tolerances() if moved.loc[way, task] <= HELD]
-        suffices[task] = fine[0] if fine else "none"
+    parted = twins[twins > COMPARABLE]
+    errors = errors[~errors["model"].isin(parted.index)]
+    cells = errors.groupby(["way", "time"])["error"].agg(middle).unstack()  # noqa: PD010
+    last = errors["time"].max()
+    ends = errors[errors["time"] == last].pivot_table(index="way", columns="model", values="error")
+    falling = ends.loc[SOLVED[-2]] < ends.loc[SOLVED[0]]
+    moved = found["tasks"].pivot_table(index="way", columns="task", values="moved")
+    exact = [REFERENCE, OTHER, SOLVED[-1]]
+    require(
+        (moved.loc[exact, "grasp"] > HELD).any() and (moved.loc[exact, "grasp"] <= HELD).any(), "exact steps hold and lose it"
+    )
+    require((grips["residual"] < TOLERANCES[-2]).all(), "every method answers the grasp's step exactly")
+    loosest = {task: next((way for way in SOLVED if moved.loc[way, task] <= HELD), "none") for task in moved}
     numbers = {
-        "robots": listing(sorted(twins.index)),
-        "parted": listing(parted),
-        "parted_by": f"{twins.max():.0e}",
-        "seeds": errors["seed"].nunique(),
-        "rows": _table(
-            pd.DataFrame({f"after {t:g} s": middle[t].map("{:.0e}".format) + worst[t].map(" ({:.0e})".format) for t in middle})
-        ),
-        "tasks": _table(moved.drop(TWIN).map("{:.1e}".format)),
-        "suffices": listing([f"{task} {way}" for task, way in suffices.items()]),
-        "twin": f"at most {twin[last]:.0e}",
+        "models": ends.columns.size,
+        "names": listing(sorted(twins.index)),
+        "parted": listing([f"{name} ({away:.0e} m)" for name, away in parted.items()]),
+        "twin": f"{twins[twins <= COMPARABLE].max():.0e}",
+        "rows": _table(cells.rename(columns="after {:g} s".format).map(str)),
         "last": f"{last:g}",
-        "loose": f"{middle.loc[loose, last]:.0e}",
-        "tight": f"{middle.loc[tight, last]:.0e}",
-        "cut": f"{middle.loc['10 sweeps', last]:.0e}",
-        "relaxed": f"{middle.loc[RELAXED, last]:.0e}",
-        "mujoco": f"{middle.loc[MUJOCO, last]:.0e}",
+        "ends": cells[last].to_dict(),
+        "falling": share(int(falling.sum()), falling.size),
+        "tasks": _table(moved.drop(TWIN).map("{:.1e}".format)),
+        "loosest": listing([f"{task} {way}" for task, way in loosest.items()]),
+        "grips": grips.to_dict("records"),
     }
-    panels = [
-        Panel(f"after {time:g} s", partial(_draw, errors=errors[errors["time"] == time]))
-        for time in sorted(errors["time"].unique())
-    ]
-    return Summary(numbers, {"paths": tuple(panels)})
-
-
-def _tolerances() -> list[str]:
-    return [f"{tol:.0e}" for tol in TOLERANCES]
+    panels = [Panel(f"after {time:g} s", partial(_draw, errors=own)) for time, own in errors.groupby("time")]
+    return Summary(numbers, {"paths": panels})
 
 
 def _table(cells: pd.DataFrame) -> list[str]:
@@ -187,18 +188,14 @@ def _table(cells: pd.DataFrame) -> list[str]:
 
 
 def _draw(ax: Axes, errors: pd.DataFrame) -> None:
-    """A line for each model over the tolerance, by the median of its seeds; cut sweeps and laws as marks at the right."""
-    marks = [*(f"{sweeps} sweeps" for sweeps in SWEEPS), RELAXED, MUJOCO]
-    x = np.arange(len(TOLERANCES) + len(marks))
-    for name, own in errors.groupby("model"):
-        middle = own.groupby("way")["error"].median()
-        line = ax.plot(x[: len(TOLERANCES)], middle.reindex(_tolerances()), "-o", ms=3, lw=1, label=name)[0]
-        ax.plot(x[len(TOLERANCES) :], middle.reindex(marks), "s", ms=3, color=line.get_color())
-    ax.plot([x[0], x[-1]], [errors.loc[errors["way"] == TWIN, "error"].median()] * 2, ":", color=INK, lw=0.8)
-    ax.set_yscale("log")
-    ax.set_xticks(x, [*_tolerances(), *marks], rotation=60, ha="right", fontsize=6)
-    ax.legend(fontsize=5.5, ncols=2)
-    finish(ax, "nsgs: residual; sweeps; other laws", "error, m or rad")
+    """A dot for each model, a dash for the median."""
+    found = errors.groupby("way")["error"].agg(list)
+    ways = [way for way in WAYS if way in found]
+    for x, way in enumerate(ways):
+        curve(ax, 0, np.full(len(found[way]), x), found[way], ls="", alpha=0.5)
+        ax.plot([x - 0.3, x + 0.3], [np.median(found[way])] * 2, color=INK)
+    ax.set_xticks(range(len(ways)), ways, rotation=60, ha="right", fontsize=6)
+    finish(ax, "nsgs: residual; sweeps; other laws", "error, m", "y")
 
 
-STUDY = Study((paths, tasks), summary, needs=("mujoco", "dm_control", "gymnasium_robotics"))
+STUDY = Study((paths, tasks, grips), summary, needs=("mujoco", "dm_control", "gymnasium_robotics"))

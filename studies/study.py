@@ -16,7 +16,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import t as student
+from scipy.stats import binom, t as student
 
 from frictionbench.harness import Plan
 from frictionbench.reports.drawing.figures import Panel
@@ -95,6 +95,14 @@ def order(x: ArrayLike, y: ArrayLike) -> Slope:
     left = b - b.mean() - slope * centred
     error = np.sqrt(left @ left / (len(a) - 2) / (centred @ centred))
     return Slope(slope, float(student.ppf(0.975, len(a) - 2) * error))
+
+
+def middle(values: ArrayLike) -> str:
+    """The median of independent values, with an interval of 95 % and more between two of them; endless for fewer than six."""
+    kept = np.sort(np.asarray(values, dtype=float))
+    k = int(binom.ppf(0.025, len(kept), 0.5))
+    low, high = (kept[k - 1], kept[-k]) if k else (-np.inf, np.inf)
+    return f"{np.median(kept):.0e} ({low:.0e} to {high:.0e})"
 
 
 def listing(items: Sequence[str], last: str = "and") -> str:

@@ -14,16 +14,13 @@ from frictionbench.results import store
 from tests.helpers.paths import ROOT
 
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+each_document = pytest.mark.parametrize("document", DOCUMENTS, ids=[path.name for path in DOCUMENTS])
 FOLDERS = ("problems", "solvers", "harness", "results", "reports", "tests", "docs", "frictionbench", "studies", "tools")
 # Written by recipes or by a user's own repository.
 EXAMPLES = re.compile(r"brick|plate|pushes|midpoint|jacobi|scipy_nnls|charts/solved|plain_json|solvers/mine")
 
 
-def ids(path: Path) -> str:
-    return path.name
-
-
-@pytest.mark.parametrize("document", DOCUMENTS, ids=ids)
+@each_document
 def test_links_exist(document: Path) -> None:
     text = document.read_text(encoding="utf-8")
     headings = {
@@ -35,13 +32,13 @@ def test_links_exist(document: Path) -> None:
     assert [link for link in links if link not in headings and not (document.parent / link.partition("#")[0]).exists()] == []
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=ids)
+@each_document
 def test_named_files_exist(document: Path) -> None:
     named = re.findall(rf"`((?:{'|'.join(FOLDERS)})/[\w/.]*)`", document.read_text(encoding="utf-8"))
     assert [name for name in named if not (ROOT / name).exists() and not EXAMPLES.search(name)] == []
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=ids)
+@each_document
 def test_commands_and_options_exist(document: Path) -> None:
     lines = re.findall(r"^    frictionbench ([a-z][\w-]*)([^#\n]*)", document.read_text(encoding="utf-8"), flags=re.MULTILINE)
     for command, rest in lines:
