@@ -1,5 +1,5 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
-# make quick   install, check the style and the types, run the tests that matter for most changes: half a minute with kernels compiled
+# make quick   install, check the style and the types, run the tests that matter for most changes: a minute with kernels compiled
 # make test    install, check the style and the types, run the tests but the slow ones
 # make test-all  the same, and then the slow tests, which guard documents, recipes, builds, pages in a browser and the sandbox
 # make test-peers  the outside solvers as in make peers, and the tests of their adapters and of engines; what is missing is skipped with its

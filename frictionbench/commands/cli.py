@@ -456,7 +456,7 @@ def rerun(
         return
     from frictionbench.commands.shrink import shrink as shrink_row
 
-    path, problem, trials, command = shrink_row(folder, row, solver or [])
+    path, problem, trials, command = shrink_row(folder, row, solver or [], lambda line: typer.echo(line, err=True))
     size = f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities"
     typer.echo(f"reduced to {size} in {trials} trials: {path}\nsolve it: {command}")
 

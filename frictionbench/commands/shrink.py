@@ -25,12 +25,15 @@ from frictionbench.results.files import replaced, subfolder
 from frictionbench.results.store import Row
 
 
-def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int, str]:
+def shrink(
+    folder: Path, key: str, named: list[str], tell: Callable[[str], None] = lambda _: None
+) -> tuple[Path, FrictionProblem, int, str]:
     """Shrink the problem of a failing solve row into DIR/shrunk: the file, the problem in it, the number of trials, and the
     command that shows the failure.
 
-    named: outside solvers that the user trusts. Errors: as of store.find_row, and InputError where the row did not fail or does
-    not fail again from a cold start, its problem is damaged, or its solver is neither ours nor among the named.
+    named: outside solvers that the user trusts. tell: prints a line of progress. Errors: as of store.find_row, and InputError
+    where the row did not fail or does not fail again from a cold start, its problem is damaged, or its solver is neither ours
+    nor among the named.
     """
     _, row, settings, memory_limit = stored_cell(folder, key, ["solves"])
     if row["verdict"] in (Verdict.SOLVED, Verdict.SKIPPED):
@@ -49,7 +52,9 @@ def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProb
             cell = SolveCell(part.hash, f"shrink {trials}", row["variant"], row["tol"])
             record = no_problem(Source(row["scene"]), "") | {"repeats": 1}
             (outcome,) = pool.run([cell_task(cell, row["time_limit"], plugins, record)])
-            return fails_as(row, row_of(outcome, plugins))
+            if failed := fails_as(row, row_of(outcome, plugins)):
+                tell(f"trial {trials}: fails with {len(contacts)} contacts")
+            return failed
 
         if not fails(list(range(problem.contacts))):
             raise InputError(f"row: {row['key']} does not fail again from a cold start; it was not shrunk")

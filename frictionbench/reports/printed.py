@@ -101,9 +101,9 @@ def _percentiles(run: Run) -> list[Table]:
         [label, where, *(seconds(row[name], 3) for name in levels), *([percent(row["within"], 1)] if budget else [])]
         for where, label, row in places
     ]
-    named = {"p50": "half", "p99": "99 %", "worst": "all"}
+    shares = " and ".join({"p50": "half", "p99": "99 %", "worst": "all"}[name] for name in levels)
     caption = (
-        f"The times {run.rank_by.words} ({run.rank_by.parts}) within which {', '.join(named[name] for name in levels)} of the "
+        f"The times {run.rank_by.words} ({run.rank_by.parts}) within which {shares} of the "
         f"problems, by weight, are solved to {power(run.outer_targets[-1])}; a dash: not solved."
     )
     return [Table("percentiles", caption, ["solver", "where", *levels, *budget], rows)]

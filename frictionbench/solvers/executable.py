@@ -124,9 +124,12 @@ def _run(command: tuple[str, ...], text: str, contacts: tuple[int, int]) -> Answ
         problem.write_text(text, encoding="ascii")
         words = [word.replace(FILES[0], str(problem)).replace(FILES[1], str(answer)) for word in command]
         with output.open("wb") as written:
-            done = subprocess.run(
-                words, cwd=folder, stdin=subprocess.DEVNULL, stdout=written, stderr=subprocess.STDOUT, check=False
-            )
+            try:
+                done = subprocess.run(
+                    words, cwd=folder, stdin=subprocess.DEVNULL, stdout=written, stderr=subprocess.STDOUT, check=False
+                )
+            except OSError as error:
+                raise ValueError(f"{words[0]}: {error.strerror}; a script begins with a line #!, as of a shell") from None
         if done.returncode:
             with output.open("rb") as written:
                 said = written.read(300).decode("utf-8", "replace").strip()

@@ -54,6 +54,7 @@ def solved(command: str, problem: FrictionProblem, limit: int | None = None):
 def test_recipes_of_the_page(folder) -> None:
     for name, text in FILES.items():
         (folder / name).write_text(text, encoding="utf-8")
+    Path("sweeps.py").chmod(stat.S_IRWXU)
     shown = []
     for tool, rest in COMMANDS:
         if tool == "cc":
@@ -62,16 +63,16 @@ def test_recipes_of_the_page(folder) -> None:
             done = CliRunner().invoke(app, ["solve", *shlex.split(rest)], env={"COLUMNS": "200"})
             assert done.exit_code == 0, done.output
             shown.append(done.output)
-    assert len(shown) == 2
-    for output, name in zip(shown, ("sweeps", "impulses"), strict=True):
+    for output, name in zip(shown, ("sweeps", "sweeps.py", "impulses"), strict=True):
         assert re.search(rf"1 +{name} +solved", output)
     for problem in (spatial(1, contacts=3), nothing(), with_joints(spatial(3, contacts=3), np.eye(1, 18))):
-        shutil.copy("sweeps", f"sweeps{problem.contacts}{len(problem.joint_bias)}")
-        answer = solved(f"exec:./sweeps{problem.contacts}{len(problem.joint_bias)} {{problem}} {{answer}}", problem)
-        assert answer.status is Status.SOLVED
-        assert residual(problem, answer.impulse) <= 1e-8
-        assert answer.clock is not None
-        assert answer.work["sweeps"] > 0
+        for program in ("sweeps", "sweeps.py"):
+            copy = shutil.copy(program, f"{program}{problem.contacts}{len(problem.joint_bias)}")
+            answer = solved(f"exec:./{copy} {{problem}} {{answer}}", problem)
+            assert answer.status is Status.SOLVED
+            assert residual(problem, answer.impulse) <= 1e-8
+            assert (answer.clock is None) == (program == "sweeps.py")
+            assert answer.work["sweeps"] > 0 or not problem.contacts
 
 
 def test_the_problems_file_is_the_problem(folder) -> None:
@@ -81,13 +82,8 @@ def test_the_problems_file_is_the_problem(folder) -> None:
     )
     assert solved(command, problem, limit=7).status is Status.FAILED
     words = (folder / "seen.txt").read_text(encoding="ascii").split()
-    assert (
-        words[:14]
-        == (
-            f"tolerance 1e-08 velocity_tolerance {1e-8 * float(problem.units.min())!r} limit 7 dimension 3 contacts 3 "
-            f"velocities {len(problem.free_velocity)} joints 1"
-        ).split()
-    )
+    head = f"tolerance 1e-08 velocity_tolerance {1e-8 * float(problem.units.min())!r} limit 7 dimension 3 contacts 3 "
+    assert words[:14] == f"{head} velocities {len(problem.free_velocity)} joints 1".split()
     W, J = problem.W.toarray(), np.zeros((9, len(problem.free_velocity)))
     J[0::3], rows = problem.normal.toarray(), problem.tangent.toarray()
     J[1::3], J[2::3] = rows[0::2], rows[1::2]
@@ -130,6 +126,13 @@ def test_bad_executables_are_failures_or_errors(folder, text, said) -> None:
     else:
         with pytest.raises(ValueError, match=said):
             solved(command, problem)
+
+
+def test_a_script_without_its_first_line_is_told(folder) -> None:
+    command = script(folder, "plain", "")
+    (folder / "plain").write_text("echo status solved > $2\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="plain: Exec format error; a script begins with a line #!"):
+        solved(command, scene("stack", blocks=1).problem())
 
 
 def test_a_run_judges_hangs_and_wrong_shapes(folder) -> None:

@@ -23,31 +23,18 @@ def folder_of(path: Path, solvers: int) -> Path:
         for k, contacts in enumerate((1, 2, 5, 12, 40, 150)):
             for tol in (1e-4, 1e-6, 1e-8):
                 time = 1e-5 * (i + 1) * contacts ** (0.5 + 0.1 * (i % 9)) * random.uniform(0.8, 1.2)
-                facts = {
-                    "contacts": contacts,
-                    "size": 4 * contacts,
-                    "rank": 2 * contacts - k,
-                    "sensitivity": 10.0**k,
-                    "family": f"f{i % 4}",
-                }
-                facts |= {
-                    "backward_error": tol,
-                    "work": json.dumps({"pivots": k + i}),
-                    "parameters": json.dumps({"blocks": contacts}),
-                }
+                facts = {"contacts": contacts, "size": 4 * contacts, "rank": 2 * contacts - k, "family": f"f{i % 4}"}
+                facts |= {"sensitivity": 10.0**k, "backward_error": tol, "work": json.dumps({"pivots": k + i})}
+                facts |= {"parameters": json.dumps({"blocks": contacts})}
                 facts |= {"clock_time": time / (1 + i % 2), "solve_time": time, "key": f"{name} {k} {tol}"}
                 rows.append(solve_row(name, f"p{k}", tol, residual=tol * random.uniform(1e-3, 1), **facts))
-        rows += [
-            solve_row(name, "w", scene="a_long_name_of_a_scene", family=f"f{i % 4}"),
-            solve_row(name, "t", scene="jam", trivial=True),
-        ]
+        rows.append(solve_row(name, "w", scene="a_long_name_of_a_scene", family=f"f{i % 4}"))
+        rows.append(solve_row(name, "t", scene="jam", trivial=True))
         rises = [2.0, 2.0 + 10.0 ** -(1 + i), 2.0 + 10.0 ** -(1 + i)]
         simulations += [simulation_row(name), simulation_row(name, scene="rise", energies=rises, key=f"rise {name}")]
     rows[3] |= {"verdict": "wrong", "residual": 3.21e-3, "reason": "claims a residual within 1e-08, has 0.0032"}
-    rows += [
-        unanswered_row("lemke", "x", "timeout", scene="a_long_name_of_a_scene"),
-        unanswered_row("nsgs", "y", "skipped", scene="other"),
-    ]
+    rows.append(unanswered_row("lemke", "x", "timeout", scene="a_long_name_of_a_scene"))
+    rows.append(unanswered_row("nsgs", "y", "skipped", scene="other"))
     return write_folder(path / f"run{solvers}", rows, simulations)
 
 

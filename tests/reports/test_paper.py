@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 
+import matplotlib.pyplot as plt
 import pytest
 
 from frictionbench.commands.options import parse_length, split_names
@@ -60,9 +61,8 @@ def test_chosen_solvers(run) -> None:
 
 
 def test_widths_with_units() -> None:
-    assert [parse_length(text) for text in ("85mm", "8.5cm", "3.35in", "3.35")] == pytest.approx(
-        [85 / 25.4, 85 / 25.4, 3.35, 3.35]
-    )
+    found = [parse_length(text) for text in ("85mm", "8.5cm", "3.35in", "3.35")]
+    assert found == pytest.approx([85 / 25.4, 85 / 25.4, 3.35, 3.35])
     for text in ("85", "wide", "3 ft", "..in"):
         with pytest.raises(Exception, match="is not a length"):
             parse_length(text)
@@ -125,3 +125,17 @@ def test_the_document_shown_compiles(run, tmp_path, options) -> None:
     log = compile_latex(paper, "shown", "pdflatex", "bibtex", "pdflatex", "pdflatex")
     assert [line for line in re.findall(r"Overfull \\hbox.*", log) if float(re.search(r"([\d.]+)pt", line)[1]) > 1] == []
     assert b"/Type3" not in (paper / "shown.pdf").read_bytes()
+
+
+def test_the_figure_of_the_page(tmp_path, monkeypatch) -> None:
+    """The script of docs/figures.md, with twelve solvers: its legend stands beside its axes, and within the figure."""
+    rows = [solve_row(f"method_{i}[relaxation=1.{i}]", p, solve_time=10.0 ** (i - 6)) for i in range(12) for p in "pqr"]
+    write_folder(tmp_path / "runs" / "standard", rows)
+    monkeypatch.chdir(tmp_path)
+    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs/figures.md").read_text(encoding="utf-8"), re.DOTALL)
+    made: dict = {}
+    exec(script, made)
+    legend, figure = made["figure"].legends[0].get_window_extent(), made["figure"].bbox
+    assert 0 <= legend.y0 <= legend.y1 <= made["ax"].get_tightbbox().y0
+    assert 0 <= legend.x0 <= legend.x1 <= figure.x1
+    plt.close("all")
