@@ -26,10 +26,8 @@ WAYS: dict[str, tuple[str, float, int | None]] = {  # solver, tolerance, limit
     MUJOCO: ("", 0.0, None),
 }
 TIMES = (0.1, 0.3)  # s
-ROBOTS = (
-    *("humanoid", "humanoid_CMU", "quadruped", "hopper", "walker", "cheetah", "ball_in_cup", "finger", "ant"),
-    *("hand_block", "hand_egg"),
-)
+HANDS = ("hand_block", "hand_egg")
+ROBOTS = ("humanoid", "humanoid_CMU", "quadruped", "hopper", "walker", "cheetah", "ball_in_cup", "finger", "ant", *HANDS)
 MOVED = 1e-12  # of the velocities of the twin's start
 COMPARABLE = 1e-6  # m that the twin may be away
 HELD = 1.0  # mm: what an object may move that stands or is held
@@ -167,6 +165,7 @@ def summary(found: Tables) -> Summary:
         "models": ends.columns.size,
         "names": listing(sorted(twins.index)),
         "parted": listing([f"{name} ({away:.0e} m)" for name, away in parted.items()]),
+        "other": listing([f"{name} ({away:.0e} m)" for name, away in ends.loc[OTHER].items() if away > COMPARABLE]),
         "twin": f"{twins[twins <= COMPARABLE].max():.0e}",
         "rows": _table(cells.rename(columns="after {:g} s".format).map(str)),
         "last": f"{last:g}",

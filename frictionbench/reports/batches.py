@@ -27,8 +27,8 @@ METHOD = (  # how the figures were measured, in words for reports
     f"impulses; warm ones from the answers of the same problems with pushes smaller by {100 * NEARBY:g} %, as of the step "
     "before. Times exclude compilation and loading.",
     "A rate is shown only where the verifier finds the residual of every answer within the tolerance, contacts bear, and "
-    "friction is at work; otherwise the reason stands in its place, by Coulomb's law also for solvers of another law, which are "
-    "marked. Rates are of one run and have no intervals.",
+    "friction is at work; otherwise the reason stands in its place, by Coulomb's law also for solvers of another law, which "
+    "are marked. Rates are of one run and have no intervals.",
     "MuJoCo's rollout has no row: it takes models and states and detects contacts itself, so that it cannot be given these "
     "problems, a step of its own is more than solving them, and its contacts are soft by its own law. Its constraint solver, "
     "which can be given them, stands among the calls where MuJoCo is installed.",
