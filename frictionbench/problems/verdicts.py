@@ -25,15 +25,15 @@ class Verdict(StrEnum):
 
     SOLVED = "solved", "the residual of the exact problem is within the tolerance"
     RELAXED = "relaxed", "the model the solver was given is solved within the tolerance, the exact problem is not"
-    NEAR_MISS = "near_miss", "claimed solved, and the residual is above the tolerance by less than a factor of ten"
+    NEAR_MISS = "near_miss", "claimed solved, and the residual, or that of the model, is below ten times the tolerance"
     UNJUDGEABLE = (
         "unjudgeable",
-        "claimed solved, and rounding, or a tolerance close to the residual of no impulses, leaves it open",
+        "claimed solved or solved to rounding; rounding, or a tolerance close to the residual of no impulses, leaves it open",
     )
     UNSOLVED = "unsolved", "the solver reports that it did not solve the problem"
     TIMEOUT = "timeout", "stopped at the time limit"
     CRASHED = "crashed", "the call raised an error or its process ended"
-    WRONG = "wrong", "claimed solved, and the residual is above the tolerance by a factor of ten or more"
+    WRONG = "wrong", "claimed solved, and the residuals of the problem and of the model are at least ten times the tolerance"
     SKIPPED = "skipped", "not run, for the reason given"
 
 
