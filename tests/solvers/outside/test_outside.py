@@ -97,6 +97,18 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
         assert own_residual(spec, problem, first) <= 10 * tol
 
 
+@pytest.mark.parametrize("spec", ["piqp[matrices=sparse]", "piqp[matrices=dense]", "siconos[method=friction_3d_prox]"])
+def test_accurate_answers_are_accepted(spec) -> None:
+    """By PIQP where a gap of 1e-15 is below the rounding of objectives, by Siconos where its error is small enough at once."""
+    if reason := find(spec)[0].missing:
+        pytest.skip(reason)
+    chain = "piqp" in spec
+    problem = scene("chain", links=20, fall=1.0).problem() if chain else make_instance("sphere_pyramid", levels=3, noise=0.3)
+    answer = solve(problem, spec, tol=1e-8)
+    assert answer.status is Status.SOLVED, answer.detail
+    assert answer.work["iterations"] < 50
+
+
 @pytest.mark.parametrize(("rows", "d"), [((0, 1), 2), ((0, 1, 2), 2), ((0, 1, 2), 3), ((2, 0, 1), 2), ((2, 0, 1), 3)])
 def test_scaled_delassus_is_E_W_E_in_the_order_asked_for(rows, d) -> None:
     problem = spatial(5) if d == 3 else scene("stack", blocks=2, push=1.0).problem()

@@ -34,8 +34,9 @@ def answer(
     """Solve a problem from `start`: the answer, the return code of the last call, the iterations and seconds of all calls.
 
     Siconos divides its error by |q| or, in friction problems, by |r| if that is larger, which is known only afterwards: the
-    driver is then called again from its own answer with a smaller tolerance. eps: the error before that division. size: |q|.
-    dense: whether W is the matrix and not its entries.
+    driver is then called again from its own answer with a smaller tolerance, unless that answer's error is small enough: PROX
+    started at such an answer makes no step and reports failure. eps: the error before that division. size: |q|. dense: whether
+    W is the matrix and not its entries.
     """
     r, iterations = start.copy(), 0
     matrices: tuple[Any, ...]
@@ -62,7 +63,8 @@ def answer(
         seconds += perf_counter() - begun
         iterations += max(int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE]), 0)
         larger = float(np.linalg.norm(r))
-        if code or kind == "lcp" or not larger > size:
+        error = options.dparam[sn.SICONOS_DPARAM_RESIDU] * larger
+        if code or kind == "lcp" or not larger > size or error <= eps:
             break
         size = 1.1 * larger
     return {"r": r, "code": int(code), "iterations": iterations, "clock": seconds}
