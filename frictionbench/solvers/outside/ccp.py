@@ -60,8 +60,7 @@ class CCP:
     Tolerance: eps is tol in the units of the scaled program. highs both feasibilities eps/10, no less than 1e-10. qpalm eps_abs
         = eps/10. ecos feastol = eps/10, gaps eps^2, no less than 1e-14. Relative tolerances are 0.
     Flaws: ECOS requires a definite matrix and so does not support friction_bias. HiGHS' least feasibility of 1e-10 and ECOS'
-        arithmetic leave the residual of some answers at a few times 1e-8. With joint equations HiGHS' may be at 1e-5, called by
-        hand as well, `frictionbench solve 'chain[links=20,fall=1]' --solver ccp`.
+        arithmetic leave the residual of some answers at a few times 1e-8.
     Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Huangfu and Hall 2018 (HiGHS); Domahidi, Chu and Boyd
         2013 (ECOS); Hermans, Themelis and Patrinos 2022 (QPALM).
     """

@@ -3,8 +3,7 @@
 Form: the dimensionless QP (solvers.outside.scaled_program), dense, G above A. Setup: none. Solve: one call, in which the
     library sets up and solves.
 Charged: some 25 µs more than a call by hand, twice at 2 contacts, 1.8 times at 10 and 1.1 times at 40: the dimensionless
-    program, which gives tolerances one meaning, costs that more than three products of dense arrays. With joint
-    equations twice on a chain of 40 contacts: the units of tolerances are those of contacts held by the joints.
+    program, which gives tolerances one meaning, costs that more than three products of dense arrays.
 """
 
 from importlib import import_module
@@ -27,7 +26,6 @@ class DAQP:
     """The convex relaxation as a QP by DAQP itself. (outside)
 
     Work: iterations.
-
     Licence: MIT.
     Clock: DAQP's own setup_time and solve_time together.
     Settings: its defaults.
@@ -56,7 +54,6 @@ class Quadprog:
     """The convex relaxation as a QP by quadprog itself. (outside)
 
     Work: iterations.
-
     Licence: GPL-2.0-or-later.
     Form: the dimensionless QP (solvers.outside.scaled_program), dense, A above G. Setup: none. Solve: quadprog's solve_qp.
     Clock: none.

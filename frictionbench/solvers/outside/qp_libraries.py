@@ -2,8 +2,6 @@
 
 Form: the dimensionless QP (solvers.outside.scaled_program), sparse. Setup: the library's object, its ordering and scaling.
     Solve: its solve.
-Charged: with joint equations twice a call by hand on a chain of 40 contacts, and 1.4 to 3.1 times on one of 160: the units of
-    tolerances are those of contacts held by the joints, which takes 3 of the 4 ms of form there.
 """
 
 from importlib import import_module
@@ -27,16 +25,12 @@ LEAST_GAP = {
     "proxsuite": 1e-14,
     "piqp": 1e-15,  # with 3e-16 it takes five times as many iterations on pyramids, with 1e-14 errors of 1e-7 remain on stacks
 }
-# Of the objectives' terms, whose difference the gap is: two units of rounding. Without, no iterate of PIQP is accepted on some
-# chains, and on 88 problems of the plane it takes 2.2 times as many iterations and ProxQP 1.2 times.
-_ROUNDING = 4.4e-16
+_ROUNDING = 4.4e-16  # of a gap's terms: without, PIQP accepts no iterate on some chains, and takes twice as many elsewhere
 _CLARABEL_TUNED = {
     "equilibrate_enable": False,
     "static_regularization_constant": 1e-12,
-    "iterative_refinement_abstol": 1e-16,
-    "iterative_refinement_reltol": 1e-16,
+    **dict.fromkeys(("iterative_refinement_abstol", "iterative_refinement_reltol"), 1e-16),
 }
-_INFEASIBILITY = 1e-14  # of ProxQP, tuned
 
 
 @relaxation_library(
@@ -61,9 +55,7 @@ class Clarabel:
         is accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`.
         By default it also calls answers Solved that are off by 1e-5, `frictionbench solve
         'robot_step[case=adroit_hammer-harsh-099]' --solver clarabel`; linear cones for limits and dry friction do not change
-        that (7e-6), a static regularisation of 1e-12 does. By default it diverges on `frictionbench solve
-        'random[contacts=200,seed=1]' --solver clarabel`, whose islands are given to it in like units; with the same islands as
-        they are it solves them.
+        that (7e-6), a static regularisation of 1e-12 does.
     Reference: Goulart and Chen 2024.
     """
 
@@ -104,7 +96,6 @@ class OSQP:
     """The convex relaxation as a QP by OSQP itself. (outside)
 
     Work: iterations.
-
     Licence: Apache-2.0.
     Clock: OSQP's own solve_time.
     Settings: its defaults.
@@ -155,8 +146,8 @@ class ProxSuite:
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
         solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=20,mass_ratio=100000]' --solver
         'proxsuite' --solver 'proxsuite[settings=tuned]'`.
-    Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-14, which is tested only on request; eps_rel = 0, of
-        the gap 4.4e-16, two units of rounding; eps stands for tol.
+    Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-14, which is tested only on request; eps_rel = 0;
+        4.4e-16 of the gap's terms for rounding; eps stands for tol.
     Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
     """
 
@@ -182,7 +173,7 @@ class ProxSuite:
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 10_000
         settings.check_duality_gap, settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = True, gap, _ROUNDING
         if self.settings == "tuned":
-            settings.eps_primal_inf = settings.eps_dual_inf = _INFEASIBILITY
+            settings.eps_primal_inf = settings.eps_dual_inf = 1e-14
         if start is None:
             settings.initial_guess = proxqp.InitialGuess.NO_INITIAL_GUESS
             qp.solve()
@@ -204,11 +195,9 @@ class PIQP:
     Form: the dimensionless QP (solvers.outside.scaled_program), sparse or dense. Setup: the library's object, its ordering and
         scaling. Solve: its solve.
     Clock: PIQP's own solve_time.
-    Charged: dense some 60 µs more than a call by hand, twice at 2 contacts: the dimensionless program, as for daqp. With
-        joint equations, sparse, 2.5 times on a chain of 40 contacts and 5 times on one of 160, as for osqp.
+    Charged: dense some 60 µs more than a call by hand, twice at 2 contacts: the dimensionless program, as for daqp.
     Settings: compute_timings on.
-    Tolerance: eps_abs = eps, gap eps^2, no less than 1e-15; relative tolerances are 0, of the gap 4.4e-16, two units of
-        rounding; eps stands for tol.
+    Tolerance: eps_abs = eps, gap eps^2, no less than 1e-15; eps_rel = 0, 4.4e-16 of the gap's terms; eps stands for tol.
     Reference: Schwan, Jiang, Kuhn and Jones 2023.
     """
 
@@ -242,7 +231,6 @@ class SCS:
     """The convex relaxation by SCS itself, with circular cones in space. (outside)
 
     Work: iterations.
-
     Licence: MIT.
     Form: the dimensionless program (solvers.outside.scaled_program), A above G, P's upper half. Setup: none, as tolerances are
         set with the problem. Solve: its object, ordering and scaling, and its solve.
