@@ -17,6 +17,7 @@ html_extra_path = [str(EXTRA)]
 html_theme = "furo"
 html_title = f"frictionbench {version}"
 html_copy_source = False
+smartquotes = False  # it would make a dash of the -- of options
 html_show_sphinx = False
 html_show_copyright = False
 html_static_path = ["_static"]

@@ -23,12 +23,12 @@ def told(folder: Path) -> str:
     found = read_judged(folder)
     without = len(found.steps) - len(found.touching)
     lines = [f"{steps(len(found.touching))} with contacts judged by Coulomb's law, {without} without contact"]
+    for answer in filter(None, (found.creep, found.forces, found.impossible)):
+        lines += paragraph(printable(answer), screen(), "")
     most = ", ".join(f"{law} in {count}" for law, count in found.laws.items())
     lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")
     for one in found.worst(1):
         lines += [f"worst step: {printable(one.file)}, residual {residual(one.residual, 1)}, {one.law}"]
-    for answer in filter(None, (found.creep, found.forces, found.impossible)):
-        lines += paragraph(printable(answer), screen(), "")
     if noted := found.notes:
         means = "; ".join(f"{printable(name)} {100 * share:.2g} % in {steps(count)}" for name, (share, count) in noted.items())
         lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")
@@ -39,7 +39,7 @@ def told(folder: Path) -> str:
     for other in found.beside:
         residuals, times = _shown(other["residual"], (0, 3), digits), _shown(other["time"], (0, 2, 3), seconds)
         body.append((other["variant"], f"{other['solved']}/{other['problems']}", *residuals, *times))
-    return "\n".join([*lines, "", *columns(header, body, screen())])
+    return "\n".join([*lines, "", *columns(header, body, screen(), ("time p99", "residual p50"))])
 
 
 def _shown(values: list[float] | None, which: tuple[int, ...], form: Callable[[float], str]) -> list[str]:

@@ -58,8 +58,7 @@ def test_site_of_summaries_alone(site: Path, tmp_path: Path) -> None:
     assert index.read_text(encoding="utf-8") == site.read_text(encoding="utf-8")
 
 
-@pytest.mark.slow  # the page's script under its security policy, which only a browser enforces
-@in_browser
+@in_browser  # which enforces the security policy of the page's script
 def test_history_filters_and_sorts(site: Path, tmp_path: Path) -> None:
     shown = browse(site, "--dump-dom")
     assert '<option value="lemke">lemke</option>' in shown
