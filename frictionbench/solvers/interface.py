@@ -347,8 +347,8 @@ def solve(
     start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.
     time_limit: s, > 0; None for none. Our own methods look at the clock between their steps, also as members of a portfolio,
         and return the best answer found until then with the status TIME_LIMIT and its residual in `detail`. They do not begin
-        a factorisation, or to write a dense matrix, that would not end in time. Sparse forms of large problems, a first
-        compilation and outside libraries are not interrupted; `frictionbench solve --time-limit` ends those by their process.
+        a factorisation that would not end in time. Forms of large problems, a first compilation and outside libraries are
+        not interrupted; `frictionbench solve --time-limit` ends those by their process.
 
     Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims, but
     ROUNDING for SOLVED by a solver of this package where rounding alone may leave a residual above tol (residual_floor),

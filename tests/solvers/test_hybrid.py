@@ -87,3 +87,11 @@ def test_proximal_points_solve_a_wall_that_stops_the_interior_point(monkeypatch:
     stopped = Answer(np.zeros((problem.contacts, 3)), Status.STALLED)
     monkeypatch.setattr(type(find("interior_point")[1]), "solve", lambda *_: stopped)
     assert solve(problem, "hybrid").detail == "answered by proximal_newton"
+
+
+def test_nothing_is_formed_without_contacts() -> None:
+    v, row = np.arange(3.0), np.zeros((0, 3))
+    law = {"friction": row[:, 0], "bias": row[:, 0], "normal": row, "tangent": row, "dimension": 3}
+    given = FrictionProblem(mass=np.eye(3), free_velocity=v, joints=[v], joint_bias=[1.0], **law)
+    assert (given.contacts, solve(given, "hybrid").status) == (0, Status.SOLVED)
+    assert not {"W", "blocks"} & vars(given).keys()
