@@ -65,7 +65,7 @@ Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
-    In space the first is Newton's method on dense rows, where contacts are few or none: its work is counted as newton sweeps and steps.
+    In space the first is Newton's method on dense rows, for few contacts or none; it counts newton sweeps and steps.
     Where the first fails, a linear program looks for contacts that contradict each other, with which no member is of use.
     Impulses that a member claims and whose residual rounding alone explains are an answer too.
     The limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
