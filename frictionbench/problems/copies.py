@@ -6,11 +6,10 @@ from typing import Any, TypeVar
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.forms.lcp import LCP, content_hash
 from frictionbench.problems.friction import FrictionProblem
 
 Problem = TypeVar("Problem", bound=FrictionProblem | LCP)
-_PARTS = ("data", "indices", "indptr")
 
 
 def duplicate(problem: Problem) -> Problem:
@@ -27,8 +26,13 @@ def nudged(problem: Problem, ulps: int) -> Problem:
 
 
 def same(one: FrictionProblem | LCP, other: FrictionProblem | LCP) -> bool:
-    """Whether the two problems are defined by equal data, of which nothing derived is asked."""
-    return one.fresh().hash == other.fresh().hash
+    """Whether the two problems hold equal data, with the inverse mass that came of it."""
+    return _digest(one) == _digest(other)
+
+
+def _digest(problem: FrictionProblem | LCP) -> str:
+    parts = {name: value if isinstance(value, tuple) else (value,) for name, value in vars(problem.fresh()).items()}
+    return content_hash(**{f"{name} {k}": part for name, found in parts.items() for k, part in enumerate(found)})
 
 
 def _own(value: Any, factor: float = 1.0) -> Any:
@@ -41,7 +45,7 @@ def _own(value: Any, factor: float = 1.0) -> Any:
         return type(value)(*(_own(part, factor) for part in value))
     if sparse.issparse(value):
         matrix = copy.copy(value)
-        for part in _PARTS:
+        for part in ("data", "indices", "indptr"):
             setattr(matrix, part, _own(getattr(value, part), factor))
         return matrix
     if hasattr(value, "__dict__"):  # a problem or its operator
