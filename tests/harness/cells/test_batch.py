@@ -40,7 +40,8 @@ def test_every_way_is_timed_and_verified(way: str) -> None:
     row = time_batch(cell, batch_of("stack", json.dumps(cell.parameters), 4), find("lemke")[0])
     assert (row["verdict"], row["verified"], len(row["times"])) == ("solved", 1.0, 1)
     assert json.loads(row["work"])["pivots"] > 0
-    assert float(rate_of({**vars(cell), **batch_of("stack", '{"blocks": 1}', 4).facts, **row})[3].replace(",", "")) > 0
+    row |= vars(cell) | {"model": "lcp", **batch_of("stack", '{"blocks": 1}', 4).facts, **row}
+    assert float(rate_of(row)[3].replace(",", "")) > 0
 
 
 def test_what_is_not_solved_has_the_worst_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
