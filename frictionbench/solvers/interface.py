@@ -39,6 +39,7 @@ may be called in several threads at once, for parts of the problems.
 import math
 import re
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from numbers import Integral, Real
 from typing import Any, Literal, NamedTuple, Protocol, TypeVar, get_args
@@ -346,9 +347,8 @@ def solve(
     limit: the largest number of pivots, sweeps or iterations, whichever the method counts; None for the method's own limit.
     start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.
     time_limit: s, > 0; None for none. Our own methods look at the clock between their steps, also as members of a portfolio,
-        and return the best answer found until then with the status TIME_LIMIT and its residual in `detail`. They do not begin
-        a factorisation that would not end in time. Forms of large problems, a first compilation and outside libraries are
-        not interrupted; `frictionbench solve --time-limit` ends those by their process.
+        and return the best answer found until then with the status TIME_LIMIT and its residual in `detail`. Large forms,
+        a first compilation and outside libraries are not interrupted; `frictionbench solve --time-limit` ends their process.
 
     Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims, but
     ROUNDING for SOLVED by a solver of this package where rounding alone may leave a residual above tol (residual_floor),
@@ -374,7 +374,7 @@ def solve(
         raise InputError(f"solver: {reason}")
     shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)
     guess = None if start is None else impulses(start, shape)
-    with within(math.inf if time_limit is None else _positive("time_limit", time_limit, "number of seconds")):
+    with nullcontext() if time_limit is None else within(_positive("time_limit", time_limit, "number of seconds")):
         answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
         late = is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING)
     if time_limit is not None and (late or answer.status is Status.TIME_LIMIT):
