@@ -1,4 +1,4 @@
-"""Choose the suite `hard` from its candidates by the rule of harness.plans.hard: its hard.tsv, and the answers in answers.npz.
+"""Choose the suite `hard` from its candidates by the rule of docs/hard.md: its hard.tsv, and the answers in answers.npz.
 
 The candidates, in candidates.tsv, are families at their edges: "around p = 0" has Painlevé's rod near the friction at which
 1 + 3 cos^2 = 3 mu sin cos of its angle, "recorded" what was recorded elsewhere.
@@ -30,6 +30,7 @@ FAILED = (Verdict.NEAR_MISS, Verdict.UNJUDGEABLE, Verdict.UNSOLVED, Verdict.CRAS
 PROVEN = ("gaps", "pointed", "counted")  # values of the column `existence` that prove it
 FLOOR = hard.TOL / 10
 LIMIT = 10.0  # seconds
+FEWEST = 4
 CANDIDATES, ANSWERS = (Path(__file__).with_name(name) for name in ("candidates.tsv", "answers.npz"))
 
 Record = dict[str, Any]
@@ -100,7 +101,7 @@ def failures(rows: list[Record]) -> dict[str, str]:
 
 
 def admissible(rows: list[Record]) -> bool:
-    """Whether a problem, given by all its rows, may be in the suite: see harness.plans.hard."""
+    """Whether a problem, given by all its rows, may be in the suite: see docs/hard.md."""
     first = rows[0]
     if not first["problem"] or first["trivial"] or first["idle"] or not failures(rows):
         return False
@@ -116,7 +117,7 @@ def fewest_contacts(problems: list[list[Record]]) -> list[list[Record]]:
     for index in sorted(range(len(problems)), key=lambda i: problems[i][0]["contacts"]):
         for method in failures(problems[index]):
             taken[method].append(index)
-    chosen = {index for indices in taken.values() for index in indices[: hard.FEWEST]}
+    chosen = {index for indices in taken.values() for index in indices[:FEWEST]}
     return [problems[index] for index in sorted(chosen)]
 
 

@@ -19,7 +19,7 @@ FOLDERS = ("problems", "solvers", "harness", "results", "reports")
 def describe() -> dict[str, Any]:
     """The facts in which runs must agree for their times to be comparable: host, processor, cores, memory, system, Python."""
     return {
-        "host": platform.node(),
+        "host": host(),
         "processor": _processor(),
         "cores": len(process.cores()),
         "memory": psutil.virtual_memory().total,
@@ -75,3 +75,8 @@ def _processor() -> str:
     except OSError:
         pass
     return platform.processor()
+
+
+def host() -> str:
+    """The machine's name."""
+    return platform.node()

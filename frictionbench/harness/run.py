@@ -188,7 +188,7 @@ def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
     found = {"verdict": outcome.failure, "reason": outcome.reason} if outcome.failure else outcome.value
     if not isinstance(found, dict) or found.get("verdict") not in list(Verdict):
         found = {"verdict": Verdict.CRASHED, "reason": "the worker returned a malformed row"}
-    return found | known_row(cell, limit, plugins, *record) | {"host": found.get("host", os.uname().nodename)}
+    return found | known_row(cell, limit, plugins, *record) | {"host": found.get("host", machine.host())}
 
 
 def _now() -> str:

@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from frictionbench.harness.plans.hard import FEWEST, METHODS, TOL, admitted
+from frictionbench.harness.plans.hard import METHODS, TOL, admitted
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.catalogue import instances, make_instance, scene
 from frictionbench.problems.residual import residual, residual_floor
-from tools.admit import ANSWERS, admissible, families, fewest_contacts, kept_answer
+from tools.admit import ANSWERS, FEWEST, admissible, families, fewest_contacts, kept_answer
 
 ROWS = admitted()
 NAMES = [f"{row['scene']} {row['parameters']}" for row in ROWS]

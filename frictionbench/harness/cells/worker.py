@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness import process
+from frictionbench.harness import machine, process
 from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.cells.collect import Record, collect, stored, stored_answer, stored_start
 from frictionbench.harness.cells.motion import record_motion
@@ -198,7 +198,7 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
             found = _machine_columns(waited, perf_counter() - begun) | found
         except BaseException as error:
             found = {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)}
-    return found | {"host": os.uname().nodename, "core": _worker.core, "wall_time": perf_counter() - begun}
+    return found | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - begun}
 
 
 def run_check(variant: str, check: str, violations: Callable[[SolverInfo, Solver, str], list[str]], limit: float) -> list[str]:

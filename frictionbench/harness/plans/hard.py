@@ -1,17 +1,7 @@
 """The suite `hard`, which ranks robustness: problems with a known solution on which at least one serious method fails.
 
-hard.tsv is written by `python -m tools.admit`, which runs all methods at one tolerance on candidates: families at their edges.
-The families, their grids and FEWEST were settled after a look at which problems fail, so that there are enough.
-
-A candidate is *admissible* if a solution is known (by a theorem, see problems.analysis.thresholds, by counting all solutions,
-or because a verified answer is one, which is then kept, if friction is at work (it is neither trivial nor idle),
-and if the rounding floor of its best answer is at most a tenth of the tolerance. A method *fails* on it if it ends with a
-verdict other than `solved`; a timeout does not count, since it depends on the machine, and neither does an LCP in space, which
-is another model. Of each family and for each method the suite has the FEWEST admissible candidates with the fewest contacts on
-which the method fails.
-
-The rule treats all methods alike. But the problems were chosen by their failures: a method's share solved in this suite says on
-what it fails, not how often it fails in general.
+hard.tsv is written by `python -m tools.admit`, which runs all methods at one tolerance on candidates, families at their edges;
+docs/hard.md has the rule by which it chooses, and what shares solved in this suite do not say.
 """
 
 import csv
@@ -26,7 +16,6 @@ METHODS = (
     *("hybrid", "interior_point", "nsgs", "proximal_newton"),
 )
 TOL = 1e-8
-FEWEST = 4
 ADMITTED = Path(__file__).with_name("hard.tsv")
 
 

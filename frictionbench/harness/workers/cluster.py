@@ -18,7 +18,6 @@ from dataclasses import replace
 from functools import cache
 from itertools import islice
 from pathlib import Path
-from platform import node
 from queue import Empty, SimpleQueue
 from typing import Any
 
@@ -146,7 +145,7 @@ def _isolated(task: Task, files: Files, settings: Settings) -> tuple[str, str, O
         _pools[key] = Pool(folder, 1, tuple(plugins), memory_limit)
     (outcome,) = _pools[key].run([task])
     outcome = replace(outcome, loaded={})  # its paths are those of this machine
-    return machine.content(), node(), outcome
+    return machine.content(), machine.host(), outcome
 
 
 @cache

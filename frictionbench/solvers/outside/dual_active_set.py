@@ -26,6 +26,7 @@ class DAQP:
     """The convex relaxation as a QP by DAQP itself. (outside)
 
     Work: iterations.
+
     Licence: MIT.
     Clock: DAQP's own setup_time and solve_time together.
     Settings: its defaults.
@@ -54,6 +55,7 @@ class Quadprog:
     """The convex relaxation as a QP by quadprog itself. (outside)
 
     Work: iterations.
+
     Licence: GPL-2.0-or-later.
     Form: the dimensionless QP (solvers.outside.scaled_program), dense, A above G. Setup: none. Solve: quadprog's solve_qp.
     Clock: none.

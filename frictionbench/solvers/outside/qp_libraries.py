@@ -29,8 +29,10 @@ _ROUNDING = 4.4e-16  # of a gap's terms: without, PIQP accepts no iterate on som
 _CLARABEL_TUNED = {
     "equilibrate_enable": False,
     "static_regularization_constant": 1e-12,
-    **dict.fromkeys(("iterative_refinement_abstol", "iterative_refinement_reltol"), 1e-16),
+    "iterative_refinement_abstol": 1e-16,
+    "iterative_refinement_reltol": 1e-16,
 }
+_INFEASIBILITY = 1e-14  # of ProxQP, tuned
 
 
 @relaxation_library(
@@ -96,6 +98,7 @@ class OSQP:
     """The convex relaxation as a QP by OSQP itself. (outside)
 
     Work: iterations.
+
     Licence: Apache-2.0.
     Clock: OSQP's own solve_time.
     Settings: its defaults.
@@ -173,7 +176,7 @@ class ProxSuite:
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 10_000
         settings.check_duality_gap, settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = True, gap, _ROUNDING
         if self.settings == "tuned":
-            settings.eps_primal_inf = settings.eps_dual_inf = 1e-14
+            settings.eps_primal_inf = settings.eps_dual_inf = _INFEASIBILITY
         if start is None:
             settings.initial_guess = proxqp.InitialGuess.NO_INITIAL_GUESS
             qp.solve()
@@ -231,6 +234,7 @@ class SCS:
     """The convex relaxation by SCS itself, with circular cones in space. (outside)
 
     Work: iterations.
+
     Licence: MIT.
     Form: the dimensionless program (solvers.outside.scaled_program), A above G, P's upper half. Setup: none, as tolerances are
         set with the problem. Solve: its object, ordering and scaling, and its solve.
