@@ -214,7 +214,7 @@ class Mechanics(ReadOnly):
         found: tuple[Array, Index64] = mechanical_units(*self._bodies, self._moves, self.bias, q, scale, self.friction_bias)
         return found
 
-    @property
+    @cached_property
     def _moves(self) -> Array:
         """(nv,): the size of the terms of each velocity."""
         moves = np.abs(self.free_velocity)
@@ -316,9 +316,8 @@ class Mechanics(ReadOnly):
     @cached_property
     def _held(self) -> JointEquations:
         """The joints' equations with an inverse of F M^-1 F'."""
-        if len(self.joint_bias) <= FEW:
-            return FewJoints(self.joint_rows, self.joint_bias, self.inverse_rows, self.contact_rows)
-        return ManyJoints(self.joints, self.joint_bias, self.inverse_mass, self.jacobian)
+        inverted = FewJoints if len(self.joint_bias) <= FEW else ManyJoints
+        return inverted(self.joint_rows, self.joint_bias, self.inverse_rows, self.contact_rows)
 
     @cached_property
     def _joint_diagonal(self) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:

@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms import banded, delassus, held
-from frictionbench.problems.rows import ByContact, Rows, from_matrix
+from frictionbench.problems.rows import ByContact, Index32, Rows, by_row, row_of_entry
 
 FEW = 100  # equations up to which a dense inverse is as fast as a factorisation of a band
 # Of a joint's bias: a larger defect is a contradiction. It is the tightest tolerance of the suites.
@@ -73,9 +73,8 @@ class FewJoints:
 
     def shares(self) -> tuple[Array, Array]:
         """(nc*d,) each: the diagonal of J M^-1 F' X F M^-1 J', which W lacks, and the same of its terms' absolute values."""
-        factors = self._coupling, self.inverse, self._coupling
-        taken = np.einsum("ji,jk,ki->i", *factors)
-        return taken, np.einsum("ji,jk,ki->i", *map(np.abs, factors))
+        (C, X), (size, terms) = (self._coupling, self.inverse), map(np.abs, (self._coupling, self.inverse))
+        return np.sum(C * (X @ C), axis=0), np.sum(size * (terms @ size), axis=0)
 
     def coupled(self) -> Array:
         """J M^-1 F' X F M^-1 J' (nc*d, nc*d), which W lacks."""
@@ -91,37 +90,36 @@ class FewJoints:
 
 @dataclass(eq=False)
 class ManyJoints:
-    """With the factors of G's band. joints: F (nj, nv). bias: b_F (nj,). inverse_mass: M^-1 (nv, nv). jacobian: J (nc*d, nv).
+    """With the factors of G's band. Arguments and errors as of FewJoints."""
 
-    Errors: InputError naming joints where G overflows.
-    """
-
-    joints: sparse.csr_array
+    rows: Rows
     bias: Array
-    inverse_mass: sparse.csr_array
-    jacobian: sparse.csr_array
+    inverse_mass: Rows
+    contacts: ByContact
 
     def __post_init__(self) -> None:
-        response = self.joints @ self.inverse_mass
-        G = response @ self.joints.T
-        check.require(bool(np.isfinite(G.data).all()), "joints", "F M^-1 F' overflows")
-        size = G.diagonal()
-        unit = sparse.diags_array(1 / np.sqrt(np.where(size > 0, size, 1.0)))
-        coupling = abs(self.joints) @ abs(self.inverse_mass) @ abs(self.jacobian.T)
-        order = reverse_cuthill_mckee(sparse.csr_matrix(abs(G) + coupling @ coupling.T), symmetric_mode=True)
+        (start, column, F), nv, nj = self.rows, len(self.inverse_mass.start) - 1, len(self.bias)
+        first, near, block = delassus.delassus(start, column, F[:, None], *self.inverse_mass)
+        check.require(bool(np.isfinite(block).all()), "joints", "F M^-1 F' overflows")
+        G, row = Rows(first, near, block.ravel()).matrix(nj), row_of_entry(first)
+        unit = 1 / np.sqrt(np.where(G.diagonal() > 0, G.diagonal(), 1.0))
+        response = self.rows.matrix(nv) @ self.inverse_mass.matrix(nv)
+        coupling = Rows(*by_row(*self.contacts, 0, self.contacts.value.shape[1])).matrix(nv) @ response.T
+        touching = abs(coupling.T) @ abs(coupling)
+        order = reverse_cuthill_mckee(sparse.csr_matrix(abs(G) + touching), symmetric_mode=True)
         # From here on the equations are in that order and each in its own unit, so that G has a unit diagonal.
-        F = sparse.csr_array((unit @ self.joints)[order])
-        F.sort_indices()
-        response = sparse.csr_array((unit @ response)[order])
-        self.rows, self.response = from_matrix(F), response
-        self.coupling = sparse.csr_array(self.jacobian @ response.T)  # J M^-1 F' (nc*d, nj)
-        self.own_bias = (unit @ self.bias)[order]
-        G = sparse.csr_array((unit @ G @ unit)[order][:, order])
-        half = max(_half_bandwidth(self.coupling), int(np.abs(np.subtract(*G.nonzero())).max(initial=0)))
-        lower = sparse.coo_array(sparse.tril(G))
-        self.factor = np.zeros((len(order), half + 1))
-        self.factor[lower.row, lower.col - lower.row + half] = lower.data
-        banded.factorise(self.factor, 10 * len(order) * held.EPSILON)
+        place = np.argsort(order)
+        self.own_bias = (unit * self.bias)[order]
+        self.rows = _reordered(self.rows, unit, order)
+        self.response = _reordered(Rows(response.indptr, response.indices, response.data), unit, order)
+        within = place[coupling.indices].astype(np.int32)
+        self.coupling = Rows(coupling.indptr, within, coupling.data * unit[coupling.indices])  # J M^-1 F' (nc*d, nj)
+        below = place[row] - place[near]  # the diagonal
+        half = max(_half_bandwidth(self.coupling), int(below.max(initial=0)))
+        own = below >= 0
+        self.factor = np.zeros((nj, half + 1))
+        self.factor[place[row[own]], half - below[own]] = (unit[row] * block[:, 0, 0] * unit[near])[own]
+        banded.factorise(self.factor, 10 * nj * held.EPSILON)
 
     def hold(self, velocity: Array, share: float = 1.0) -> Array:
         """As of FewJoints."""
@@ -129,7 +127,7 @@ class ManyJoints:
 
     def solution(self) -> Array:
         """A velocity that satisfies the equations, where one does."""
-        return self.hold(np.zeros(self.response.shape[1]))
+        return self.hold(np.zeros(len(self.inverse_mass.start) - 1))
 
     def rounding(self, velocity: Array) -> Array:
         """(nv,) the size of the terms that `hold` adds to a velocity, of what errors in them change, and of what it leaves.
@@ -137,8 +135,8 @@ class ManyJoints:
         |X| is not formed. Errors of each equation's terms, with random signs, are put through X instead, and the root of the
         mean square of the results is taken.
         """
-        settled = self.hold(velocity)
-        off = abs(self.rows.matrix(len(velocity))) @ np.abs(settled) + np.abs(self.own_bias)
+        settled, (start, column, F) = self.hold(velocity), self.rows
+        off = np.abs(self.own_bias) + np.bincount(row_of_entry(start), np.abs(F * settled[column]), len(start) - 1)
         left = np.abs(self.hold(settled) - settled) / (2 * held.EPSILON)
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (PROBES, len(off)))
         zero = np.zeros(len(velocity))
@@ -147,21 +145,18 @@ class ManyJoints:
 
     def shares(self) -> tuple[Array, Array]:
         """(nc*d,) each: the diagonal of J M^-1 F' X F M^-1 J', which W lacks, and the same of its terms' absolute values."""
-        coupling = self.coupling
-        X = banded.inverse_in_band(self.factor)
-        held, terms = banded.forms(X, coupling.indptr, coupling.indices, coupling.data).T
+        held, terms = banded.forms(banded.inverse_in_band(self.factor), *self.coupling).T
         return held, terms
 
     def coupled(self) -> Array:
         """J M^-1 F' X F M^-1 J' (nc*d, nc*d), which W lacks; dense."""
-        whitened = self.coupling.toarray()
+        whitened = self.coupling.dense(len(self.bias))
         banded.whiten(self.factor, whitened)
         coupled: Array = whitened @ whitened.T
         return coupled
 
     def _hold(self, bias: Array, velocity: Array) -> Array:
-        response = self.response
-        held: Array = banded.hold(self.factor, *self.rows, response.indptr, response.indices, response.data, bias, velocity)
+        held: Array = banded.hold(self.factor, *self.rows, *self.response, bias, velocity)
         return held
 
 
@@ -205,9 +200,16 @@ def _require_solution(held: JointEquations, F: sparse.csr_array, bias: Array, un
     check.require(not len(bad), "joint_bias", f"the joint equations contradict each other: {missed}")
 
 
-def _half_bandwidth(rows: sparse.csr_array) -> int:
+def _reordered(rows: Rows, unit: Array, order: Index32) -> Rows:
+    """The rows times their units, in an order."""
+    count = np.diff(rows.start)
+    start = np.append(0, count[order].cumsum()).astype(np.int32)
+    entry = np.repeat(rows.start[order] - start[:-1], count[order]) + np.arange(start[-1])
+    return Rows(start, rows.column[entry], (rows.value * np.repeat(unit, count))[entry])
+
+
+def _half_bandwidth(rows: Rows) -> int:
     """The largest difference between two columns of one row."""
-    rows.sort_indices()
-    filled = np.flatnonzero(np.diff(rows.indptr))
-    first, last = rows.indices[rows.indptr[filled]], rows.indices[rows.indptr[filled + 1] - 1]
-    return int((last - first).max(initial=0))
+    filled = rows.start[:-1][np.diff(rows.start) > 0]
+    ends = [extreme.reduceat(rows.column, filled) for extreme in (np.maximum, np.minimum) if len(filled)]
+    return int(np.subtract(*ends).max()) if ends else 0

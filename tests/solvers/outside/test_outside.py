@@ -99,6 +99,19 @@ def test_accurate_answers_are_accepted(spec) -> None:
     assert solve(problem, spec, tol=1e-8).status is Status.SOLVED
 
 
+@pytest.mark.parametrize("spec", ["clarabel", "scs", "proxsuite", "osqp"])
+def test_a_library_that_fails_says_so_and_prints_nothing(spec, capfd) -> None:
+    if reason := find(spec)[0].missing:
+        pytest.skip(reason)
+    problem = scene("stack", blocks=8, push=0.3).problem()
+    solve(problem, spec)
+    answer = solve(problem, spec, limit=1)
+    assert answer.status is Status.FAILED
+    assert answer.detail
+    assert answer.impulse.shape == (16, 2)
+    assert capfd.readouterr().out == ""
+
+
 @pytest.mark.parametrize(("rows", "d"), [((0, 1), 2), ((0, 1, 2), 2), ((0, 1, 2), 3), ((2, 0, 1), 2), ((2, 0, 1), 3)])
 def test_scaled_delassus_is_E_W_E_in_the_order_asked_for(rows, d) -> None:
     problem = spatial(5) if d == 3 else scene("stack", blocks=2, push=1.0).problem()
