@@ -37,9 +37,7 @@ from frictionbench.solvers.outside import MARGIN
 from frictionbench.solvers.outside.scaled_delassus import DualProgram, dual_program
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
-_METHODS = ("qrqp", "qpoases", "ipopt")
 _DEFINITE = {"qrqp": 1e-12, "qpoases": 0.0}  # on a diagonal of about 1
-_TUNED = {"bound_relax_factor": 0.0}
 _SILENT: dict[str, dict[str, Any]] = {
     "qrqp": {"print_iter": False, "print_header": False, "print_info": False},
     "qpoases": {"printLevel": "none"},
@@ -53,7 +51,7 @@ _SILENT: dict[str, dict[str, Any]] = {
     model="relaxation",
     needs=("casadi",),
     lacks=("friction_bias", "asymmetry"),
-    variants=(*(f"method={method}" for method in _METHODS), "method=ipopt,settings=tuned"),
+    variants=(*(f"method={method}" for method in _SILENT), "method=ipopt,settings=tuned"),
 )
 class CasADi:
     """CasADi's QRQP or qpOASES on the relaxation's dual, or Ipopt on the friction LCP. (outside)
@@ -115,6 +113,6 @@ def _complementarity(n: int, tol: float, limit: int, tuned: bool) -> Any:
     casadi: Any = import_module("casadi")
     z, M, q = casadi.MX.sym("z", n), casadi.MX.sym("M", n, n), casadi.MX.sym("q", n)
     w = M @ z + q
-    ipopt = _SILENT["ipopt"] | {"tol": tol, "max_iter": limit} | (_TUNED if tuned else {})
+    ipopt = _SILENT["ipopt"] | {"tol": tol, "max_iter": limit} | ({"bound_relax_factor": 0.0} if tuned else {})
     program = {"x": z, "p": casadi.veccat(M, q), "f": casadi.dot(z, w), "g": w}
     return casadi.nlpsol("solver", "ipopt", program, {"ipopt": ipopt, "print_time": False})

@@ -143,8 +143,7 @@ def _template(nc: int, method: str) -> Template:
             made = padmm.PADMMSolver(model=model, warmstart=padmm.PADMMWarmStartMode.NONE)
         else:
             dvi = import_module(solvers + "dvi").DVISolver
-            config = dvi.Config(unilateral_solver="apgd")
-            made = dvi(**parts, problem=dual, config=config)
+            made = dvi(**parts, problem=dual, config=dvi.Config(unilateral_solver="apgd"))
         dual.zero()
         dual.data.D.assign(np.eye(3 * nc).ravel().astype(np.float32))
         made.coldstart()

@@ -2,24 +2,23 @@
 
 Licence: BSD-2-Clause by the text that it ships.
 Form: the dimensionless Delassus matrix, of which it reads a triangle, with three rows a contact, (t1, t2, n); the second
-    tangent of a planar one is decoupled. Its diagonal is 1, and 4 for ADMM without acceleration. Setup: the
-    operator and one point contact model a contact. Solve: the solver's solve, and reading the impulses.
+    tangent of a planar one is decoupled. Its diagonal is 1, for ADMM 4. It is dense, and sparse for ADMM above 60 contacts if
+    less than half full. Setup: the operator, a point contact model a contact. Solve: its solve, and reading the impulses.
 Clock: the solver's getElapsedTime, with measure_timings on.
 Charged: on some problems it takes many times the iterations of a call by hand, which gives it W in units of kg and asks tol/10
-    of impulses and velocities as they are, and on others a fraction. The number of iterations depends on these units, by
-    factors between 1/18 and 15 from one problem to the next, and with Anderson acceleration it may stall above the tolerance.
-Settings: ADMM's defaults have no Anderson acceleration, anderson_capacity = 0, and estimate the largest eigenvalue of W by as
-    many steps of Lanczos as W has rows, lanczos_size = 2^31 - 1, which is not in its clock; tuned are 8 and 10, with fewer
-    iterations, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'pinocchio[method=admm]' --solver
-    'pinocchio[method=admm,settings=tuned]'`. PGS' over_relaxation is 1; tuned is 1.3, `frictionbench solve
-    'wedge[friction=0.2]' --solver 'pinocchio[method=pgs]' --solver 'pinocchio[method=pgs,settings=tuned]'`.
+    of impulses and velocities as they are, and on others a fraction; with Anderson acceleration it may stall above them.
+Settings: ADMM's defaults have no Anderson acceleration, anderson_capacity = 0, estimate the largest eigenvalue of W by as many
+    steps of Lanczos as W has rows, lanczos_size = 2^31 - 1, which is not in its clock, and may change rho in each iteration,
+    rho_min_update_frequency = 1; tuned are 8, 10, 10, with fewer iterations, `frictionbench solve
+    'stack[blocks=10,mass_ratio=100,push=1]' --solver 'pinocchio[method=admm]' --solver 'pinocchio[settings=tuned]'`. PGS'
+    over_relaxation is 1; tuned is 1.3, `frictionbench solve 'wedge[friction=0.2]' --solver 'pinocchio[method=pgs]' --solver
+    'pinocchio[method=pgs,settings=tuned]'`.
 Tolerance: absolute feasibility and complementarity of eps/10 for ADMM and eps/100 for PGS, whose criterion is weaker still,
     eps as in solvers.outside.scaled_delassus; relative tolerances are off.
 Flaws: ADMM without acceleration does not converge in 20 000 iterations with large mass ratios, `frictionbench solve
     'stack[blocks=5,mass_ratio=1e6,push=1]' --solver 'pinocchio[method=admm]'`. PGS stops at once and reports success on some
     problems, with and without friction, `frictionbench solve wedge --solver 'pinocchio[method=pgs]'`, `frictionbench solve
-    'stack[blocks=1,friction=0,push=1]' --solver 'pinocchio[method=pgs]'`. With solve_ncp off it solves the relaxation, here
-    law=ccp.
+    'stack[blocks=1,friction=0,push=1]' --solver 'pinocchio[method=pgs]'`.
 Reference: Carpentier, Montaut and Le Lidec 2024, "From compliant to rigid contact simulation"; Le Lidec and others 2024.
 """
 
@@ -27,27 +26,24 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside import MARGIN
-from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, scaled_delassus
+from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, entries, scaled_delassus
 
 _MARGINS = {"admm": MARGIN, "pgs": 10 * MARGIN}
 # The diagonal of W^. ADMM's mu_prox and its updates of rho depend on units: with 1 it takes 1.4 times as many iterations, the
-# geometric mean of 16 problems of the suites' families, and with 30 three more of them are not solved. With Anderson
-# acceleration it stalls above the tolerance on one of ten with 4 and on none with 1. Sweeps do not depend.
-_SIZES = {"admm": {"default": 4.0, "tuned": 1.0}, "pgs": {"default": 1.0, "tuned": 1.0}}
-_LAWS: dict[str, Model] = {"ncp": "coulomb", "ccp": "relaxation"}
-_VARIANTS = tuple(
-    f"{variant}{settings}"
-    for variant in ("method=admm", "method=admm,law=ccp", "method=pgs")
-    for settings in ("", ",settings=tuned")
-)
-_TUNED: dict[str, dict[str, float]] = {"admm": {"anderson_capacity": 8, "lanczos_size": 10}, "pgs": {"over_relaxation": 1.3}}
-
-
+# geometric mean of 16 problems of the suites' families, and with 30 three more of them are not solved. Sweeps do not depend.
+_SIZES = {"admm": 4.0, "pgs": 1.0}
+_DENSE = 60  # contacts up to which ADMM's dense operator is the faster one
+_VARIANTS = tuple(f"method={each}{more}" for each in ("admm", "admm,law=ccp", "pgs") for more in ("", ",settings=tuned"))
+_TUNED: dict[str, dict[str, float]] = {
+    "admm": {"anderson_capacity": 8, "lanczos_size": 10, "rho_min_update_frequency": 10},
+    "pgs": {"over_relaxation": 1.3},
+}
 Prepared = tuple[ScaledDelassus, Any, Any, Any]  # the operator, the contact models and their data
 
 
@@ -73,23 +69,30 @@ class Pinocchio:
 
     @property
     def model(self) -> Model:
-        return _LAWS[self.law]
+        return "coulomb" if self.law == "ncp" else "relaxation"
 
-    def form(self, problem: FrictionProblem) -> ScaledDelassus:
-        return scaled_delassus(problem, TANGENTS_FIRST, size=_SIZES[self.method][self.settings])
+    def form(self, problem: FrictionProblem) -> tuple[ScaledDelassus, Any]:
+        """The scaling, and W^ dense or sparse."""
+        n = problem.contacts
+        dense = self.method == "pgs" or n <= _DENSE or 2 * len(problem.blocks.neighbours) > n**2
+        given = scaled_delassus(problem, TANGENTS_FIRST, matrix=dense, size=_SIZES[self.method])
+        if dense:
+            return given, given.W.T
+        row, column, value = entries(problem, given.E, TANGENTS_FIRST).T
+        return given, sparse.csc_matrix((value, (row.astype(int), column.astype(int))), shape=(3 * n, 3 * n))
 
-    def setup(self, given: ScaledDelassus) -> Prepared:
+    def setup(self, formed: tuple[ScaledDelassus, Any]) -> Prepared:
         pin: Any = import_module("pinocchio")
-        operator = pin.DelassusOperatorDense(given.W.T)
+        given, W = formed
+        operator = (pin.DelassusOperatorSparse if sparse.issparse(W) else pin.DelassusOperatorDense)(W)
         body = pin.Model()
         body.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
         models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
         for mu in given.friction:
             point = pin.PointContactConstraintModel(body, 0, pin.SE3.Identity(), 1, pin.SE3.Identity())
             point.setFriction(mu)
-            model = pin.ConstraintModel(point)
-            models.append(model)
-            datas.append(model.createData())
+            models.append(pin.ConstraintModel(point))
+            datas.append(models[-1].createData())
         return given, operator, models, datas
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
