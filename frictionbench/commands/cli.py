@@ -152,10 +152,7 @@ def report(
     width: Annotated[
         float,
         typer.Option(
-            "--width",
-            metavar="85mm|3.35in|241pt",
-            parser=options.parse_length,
-            help="For the paper: the width of figures.",
+            "--width", metavar="85mm|3.35in|241pt", parser=options.parse_length, help="For the paper: the width of figures."
         ),
     ] = 3.35,
     font: Annotated[
@@ -194,8 +191,7 @@ def compare(
     runs: Annotated[
         list[Path],
         typer.Argument(
-            metavar="DIR",
-            help="A baseline file or a results folder, and a results folder. With --history any number.",
+            metavar="DIR", help="A baseline file or a results folder, and a results folder. With --history any number."
         ),
     ],
     accept: Annotated[bool, typer.Option("--accept", help="Write the run DIR as the baseline BASELINE.")] = False,
@@ -212,18 +208,12 @@ def compare(
     ] = None,
     solver: options.Trusted = None,
     slowdown: Annotated[
-        float,
-        typer.Option("--slowdown", metavar="RATIO", min=1, help="Ratio of times above which a solver counts as slower."),
+        float, typer.Option("--slowdown", metavar="RATIO", min=1, help="Ratio of times above which a solver counts as slower.")
     ] = 1.1,
     no_times: Annotated[bool, typer.Option("--no-times", help="Do not compare times.")] = False,
     rank_by: options.By = RankBy.BODIES,
     out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="FOLDER",
-            help="Also write it as Markdown, JSON and JUnit XML.",
-        ),
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Also write it as Markdown, JSON and JUnit XML.")
     ] = None,
 ) -> None:
     """Compare two runs as Markdown, or show runs over time.
@@ -325,8 +315,7 @@ def export(
         str, typer.Argument(metavar="SCENE|DIR|fclib/FAMILY", help="A scene, a results folder or a recorded family.")
     ],
     out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="FILE|FOLDER", help="A file, .hdf5 or .npz, or a folder for several."),
+        Path | None, typer.Option("--out", "-o", metavar="FILE|FOLDER", help="A file, .hdf5 or .npz, or a folder for several.")
     ] = None,
     pick: Annotated[
         int,
@@ -365,8 +354,7 @@ def show(
     ] = None,
     scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[
-        int | None,
-        typer.Option("--steps", metavar="N", min=1, help="Number of steps; by default the scene's duration."),
+        int | None, typer.Option("--steps", metavar="N", min=1, help="Number of steps; by default the scene's duration.")
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="SCENE.html by default.")] = None,
 ) -> None:
@@ -394,8 +382,7 @@ def map_(
     time_limit: options.Limit = 1.0,
     scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[
-        int,
-        typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0 for only the first problem."),
+        int, typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0 for only the first problem.")
     ] = 0,
     jobs: options.Jobs = None,
     out: options.Out = None,

@@ -39,8 +39,7 @@ def split_names(text: str) -> list[str]:
 UNITS_PER_SECOND = {"us": 1e6, "µs": 1e6, "μs": 1e6, "ms": 1e3, "s": 1.0}
 UNITS_PER_INCH = {"in": 1.0, "": 1.0, "cm": 2.54, "mm": 25.4, "pt": 72.27}
 Listing = Annotated[
-    Literal["scenes", "solvers", "suites"],
-    typer.Argument(metavar="scenes|solvers|suites", help="What to list."),
+    Literal["scenes", "solvers", "suites"], typer.Argument(metavar="scenes|solvers|suites", help="What to list.")
 ]
 Suite = Annotated[
     str | None,
@@ -102,12 +101,10 @@ Budget = Annotated[
 _BY = "The time that ranks or is compared: bodies: form, setup and solve; form: setup and solve alone."
 By = Annotated[RankBy, typer.Option("--rank-by", help=_BY)]
 ByOfProblem = Annotated[
-    RankBy | None,
-    typer.Option("--rank-by", help=f"{_BY} By default bodies, but form where a problem is given by its matrix."),
+    RankBy | None, typer.Option("--rank-by", help=f"{_BY} By default bodies, but form where a problem is given by its matrix.")
 ]
 Out = Annotated[
-    Path | None,
-    typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings."),
+    Path | None, typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings.")
 ]
 Config = Annotated[
     Path | None,

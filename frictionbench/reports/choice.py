@@ -158,11 +158,7 @@ def choices(run: Run, among: Collection[str] | None = None) -> list[Kind]:
 
 
 def choose(
-    times: pd.DataFrame,
-    problems: set[int],
-    labels: set[str],
-    budget: float | None = None,
-    outside: Collection[str] = (),
+    times: pd.DataFrame, problems: set[int], labels: set[str], budget: float | None = None, outside: Collection[str] = ()
 ) -> Choice | None:
     """The choice for these problems among these labels; None if none of them reaches the target on any problem.
 

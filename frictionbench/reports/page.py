@@ -77,10 +77,7 @@ def view(run: Run) -> Values:
             where: tables.model_errors(own).to_dict() for where, own in run.ranked.groupby(run.ranked["dimension"].map(OVERALL))
         },
         "clocks": tables.clocks(run),
-        "solved": {
-            "verdicts": tables.solvability(run),
-            "reasons": tables.reasons(run),
-        },
+        "solved": {"verdicts": tables.solvability(run), "reasons": tables.reasons(run)},
         "maps": _maps(run),
         "recorded": recorded_problems(run),
         "classes": _classes(run, simulated),

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from frictionbench.commands.confirm import require_whole
@@ -12,7 +13,6 @@ from frictionbench.harness import dependencies
 from frictionbench.harness.cells import batch, timing
 from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.plans.plan import BatchCell, Source
-from frictionbench.harness.run import run
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
@@ -26,7 +26,7 @@ from tests.helpers.friction_problems import block
 from tests.helpers.made_results import SETTINGS, batch_row, simulation_row, solve_row, unanswered_row, write_folder
 from tests.helpers.paths import ROOT
 from tests.helpers.plugin import write
-from tests.helpers.runs import quiet, small_plan
+from tests.helpers.runs import run_of, small_plan
 
 
 def alerts(before: Path, after: Path, limits: Limits = Limits()) -> dict[str, tuple[int | None, int | None]]:  # noqa: B008
@@ -187,9 +187,7 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     source = Source("mine", {"file": "problem.npz"}, file=str(tmp_path / "problem.npz"))
 
     def again() -> None:
-        variants, plugins = load_plugins([str(plugin)])
-        plan = small_plan(sources=(source,), simulations=(), tolerances=(1e-6,), solvers=variants, plugins=plugins)
-        run(plan, tmp_path / "run", 1, quiet())
+        run_of(tmp_path / "run", plugin, sources=(source,))
 
     again()
     loaded = store.read_manifest(tmp_path / "run")["loaded"][str(plugin)]
@@ -302,12 +300,39 @@ def test_waiting_counts_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_leaving_its_core_is_recorded(tmp_path: Path) -> None:
     plugin = write(tmp_path / "guest.py", first="import os", body="os.sched_setaffinity(0, range(os.cpu_count()))")
-    variants, plugins = load_plugins([str(plugin)])
-    plan = small_plan(sources=(Source("stack", {"blocks": 1}),), simulations=(), tolerances=(1e-6,))
-    run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "run", 1, quiet())
-    (row,) = store.read_table(tmp_path / "run", "solves").to_dict("records")
-    assert row["disturbed"]
+    assert run_of(tmp_path / "run", plugin)["disturbed"].all()
 
+
+@pytest.mark.parametrize(
+    ("body", "verdict"), [("answer.impulse += 1", "wrong"), ("raise ValueError('not loaded')", "crashed"), ("pass", "solved")]
+)
+def test_failure_of_the_first_call_of_a_process(body: str, verdict: str, tmp_path: Path) -> None:
+    """As of a table that is filled by the first call, after it was read."""
+    plugin = tmp_path / "guest.py"
+    plugin.write_text(FIRST.format(body=body), encoding="utf-8")
+    motions = (Source("stopping_block", {}, steps=5),)
+    rows = run_of(tmp_path / "run", plugin, simulations=motions, simulation_solvers=("guest",), tolerances=(1e-6, 1e-8))
+    rows = pd.concat([rows, store.read_table(tmp_path / "run", "simulations")])
+    assert len(rows) == 3
+    assert set(rows["verdict"]) == {verdict}
+    assert rows["reason"].fillna("").str.contains(f"first call.* is {verdict}").all() == (verdict != "solved")
+
+
+FIRST = """
+import frictionbench as fb
+calls = []
+
+@fb.solver("guest", family="test", model="coulomb")
+class Guest:
+    \"\"\"Fails in its first call.\"\"\"
+
+    def solve(self, problem, tol, limit, start=None):
+        answer = fb.solve(problem, "lemke", tol=tol)
+        calls.append(1)
+        if len(calls) == 1:
+            {body}
+        return answer
+"""
 
 HOMES = """
 import os, tempfile

@@ -5,11 +5,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 import psutil
 from rich.console import Console
 
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.results import store
 
 
@@ -28,6 +31,14 @@ def small_plan(**changes) -> Plan:
         time_limit=5.0,
     )
     return replace(plan, **changes)
+
+
+def run_of(folder: Path, *specs: str | Path, jobs: int = 1, **changes) -> pd.DataFrame:
+    """The rows of a run of solvers, as the command line names them, on one problem at one tolerance."""
+    variants, plugins = load_plugins([*map(str, specs)])
+    one = {"sources": (Source("stack", {"blocks": 2}),), "simulations": (), "tolerances": (1e-6,)}
+    run(small_plan(**one | {"solvers": variants, "plugins": plugins} | changes), folder, jobs, quiet())
+    return store.read_table(folder, "solves")
 
 
 def verdicts(folder: Path) -> dict[str, tuple]:

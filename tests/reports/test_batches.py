@@ -13,10 +13,7 @@ from tests.helpers.made_results import SETTINGS, batch_row, write_folder
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    rows = [
-        batch_row("lemke", "packed"),
-        batch_row("<b>", "calls", verified=0.5, verdict="relaxed", model="relaxation"),
-    ]
+    rows = [batch_row("lemke", "packed"), batch_row("<b>", "calls", verified=0.5, verdict="relaxed", model="relaxation")]
     return write_folder(tmp_path, [], batches=rows, settings=SETTINGS | {"batches": [{"scene": "stack"}]})
 
 

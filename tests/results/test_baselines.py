@@ -63,10 +63,7 @@ def test_other_files_are_not_overwritten(tmp_path):
         ("\n".join(text.split("\n")[:10]), "has 2 cells, but its head states 6"),
         (text.replace("# cells: 6", "# cells: 5"), "has 6 cells, but its head states 5"),
         ("".join(line for line in text.splitlines(keepends=True) if "sha256" not in line), "neither a baseline"),
-        (
-            text.replace(f"# schema: {SCHEMA_VERSION}\n", ""),
-            "schema version 1",
-        ),
+        (text.replace(f"# schema: {SCHEMA_VERSION}\n", ""), "schema version 1"),
     ):
         (tmp_path / "spoilt.tsv").write_text(spoilt, encoding="utf-8")
         with pytest.raises(ResultsError, match=told):

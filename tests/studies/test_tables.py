@@ -162,11 +162,7 @@ def test_a_higher_order_is_kept_in_smooth_sliding_and_gaps_drift_less() -> None:
 
 @pytest.mark.slow  # its claims on computed tables
 def test_the_relaxation_errs_by_the_closed_forms() -> None:
-    found = reduced(
-        "relaxation",
-        errors={"frictions": (0.1, 0.4, 0.8), "steps": (1e-3,)},
-        gaps={"steps": (0.02, 0.01, 0.005)},
-    )
+    found = reduced("relaxation", errors={"frictions": (0.1, 0.4, 0.8), "steps": (1e-3,)}, gaps={"steps": (0.02, 0.01, 0.005)})
     gaps = found["gaps"]
     assert gaps["coulomb"].max() < 1e-9
     assert np.allclose(gaps["smooth"], gaps["smooth_predicted"], rtol=0.02)
@@ -221,9 +217,7 @@ def test_the_error_of_a_path_follows_the_tolerance() -> None:
         if find_spec(package) is None:
             pytest.skip(f"{package} is not installed")
     found = reduced(
-        "exactness",
-        paths={"names": ("humanoid",), "duration": 0.3},
-        tasks={"names": ("grasp", "hinge"), "duration": 0.1},
+        "exactness", paths={"names": ("humanoid",), "duration": 0.3}, tasks={"names": ("grasp", "hinge"), "duration": 0.1}
     )
     error = found["paths"].set_index(["way", "time"])["error"]
     assert error["1e-01", 0.3] > 1e2 * error["1e-06", 0.3] > 1e4 * error["1e-10", 0.3]

@@ -15,7 +15,7 @@ from tools.direct.calls import CALLS
 from tools.direct.given import arrays
 
 UNABLE = {  # within their limits of iterations, by hand or as adapters
-    *((f"siconos[method=friction_{d}d_nsgs]", "sparse") for d in (2, 3)),
+    *((f"siconos[method=friction_{d}d_nsgs]", "sparse") for d in (2, 3))
 }
 SAMPLES = {
     "plane": scene("stack", blocks=5, push=1.0).problem(),

@@ -29,11 +29,12 @@ from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Dea
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source, plugin_of
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.contradiction import contradiction
-from frictionbench.problems.answer import AnswerError
+from frictionbench.problems.answer import AnswerError, checked_copy
 from frictionbench.problems.catalogue import problem_of, scene
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.spec import split
-from frictionbench.problems.verdicts import Verdict
+from frictionbench.problems.verdicts import RANK, Verdict
+from frictionbench.problems.verify import verify
 from frictionbench.results.conventions import COLD
 from frictionbench.results.motion import encoded
 from frictionbench.results.store import Row
@@ -48,7 +49,7 @@ class _Worker:
     folder: Path
     plugins: tuple[Plugin, ...]
     memory: int
-    warm: set[tuple[str, int, bool]] = field(default_factory=set)
+    warm: dict[tuple[str, int, bool], Row] = field(default_factory=dict)  # see _warm_up
     met: set[tuple[str, str]] = field(default_factory=set)
 
 
@@ -57,6 +58,7 @@ IMPORT_SECONDS = 60.0  # seconds for a plug-in's import: large libraries take te
 LOAD_SECONDS = 30.0  # seconds for an outside library to load and solve a single contact, whatever the limit: as for imports
 FOREIGN_COMPILING = 120.0  # seconds for a plug-in to compile its kernels, and ours that it calls, when it is warmed up
 FOREIGN_LOADING = 10.0  # seconds for our kernels that a plug-in calls to be loaded in a cell, which do not count
+WARM = 1e-6  # the tolerance of the first call of a process, which all precisions reach
 SHARED = 0.02  # of the timed seconds: a cell that waited longer for its core is marked as disturbed
 
 
@@ -187,8 +189,7 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
     """The columns that `measure` finds within the limit, and those of the machine; that it crashed, whatever a solver raises,
     also SystemExit. reason: why the cell is skipped, if it is. kind: as of _warm_up."""
     found: Row = {"verdict": Verdict.SKIPPED, "reason": reason}
-    if not reason:
-        _warm_up(variant, *kind, limit)
+    first = {} if reason else _warm_up(variant, *kind, limit)
     process.reset_peak_memory()
     begun, waited = perf_counter(), process.waited()
     if not reason:
@@ -198,6 +199,8 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
             found = _machine_columns(waited, perf_counter() - begun) | found
         except BaseException as error:
             found = {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)}
+    if first and RANK[first["verdict"]] > RANK[found["verdict"]]:
+        found |= first
     return found | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - begun}
 
 
@@ -257,23 +260,39 @@ def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:
     return (0, False) if isinstance(problem, LCP) else (problem.dimension, problem.joints.shape[0] > 0)
 
 
-def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> None:
+def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
     """Load and compile what the solver needs, once per worker, by solving _smallest.
 
-    An error here occurs again, and is reported, in the cell.
+    Where a plug-in's first call fails and its second does not, its answers depend on what the process did before: the verdict
+    on the first, with the reason, is returned for all cells of this worker. Another error occurs again, in the cell.
     """
-    if (variant, dimension, jointed) in _worker.warm:
-        return
-    _worker.warm.add((variant, dimension, jointed))
-    info, solver = find(variant)
-    gc.disable()  # compilation keeps most objects it creates; collections would free little and take a tenth of the time
-    seconds = max(limit, LOAD_SECONDS) if info.needs else limit
-    compiling = FOREIGN_COMPILING if _foreign(variant) else COMPILE_SECONDS
-    with suppress(BaseException), _worker.deadline.within(seconds, compiling), process.no_forked_child():
-        solver.solve(solver.prepare(_smallest(dimension, jointed)), 1e-6, None)
-    gc.enable()
-    gc.collect()
-    gc.freeze()  # what is loaded now stays; collections between cells skip it
+    kind = (variant, dimension, jointed)
+    if kind not in _worker.warm:
+        _worker.warm[kind] = {}
+        info, solver = find(variant)
+        gc.disable()  # compilation keeps most objects it creates; collections would free little and take a tenth of the time
+        seconds = max(limit, LOAD_SECONDS) if info.needs else limit
+        compiling = FOREIGN_COMPILING if _foreign(variant) else COMPILE_SECONDS
+        with suppress(BaseException), _worker.deadline.within(seconds, compiling), process.no_forked_child():
+            first = _failure(info, solver, dimension, jointed)
+            if first and _foreign(variant) and not _failure(info, solver, dimension, jointed):
+                _worker.warm[kind] = first
+        gc.enable()
+        gc.collect()
+        gc.freeze()  # what is loaded now stays; collections between cells skip it
+    return _worker.warm[kind]
+
+
+def _failure(info: SolverInfo, solver: Solver, dimension: int, jointed: bool) -> Row:
+    """The verdict and its reason, where a call on _smallest crashes or falsely claims to have solved it."""
+    try:
+        answer = checked_copy(solver.solve(solver.prepare(_smallest(dimension, jointed)), WARM, None))
+        finding = verify(_smallest(dimension, jointed), answer, info.model, WARM)
+        verdict, reason = finding.verdict, finding.reason
+    except BaseException as error:
+        verdict, reason = Verdict.CRASHED, plugins.describe_error(error)
+    told = f"the process's first call, on a problem of one contact, is {verdict}, and its second is not: {reason}"
+    return {"verdict": verdict, "reason": told} if verdict in (Verdict.WRONG, Verdict.CRASHED) else {}
 
 
 def _smallest(dimension: int, jointed: bool) -> FrictionProblem | LCP:

@@ -29,13 +29,7 @@ def environment(*folders: Path) -> Environment:
     """Templates of this folder and of others with escaping, and filters for numbers, commands and drawings; "–" stands for a
     missing number."""
     loader = FileSystemLoader([Path(__file__).parent, *folders])
-    made = Environment(
-        loader=loader,
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     made.filters |= {
         "seconds3": lambda value: "–" if _absent(value) else "∞" if math.isinf(value) else seconds(value, 3),
         "seconds": lambda value: "–" if _absent(value) else seconds(value),

@@ -1,18 +1,16 @@
 """A solver that attacks the process it runs in falsifies at most the measured values of its own rows."""
 
 from itertools import product
+from typing import Any
 
 import pandas as pd
 import pytest
 
-from frictionbench.harness.plans.plan import Source
-from frictionbench.harness.run import run
 from frictionbench.harness.workers.inputs import load_plugins
-from frictionbench.results import store
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT
 from tests.helpers.plugin import write
-from tests.helpers.runs import quiet, small_plan
+from tests.helpers.runs import run_of
 
 pytestmark = pytest.mark.slow  # the quick tests run no attacks within a worker
 
@@ -22,14 +20,13 @@ FACTS = ["solver", "variant", "family", "model", "scene", "parameters", "problem
 def test_attacks_within_a_worker(tmp_path) -> None:
     """Patched verifiers, frames, the garbage collector, the pipe of replies, and subclasses of Answer and ndarray."""
     good = ("lemke", "nsgs")
-    variants, plugins = load_plugins([str(ROOT / "tests" / "helpers" / "attackers.py"), *good])
-    plan = small_plan(sources=(Source("stack", {"blocks": 2}),), simulations=(), tolerances=(1e-6, 1e-8), time_limit=1.0)
-    run(small_plan(**vars(plan) | {"solvers": good}), tmp_path / "without", 1, quiet())
-    run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "with", 1, quiet())
-    alone, together = (store.read_table(tmp_path / name, "solves").set_index("key") for name in ("without", "with"))
+    specs = [str(ROOT / "tests" / "helpers" / "attackers.py"), *good]
+    variants, plugins = load_plugins(specs)
+    given: dict[str, Any] = {"tolerances": (1e-6, 1e-8), "time_limit": 1.0}
+    alone, together = (run_of(tmp_path / f"{len(named)}", *named, **given).set_index("key") for named in (good, specs))
     kept = [*FACTS, "verdict", "residual", "work", "claimed"]
     pd.testing.assert_frame_equal(together.loc[alone.index, kept], alone[kept], check_dtype=False)
-    assert sorted(zip(together["solver"], together["tol"], strict=True)) == sorted(product(variants, plan.tolerances))
+    assert sorted(zip(together["solver"], together["tol"], strict=True)) == sorted(product(variants, given["tolerances"]))
     described = {variant: facts for plugin in plugins for variant, facts in plugin.solvers.items()}
     theirs = together[~together.index.isin(alone.index)]
     assert (theirs["problem"] == alone["problem"].iloc[0]).all()

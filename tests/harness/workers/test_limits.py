@@ -20,36 +20,20 @@ print(soft == hard)
 """
 
 
-def limited(limit: int) -> list[str]:
-    """What a process prints that bounds its memory to 256 MiB under a limit on address space."""
-    done = subprocess.run(
-        [sys.executable, "-c", BOUNDED],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=ROOT,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
-    )
-    return done.stdout.split() or [done.stderr.strip().splitlines()[-1]]
+def limited(limit: int, *command: str) -> subprocess.CompletedProcess[str]:
+    """A command of Python under a limit on address space."""
+    bound = lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))  # noqa: E731
+    return subprocess.run([sys.executable, *command], capture_output=True, text=True, check=False, cwd=ROOT, preexec_fn=bound)
 
 
 def test_the_lesser_of_two_memory_limits_holds() -> None:
-    assert limited(resource.RLIM_INFINITY) == [str(2**28), "True"]
-    given, hard = limited(2**30)
+    assert limited(resource.RLIM_INFINITY, "-c", BOUNDED).stdout.split() == [str(2**28), "True"]
+    given, hard = limited(2**30, "-c", BOUNDED).stdout.split()
     assert (0 < int(given) <= 2**28, hard) == (True, "True")
 
 
 def test_worker_that_cannot_start_ends_the_command() -> None:
-    limit = 700 * 2**20
-    command = [sys.executable, "-m", "frictionbench", "solve", "stack[blocks=1]", "--solver", "lemke"]
-    done = subprocess.run(
-        command,
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=ROOT,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
-    )
+    done = limited(700 * 2**20, "-m", "frictionbench", "solve", "stack[blocks=1]", "--solver", "lemke")
     assert done.returncode == 2
     assert "ulimit -v" in done.stderr or "MemoryError" in done.stderr
     assert "crashed" not in done.stdout

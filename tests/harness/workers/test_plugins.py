@@ -12,20 +12,11 @@ import pytest
 from frictionbench.commands.shrink import shrink
 from frictionbench.commands.single import rerun_row
 from frictionbench.harness import machine
-from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.harness.run import run
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
-from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from tests.helpers.plugin import write
-from tests.helpers.runs import quiet
-
-
-def plan_of(plugin: Path, **changes) -> Plan:
-    variants, plugins = load_plugins([str(plugin)])
-    source = Source("stack", {"blocks": 1, "push": 1.0})
-    return Plan("test", (source,), variants, (1e-6,), plugins=plugins, time_limit=2.0, **changes)
+from tests.helpers.runs import run_of
 
 
 def test_plugin_is_imported_in_workers_only(tmp_path) -> None:
@@ -34,7 +25,7 @@ def test_plugin_is_imported_in_workers_only(tmp_path) -> None:
     variants, (made,) = load_plugins([str(plugin), "guest[factor=2.5]"])
     assert variants == ("guest", "guest[factor=2.5]")
     assert made.solvers["guest[factor=2.5]"]["version"].startswith("guest.py ")
-    run(plan_of(plugin), tmp_path / "run", 1, quiet())
+    run_of(tmp_path / "run", plugin)
     importers = trace.read_text(encoding="utf-8").split()
     assert len(importers) == 3  # twice to be introduced, once to run
     assert str(os.getpid()) not in importers
@@ -61,8 +52,7 @@ def test_import_error_has_file_and_line(tmp_path, monkeypatch, first, told) -> N
 def test_import_error_in_worker_is_recorded(tmp_path) -> None:
     once = tmp_path / "once"
     first = f"if Path({str(once)!r}).exists(): raise OSError('only once')\nPath({str(once)!r}).touch()"
-    run(plan_of(write(tmp_path / "guest.py", first=first)), tmp_path / "run", 1, quiet())
-    (row,) = store.read_table(tmp_path / "run", "solves").to_dict("records")
+    (row,) = run_of(tmp_path / "run", write(tmp_path / "guest.py", first=first)).to_dict("records")
     assert row["verdict"] == "crashed"
     assert "guest.py cannot be imported (OSError: only once (at guest.py:6" in row["reason"]
 
@@ -70,8 +60,7 @@ def test_import_error_in_worker_is_recorded(tmp_path) -> None:
 def test_exception_has_file_line_and_frames(tmp_path) -> None:
     first = "def deep(n):\n    return 1 / n"
     plugin = write(tmp_path / "guest.py", first=first, body="deep(0)")
-    run(plan_of(plugin), tmp_path / "run", 1, quiet())
-    (row,) = store.read_table(tmp_path / "run", "solves").to_dict("records")
+    (row,) = run_of(tmp_path / "run", plugin).to_dict("records")
     told = r"ZeroDivisionError: division by zero \(at guest.py:7 in deep < guest.py:\d+ in solve < worker.py:\d+ in <lambda>\)"
     assert re.fullmatch(told, row["reason"])
     _, again = rerun_row(tmp_path / "run", row["key"], [str(plugin)])
@@ -80,13 +69,12 @@ def test_exception_has_file_line_and_frames(tmp_path) -> None:
 
 def test_edited_plugin_is_refused(tmp_path) -> None:
     plugin = write(tmp_path / "guest.py")
-    plan = plan_of(plugin)
-    run(plan, tmp_path / "run", 1, quiet())
+    _, plugins = load_plugins([str(plugin)])
+    run_of(tmp_path / "run", plugin)
     write(plugin, body="tol = 2")
     with pytest.raises(ResultsError, match="plugins"):
-        run(plan_of(plugin), tmp_path / "run", 1, quiet())
-    run(plan, tmp_path / "other", 1, quiet())  # edited while the run was under way
-    (row,) = store.read_table(tmp_path / "other", "solves").to_dict("records")
+        run_of(tmp_path / "run", plugin)
+    (row,) = run_of(tmp_path / "other", plugin, plugins=plugins).to_dict("records")  # edited while the run was under way
     assert "was changed since the run began; begin another run" in row["reason"]
 
 
@@ -105,8 +93,7 @@ def test_rerun_and_shrink_require_plugin_argument(tmp_path) -> None:
     trace, folder = tmp_path / "trace", tmp_path / "run"
     body = "import os; os.abort() if problem.contacts > 1 else None"
     plugin = write(tmp_path / "guest.py", first=f"open({str(trace)!r}, 'a').close()", body=body)
-    run(plan_of(plugin), folder, 1, quiet())
-    (row,) = store.read_table(folder, "solves").to_dict("records")
+    (row,) = run_of(folder, plugin).to_dict("records")
     assert (row["verdict"], "SIGABRT" in row["reason"]) == ("crashed", True)
     trace.unlink()
     for command in (rerun_row, shrink):

@@ -10,14 +10,12 @@ from pathlib import Path
 import pytest
 
 from frictionbench.harness import process
-from frictionbench.harness.plans.plan import Source
-from frictionbench.harness.run import run
 from frictionbench.harness.workers import pool, sandbox
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.results import store
 from tests.helpers.paths import ROOT
 from tests.helpers.plugin import write
-from tests.helpers.runs import quiet, small_plan
+from tests.helpers.runs import run_of
 
 # What a plug-in tries, each by a line of Python that raises OSError where it is refused; RUN, PID and FREE are put in.
 ATTEMPTS = {
@@ -80,11 +78,7 @@ def refused(kind: str, tmp_path: Path, attempts: dict[str, str]) -> set[str]:
     (folder / "problems" / "one.npz").write_bytes(b"numbers")
     arguments = [kind, str(folder), str(tmp_path / "free"), str(ROOT / "solvers" / "lemke.py")]
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, *arguments, json.dumps(attempts)],
-        capture_output=True,
-        text=True,
-        check=True,
-        cwd=ROOT,
+        [sys.executable, "-c", SCRIPT, *arguments, json.dumps(attempts)], capture_output=True, text=True, check=True, cwd=ROOT
     )
     assert (folder / "problems" / "one.npz").read_bytes() == b"numbers"
     return set(json.loads(done.stdout))
@@ -125,10 +119,8 @@ def test_executables_leave_nothing_behind(tmp_path) -> None:
         encoding="utf-8",
     )
     program.chmod(0o755)
-    variants, plugins = load_plugins([f"exec:{program} {{problem}} {{answer}}"])
-    plan = small_plan(sources=(Source("stack", {"blocks": 1}),), simulations=(), tolerances=(1e-6,), time_limit=1.0)
-    run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "run", 1, quiet())
-    assert list(store.read_table(tmp_path / "run", "solves")["verdict"]) == ["timeout"]
+    rows = run_of(tmp_path / "run", f"exec:{program} {{problem}} {{answer}}", time_limit=1.0)
+    assert list(rows["verdict"]) == ["timeout"]
     folder, told = log.read_text(encoding="utf-8").split()
     assert (told, Path(folder).exists()) == ("refused", False)
 
@@ -168,14 +160,8 @@ def test_hostile_plugin_in_a_run(tmp_path) -> None:
     run_folder = str(tmp_path / "with")
     body = f"with contextlib.suppress(OSError): next(Path({run_folder!r}).rglob('*.npz')).unlink()"
     plugin = write(tmp_path / "guest.py", first=HOSTILE, body=body)
-    variants, plugins = load_plugins([str(plugin), "lemke"])
-    plan = small_plan(sources=(Source("stack", {"blocks": 2}),), simulations=(), tolerances=(1e-6,))
-    run(small_plan(**vars(plan) | {"solvers": ("lemke",)}), tmp_path / "without", 2, quiet())
-    run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "with", 2, quiet())
-    columns = ["verdict", "residual", "work"]
-    alone, together = (
-        store.read_table(tmp_path / name, "solves").set_index("solver").loc[["lemke"], columns] for name in ("without", "with")
-    )
+    runs = run_of(tmp_path / "without", "lemke", jobs=2), run_of(tmp_path / "with", plugin, "lemke", jobs=2)
+    alone, together = (rows.set_index("solver").loc[["lemke"], ["verdict", "residual", "work"]] for rows in runs)
     assert together.equals(alone)
     assert store.read_manifest(tmp_path / "with")["walls"] == usable()[0]
     assert os.path.exists(tmp_path / "with" / "solves.parquet")
@@ -193,10 +179,7 @@ def test_server_ends_what_a_killed_supervisor_leaves(monkeypatch, tmp_path) -> N
     monkeypatch.setattr(pool, "START", pool.START.replace("from frictionbench", groups, 1))
     monkeypatch.setattr(pool, "_server", None)
     plugin = write(tmp_path / "guest.py", body=LEAVES_A_STRAY.replace("\n", "\n        "))
-    variants, plugins = load_plugins([str(plugin)])
-    plan = small_plan(sources=(Source("stack", {"blocks": 2}),), simulations=(), tolerances=(1e-6,))
-    run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "run", 1, quiet())
-    (row,) = store.read_table(tmp_path / "run", "solves").to_dict("records")
+    (row,) = run_of(tmp_path / "run", plugin).to_dict("records")
     assert (row["verdict"], row["reason"]) == ("crashed", "its processes were killed 3 times")
     assert store.read_manifest(tmp_path / "run")["walls"] == sandbox.GROUPS
     server = pool._server

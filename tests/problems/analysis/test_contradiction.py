@@ -58,8 +58,7 @@ def test_what_has_a_solution_has_no_proof(seed) -> None:
     for problem in (random_problem(seed, contacts=8), spatial(seed, contacts=8, nv=12, joints=2)):
         v = random.standard_normal(len(problem.free_velocity))
         reached = problem.replace(
-            bias=-(problem.normal @ v) + random.choice([0.0, 1.0], problem.contacts),
-            joint_bias=-(problem.joints @ v),
+            bias=-(problem.normal @ v) + random.choice([0.0, 1.0], problem.contacts), joint_bias=-(problem.joints @ v)
         )
         assert contradiction(reached) is None
 
