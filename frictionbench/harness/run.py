@@ -25,7 +25,7 @@ from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import store
-from frictionbench.results.files import ResultsError
+from frictionbench.results.files import ResultsError, cleaned
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row, new_shard
 from frictionbench.solvers import find
@@ -140,7 +140,7 @@ def drop_disturbed(plan: Plan, folder: Path) -> None:
 
 def _differences(stored: Row, wanted: Row) -> list[str]:
     found = []
-    for part, values in wanted.items():
+    for part, values in cleaned(wanted).items():  # as what is stored
         old = stored.get(part, {})
         names = (name for name in sorted(values.keys() | old.keys()) if old.get(name) != values.get(name))
         found += [f"{part}.{name}: {_brief(old.get(name))} in the folder, {_brief(values.get(name))} now" for name in names]

@@ -11,7 +11,7 @@ from hashlib import sha256
 from itertools import takewhile
 from pathlib import Path
 
-from frictionbench.results.files import ResultsError, read_text, write_text
+from frictionbench.results.files import ResultsError, cleaned, read_text, write_text
 from frictionbench.results.schema import SCHEMA_VERSION
 
 COLUMNS = (
@@ -38,7 +38,7 @@ def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]])
 
 def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
     """The facts, and for each cell the key and the values of COLUMNS. Errors: ResultsError naming the file and the line."""
-    lines = read_text(path, LARGEST).removesuffix("\n").split("\n")
+    lines = cleaned(read_text(path, LARGEST)).removesuffix("\n").split("\n")
     head = list(takewhile(lambda line: line.startswith("#"), lines))
     facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(":") for line in head)}
     table = [(i, line.split("\t")) for i, line in enumerate(lines[len(head) :], len(head) + 1) if line]

@@ -13,6 +13,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 from frictionbench.problems.verdicts import Verdict
+from frictionbench.results.files import cleaned
 
 if TYPE_CHECKING:  # the command line imports this file for its options
     import pandas as pd
@@ -111,4 +112,4 @@ def json_object(text: Any) -> dict[str, Any]:
         found = json.loads(text) if isinstance(text, str) else {}
     except (ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return cleaned(found) if isinstance(found, dict) else {}

@@ -3,8 +3,8 @@
 A results folder may come from an untrusted source. A symbolic link in it could redirect what is written; subfolders that are
 symbolic links are therefore refused, and a file is written under a temporary name in the same folder and then renamed, which
 replaces a link instead of following it. What is read could be a pipe or a device, or a link to one, at which a read never ends;
-every file is therefore opened by `opened` or `read_text`. Texts in it can hold characters that a terminal would obey: they are
-shown by `printable`.
+every file is therefore opened by `opened` or `read_text`. Texts can hold characters that a terminal or a browser would obey:
+those of files, and of what workers reply, pass through `cleaned` once, where they are read.
 """
 
 import json
@@ -64,12 +64,12 @@ def read_text(path: Path, most: int) -> str:
 
 
 def read_json(path: Path, most: int = LARGEST_JSON) -> Any:
-    """The value in a JSON file. Errors: as of read_text, and ResultsError where it is not JSON or holds no UTF-8."""
+    """The value in a JSON file, `cleaned`. Errors: as of read_text, and ResultsError where it is not JSON or holds no UTF-8."""
     text = read_text(path, most)
     try:
         value = json.loads(text)
         json.dumps(value, ensure_ascii=False).encode()  # raises for a lone surrogate
-        return value
+        return cleaned(value)
     except RecursionError:
         raise ResultsError(f"{path}: cannot be read (nested too deeply)") from None
     except ValueError as error:
@@ -100,9 +100,19 @@ def read_parsed(path: Path, kind: type[T], missing: T | None = None) -> T:
     return missing if missing is not None and not path.exists() else parsed(read_json(path), kind, path)
 
 
+def cleaned(value: Any) -> Any:
+    """A text, or a value of JSON with all its texts, without characters that control a terminal, the direction of writing or
+    lines, except for tabs and line ends."""
+    if isinstance(value, str):
+        return value if value.isprintable() else "".join(c if c.isprintable() or c in "\t\n" else "?" for c in value)
+    if isinstance(value, list):
+        return [cleaned(entry) for entry in value]
+    return {cleaned(name): cleaned(entry) for name, entry in value.items()} if isinstance(value, dict) else value
+
+
 def printable(text: str) -> str:
-    """The text in one line without control characters."""
-    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
+    """The text in one line, `cleaned`."""
+    return str(cleaned(" ".join(text.split())))
 
 
 def subfolder(folder: Path, name: str) -> Path:

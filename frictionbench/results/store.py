@@ -29,7 +29,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from frictionbench.results.files import ResultsError, opened, parsed, read_json, replaced, subfolder, write_text
+from frictionbench.results.files import ResultsError, cleaned, opened, parsed, read_json, replaced, subfolder, write_text
 from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
 
 Row = dict[str, Any]
@@ -76,10 +76,8 @@ def fitted(row: Row, schema: pa.Schema) -> Row:
 
 def _fitted(value: Any, kind: pa.DataType) -> Any:
     try:
-        if value is None:
-            return None
         if pa.types.is_string(kind):
-            return value[:LONGEST_TEXT].encode("utf-8", "replace").decode() if isinstance(value, str) else None
+            return cleaned(value[:LONGEST_TEXT]) if isinstance(value, str) else None
         if pa.types.is_list(kind):
             return [float(entry) for entry in value]
         if pa.types.is_boolean(kind):
@@ -174,7 +172,8 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
         if isinstance(error, ResultsError):
             raise
         raise ResultsError(f"{path}: not a readable Parquet file ({' '.join(str(error).split())[:300]})") from None
-    return data.to_pandas(ignore_metadata=True)
+    frame = data.to_pandas(ignore_metadata=True)
+    return frame.assign(**{name: frame[name].map(cleaned).astype(frame[name].dtype) for name in _texts(schema)})
 
 
 def _texts(schema: pa.Schema) -> list[str]:

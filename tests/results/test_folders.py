@@ -1,9 +1,11 @@
 """Damaged and malicious results folders are rejected with one-line errors."""
 
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -15,7 +17,8 @@ from frictionbench.problems.catalogue import scene
 from frictionbench.problems.recorded import fclib, own, read
 from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
-from frictionbench.results.compare import compare
+from frictionbench.results.cells import counts
+from frictionbench.results.compare import accept, compare
 from frictionbench.results.files import ResultsError
 from frictionbench.results.maps import maps_of
 from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
@@ -23,6 +26,8 @@ from frictionbench.results.store import new_shard
 from tests.helpers.command_line import frictionbench
 from tests.helpers.edits import CASES, edited, mutated
 from tests.helpers.made_results import solve_row, write_folder
+from tests.helpers.plugin import write
+from tests.helpers.runs import run_of
 
 SCHEMA = arrow_schema("solves")
 
@@ -152,6 +157,41 @@ def test_full_disk(tmp_path, room, unwritten) -> None:
     assert broken.stderr.splitlines()[-1].endswith("File too large")
     assert frictionbench(*command).returncode == 0
     assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
+
+
+RAW = re.compile("[\x1b\u202e\u2028]|(?i:\\\\u(001b|202e|2028))")  # also as JSON and scripts write them
+
+
+def test_control_characters_reach_no_reader(tmp_path, monkeypatch) -> None:
+    """In names and texts of tables, manifests and baselines, by which a terminal or a browser would be controlled."""
+    evil = "x\x1b[31m\u202e\u2028"
+    given: dict[str, Any] = dict.fromkeys(("solver", "family", "version", "scene", "status", "reason", "phase"), evil)
+    given |= dict.fromkeys(("work", "parameters"), json.dumps({evil: 3}))
+    rows = [solve_row(evil, "p", **given | {"verdict": verdict}) for verdict in ("solved", "wrong")]
+    monkeypatch.setattr(store, "cleaned", lambda value: value)
+    machine = {"host": evil, "processor": evil}
+    one, two = (write_folder(tmp_path / row["verdict"], [row], machine=machine, versions={evil: evil}) for row in rows)
+    monkeypatch.undo()
+    accept(one, tmp_path / "one.tsv")
+    compare_folders = ("compare", str(tmp_path / "one.tsv"), str(two), "--out", str(tmp_path / "compared"))
+    told = [frictionbench(*command) for command in (compare_folders, ("report", str(one), "--markdown"), ("report", str(two)))]
+    assert [done.returncode for done in told] == [1, 0, 0], told
+    written = [*one.glob("report.*"), *two.glob("report.*"), *tmp_path.glob("compared/*"), tmp_path / "one.tsv"]
+    assert len(written) == 7
+    for text in [done.stdout + done.stderr for done in told] + [path.read_text(encoding="utf-8") for path in written]:
+        assert not RAW.search(text)
+
+
+def test_control_characters_of_a_worker(tmp_path) -> None:
+    evil = "x\x1b[31m\u202e\u2028"
+    answer = "Answer(np.zeros((problem.contacts, 2)), Status.STALLED, {evil: 3}, detail=evil)"
+    plugin = write(tmp_path / "guest.py", first=f"evil = {evil!r}", body=f"if problem.contacts > 1: return {answer}")
+    (row,) = run_of(tmp_path / "run", plugin).to_dict("records")
+    assert (row["reason"], counts(row["work"])) == ("x?[31m??", {"x?[31m??": 3})
+    for options in ((), ("--json",)):
+        done = frictionbench("solve", "stack[blocks=2]", "--solver", str(plugin), *options)
+        assert "[31m" in done.stdout
+        assert not RAW.search(done.stdout + done.stderr)
 
 
 AXIS = {"parameter": "friction", "low": 0.1, "high": 1.0, "count": 3}

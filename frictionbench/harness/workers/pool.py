@@ -24,7 +24,7 @@ from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plugin
 from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.files import ResultsError
+from frictionbench.results.files import ResultsError, cleaned
 
 # Bytes: far above the longest row, which has a simulation's curves. It bounds the memory of the main process.
 LONGEST_REPLY = 256 * 2**20
@@ -163,7 +163,7 @@ class _Slot:
         """The outcome of the task; None where it was restarted."""
         assert self.task is not None
         try:
-            message: dict[str, Any] = json.loads(self.connection.recv_bytes())
+            message: dict[str, Any] = cleaned(json.loads(self.connection.recv_bytes()))
         except (EOFError, OSError):
             if self._tries < TRIES:
                 self._restart()

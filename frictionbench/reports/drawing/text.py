@@ -10,8 +10,7 @@ from frictionbench.results.files import printable
 def plain(text: str, longest: int = 48) -> str:
     """Text for a figure: cut to length, characters that the font or XML lacks replaced, and a leading underscore, which would
     hide a legend's item, preceded by a space."""
-    latin = text.encode("latin-1", "replace").decode("latin-1")
-    shown = "".join(c if c.isprintable() else "?" for c in latin)
+    shown = printable(text.encode("latin-1", "replace").decode("latin-1"))
     shown = shown if len(shown) <= longest else shown[: longest - 3] + "..."
     return " " + shown if shown.startswith("_") else shown
 
