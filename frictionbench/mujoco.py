@@ -108,12 +108,7 @@ def problem(model: Any, data: Any) -> FrictionProblem:
 
 
 def step(
-    model: Any,
-    data: Any,
-    solver: str = "hybrid",
-    tol: float = 1e-8,
-    before: Step | None = None,
-    limit: int | None = None,
+    model: Any, data: Any, solver: str = "hybrid", tol: float = 1e-8, before: Step | None = None, limit: int | None = None
 ) -> Step:
     """Advance data by one step, in place of mujoco.mj_step(model, data).
 

@@ -94,8 +94,7 @@ energy = _chart(
     "Change of energy over time (s) in simulations, relative to the scene's energy scale; a panel per scene and scheme.",
 )
 convergence = _chart(
-    "convergence",
-    "Verified residual against the sweeps, iterations or pivots allowed; a panel per problem followed.",
+    "convergence", "Verified residual against the sweeps, iterations or pivots allowed; a panel per problem followed."
 )
 
 

@@ -4,9 +4,9 @@ The main process hashes it. A run is resumed only where all of it is as it was; 
 a package that a plug-in wraps is not taken for noise where both versions of the plug-in load the changed package.
 
 A plug-in's worker reports, after each task, what was loaded or read since it began: modules, shared libraries, files that
-Python opened for reading, and programs that it started. Left out are the standard library, the system's folders, temporary and
-compiled files, and what the worker had loaded before; of a library of the suite's the version is reported. What native code or
-a started program reads by itself is not seen.
+Python or a forked child opened for reading, and programs that it started. Left out are the standard library, the system's
+folders, temporary and compiled files, and what the worker had loaded before; of a library of the suite's the version is
+reported. What native code or a started program reads by itself is not seen.
 """
 
 import os
@@ -14,6 +14,7 @@ import shlex
 import shutil
 import sys
 import tempfile
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,7 @@ class _Watch:
         self.before, self.libraries = set(sys.modules), set(_mapped())
         self.read: set[str] = set()
         self.written: set[str] = set()
+        self.worker, self.forked = os.getpid(), os.memfd_create("read by forked children")
         sys.addaudithook(self._heard)
 
     def _heard(self, event: str, arguments: tuple[Any, ...]) -> None:
@@ -48,9 +50,19 @@ class _Watch:
             flags = arguments[2] if isinstance(arguments[2], int) else 0
             path = os.path.abspath(os.fsdecode(arguments[0]))
             fresh = flags & os.O_RDWR and flags & (os.O_CREAT | os.O_TRUNC)  # one opened to be changed has been read as well
-            (self.written if flags & os.O_WRONLY or fresh else self.read).add(path)
+            if flags & os.O_WRONLY or fresh:
+                self.written.add(path)
+            else:
+                self._add(path)
         elif event in STARTED and (program := _program(event, arguments)):
-            self.read.add(program)
+            self._add(program)
+
+    def _add(self, path: str) -> None:
+        """Add what was read, in a forked child to the file that its worker reads, too."""
+        if os.getpid() != self.worker and path not in self.read and path not in self.written:
+            with suppress(OSError):
+                os.write(self.forked, os.fsencode(path) + b"\0")
+        self.read.add(path)
 
 
 _watch: _Watch | None = None
@@ -81,7 +93,9 @@ def loaded() -> Loaded:
                 found[f"{folder} {part}" if part > 1 else folder] = str(Path(place).resolve())
     places = [Path(place) for place in found.values()]
     places += [_watch.folder, *_left_out()]
-    others = {_source(Path(path)).resolve() for path in {*_mapped(), *_watch.read} - _watch.libraries - _watch.written}
+    forked = os.fsdecode(os.pread(_watch.forked, os.fstat(_watch.forked).st_size, 0)).split("\0")[:-1]
+    read = {*_mapped(), *_watch.read, *forked} - _watch.libraries - _watch.written
+    others = {_source(Path(path)).resolve() for path in read}
     others -= {Path(file).resolve() for module in list(sys.modules.values()) if (file := getattr(module, "__file__", None))}
     for path in sorted(others):
         metadata = path.parent.suffix in (".dist-info", ".egg-info")

@@ -162,9 +162,11 @@ READS = (
     "import numpy, runpy; numpy.load({home!r} + '/gains.npy'); runpy.run_path({home!r} + '/run.py'); "
     "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close(); import os, subprocess; "
     "subprocess.run([{home!r} + '/started.sh']); subprocess.run({home!r} + '/in_shell.sh', shell=True); "
-    "os.system({home!r} + '/by_os.sh 1')"
+    "os.system({home!r} + '/by_os.sh 1'); import multiprocessing; "
+    "child = multiprocessing.get_context('fork').Process(target=numpy.load, args=({home!r} + '/by_child.npy',)); "
+    "child.start(); child.join()"
 )
-READ = ("gains.npy", "run.py", "named.txt", "both.txt", "started.sh", "in_shell.sh", "by_os.sh")
+READ = ("gains.npy", "by_child.npy", "run.py", "named.txt", "both.txt", "started.sh", "in_shell.sh", "by_os.sh")
 SPREAD = {"spread": "one/spread", "spread 2": "two/spread"}  # a package of two folders
 
 
@@ -178,7 +180,8 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     (tmp_path / "wrapped" / "__init__.py").write_text("from wrapped import core", encoding="utf-8")
     (tmp_path / "wrapped" / "core.py").write_text("GAIN = 1.0", encoding="utf-8")
     np.save(tmp_path / "gains.npy", np.ones(3))
-    for name in READ[1:]:
+    np.save(tmp_path / "by_child.npy", np.ones(3))
+    for name in READ[2:]:
         (tmp_path / name).write_text("#!/bin/sh" if name.endswith(".sh") else "1", encoding="utf-8")
         (tmp_path / name).chmod(0o755)
     save(block(), tmp_path / "problem.npz")

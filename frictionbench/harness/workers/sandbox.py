@@ -1,23 +1,15 @@
 """The sandbox of a plug-in: what keeps it from the files and the processes of the run, by the best means of this kernel.
 
-    namespaces             it sees no process but its own, and the run's files are read-only
-    landlock               it can signal no process but its own, nor write to the run's files
-    landlock, files only   it cannot write to the run's files: Linux before 6.12
-    process groups         signals that it sends to its own group reach no other process of the run; nothing more
-
-The run's files are its folder, this package, the compiled kernels of all versions, Python with all that it imports, and the
-plug-ins. Each plug-in's worker has a home folder, a cache and a temporary folder of its own, so that what a solver keeps there
-is not found by the next, and none of its files can be larger than MOST_FILE.
+SECURITY.md says what each of the four promises. A worker has a home, a cache and a temporary folder of its own as well, so that
+what a solver keeps there is not found by the next, and none of its files can be larger than MOST_FILE.
 
 Namespaces, with the processes keeper - init - plug-in: the keeper makes a user namespace, in which it may do what follows
-without privileges outside; a mount namespace, in which the protected folders
-are read-only, as are the kernel's settings, and the folders above them cannot be moved, because each is a mount; and a
-namespace of processes, whose first process is init. When init ends the kernel kills all processes of the namespace, however
-they were detached. The keeper ends as the plug-in's process ended, and init when the keeper does.
+without privileges outside; a mount namespace, in which the protected folders and the kernel's settings are read-only, and the
+folders above them cannot be moved, because each is a mount; and one of processes, whose first is init. When init ends the
+kernel kills all of them, however they were detached. The keeper ends as the plug-in's process ended, and init with the keeper.
 
-Landlock (Linux 5.13) grants rights beneath folders and refuses them everywhere else, for good and for all descendants. To
-protect folders, the rights to write are granted to all that neither is nor holds one of them. In the folders that hold a
-protected one nothing can be created.
+Landlock (Linux 5.13) grants rights beneath folders and refuses them everywhere else, for good and for all descendants. The
+rights to write are granted to all that neither is nor holds a protected folder; beside one nothing can be created.
 
 See the manual pages user_namespaces(7), pid_namespaces(7), mount_setattr(2), and https://docs.kernel.org/userspace-api/landlock.html.
 """
