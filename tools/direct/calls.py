@@ -292,7 +292,7 @@ CALLS: dict[str, Call] = {
     "mujoco_boxqp[settings=default]": Call(mujoco_boxqp, most=100),
     "quantecon[settings=default]": Call(quantecon, most=100, by_matrix=True),
     "drake[method=unrevised]": Call(drake, most=20, by_matrix=True),
-    "path": Call(path, most=20, by_matrix=True),
+    "path[settings=default]": Call(path, most=20, by_matrix=True),
     "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100, by_matrix=True),
     "pinocchio[method=admm,settings=tuned]": Call(
         partial(pinocchio, anderson_capacity=8, lanczos_size=10), (2, 3), by_matrix=True

@@ -1,27 +1,25 @@
 """Solvers that come with CasADi: its active-set method QRQP and qpOASES on the relaxation's dual, Ipopt on the friction LCP.
 
-The dual in the plane is min ½ z'H z + g'z over z >= 0 (solvers.outside.scaled_delassus). The LCP, w = M z + q, is the program
-without convexity
+The dual in the plane is min ½ z'H z + g'z over z >= 0 (solvers.outside.scaled_delassus); the LCP is the nonconvex program
 
-    min  z'w    subject to    z >= 0,  w >= 0,
+    min  z'w    subject to    w = M z + q,  z >= 0,  w >= 0,
 
-whose solutions have the value 0; a local minimum may have another, or a value that is 0 only up to Ipopt's barrier.
+with a sparse M: solutions have the value 0, a local minimum may have another, or 0 only up to Ipopt's barrier.
 
 Licence: CasADi LGPL-3.0; it bundles qpOASES (LGPL-2.1) and Ipopt (EPL-2.0).
-Form: for qrqp and qpoases the dual, dense and dimensionless, for qrqp with 1e-12 on the diagonal, as it fails on singular
-    ones; for ipopt the friction LCP's M, dense and scaled, and q. Setup: none. Solve: the call, from 0, of CasADi's solver
-    object, which is made once for each size and tolerance.
+Form: for qrqp and qpoases the dual, dense and dimensionless, for qrqp with 1e-12 on the diagonal, as it fails on singular ones;
+    for ipopt the friction LCP's M, scaled, and q. Setup: none. Solve: the call, from 0, of CasADi's solver object, which is
+    made once for each size, for ipopt for each sparsity of M, and tolerance.
 Clock: CasADi's, around the solver, for qpoases.
-Settings: their defaults, without output. Ipopt relaxes bounds by bound_relax_factor = 1e-8; tuned is 0, `frictionbench solve
-    'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]' --solver 'casadi[method=ipopt,settings=tuned]'`.
-Tolerance: qpoases terminationTolerance = eps/10, but not less than 1e-12, eps as in solvers.outside.scaled_delassus; qrqp's,
-    of 1e-8, are left, as larger ones end it far from the solution; ipopt tol = (eps/10)^2, not less than 1e-15, as z'w is a
-    product, eps as in solvers.pivots.dense_lcp, and success is claimed where min(z, w) is at most eps/10 in size, which a user
-    would check.
-Flaws: by default ipopt seldom reaches 1e-8, as its bounds are relaxed by as much, `frictionbench solve
-    'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]'`.
-Reference: Andersson, Gillis, Horn, Rawlings and Diehl 2019, CasADi; Ferreau and others 2014 (qpOASES); Wächter and Biegler 2006
-    (Ipopt).
+Settings: their defaults, without output, and for ipopt that derivatives are constant. Ipopt relaxes bounds by
+    bound_relax_factor = 1e-8; tuned is 0, `frictionbench solve 'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]'
+    --solver 'casadi[method=ipopt,settings=tuned]'`.
+Tolerance: qpoases terminationTolerance = eps/10, but not less than 1e-12, eps as in solvers.outside.scaled_delassus; qrqp's, of
+    1e-8, are left, as larger ones end it far from the solution; ipopt tol = (eps/10)^2, not less than 1e-15, as z'w is a
+    product, eps as in solvers.pivots.dense_lcp, and success is claimed where min(z, w) is at most eps/10 in size.
+Flaws: by default ipopt seldom reaches 1e-8, as its bounds are relaxed by as much, `frictionbench solve 'stack[blocks=5,push=1]'
+    --solver 'casadi[method=ipopt]'`.
+Reference: Andersson and others 2019, CasADi; Ferreau and others 2014 (qpOASES); Wächter and Biegler 2006 (Ipopt).
 """
 
 from functools import lru_cache
@@ -29,6 +27,7 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
@@ -38,10 +37,10 @@ from frictionbench.solvers.outside.scaled_delassus import DualProgram, dual_prog
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _DEFINITE = {"qrqp": 1e-12, "qpoases": 0.0}  # on a diagonal of about 1
-_SILENT: dict[str, dict[str, Any]] = {
+_OPTIONS: dict[str, dict[str, Any]] = {
     "qrqp": {"print_iter": False, "print_header": False, "print_info": False},
     "qpoases": {"printLevel": "none"},
-    "ipopt": {"print_level": 0, "sb": "yes"},
+    "ipopt": {"print_level": 0, "sb": "yes", "hessian_constant": "yes", "jac_c_constant": "yes"},
 }
 
 
@@ -51,7 +50,7 @@ _SILENT: dict[str, dict[str, Any]] = {
     model="relaxation",
     needs=("casadi",),
     lacks=("friction_bias", "asymmetry"),
-    variants=(*(f"method={method}" for method in _SILENT), "method=ipopt,settings=tuned"),
+    variants=(*(f"method={method}" for method in _OPTIONS), "method=ipopt,settings=tuned"),
 )
 class CasADi:
     """CasADi's QRQP or qpOASES on the relaxation's dual, or Ipopt on the friction LCP. (outside)
@@ -95,24 +94,30 @@ def _quadratic(method: str, n: int, eps: float, limit: int) -> Any:
     casadi: Any = import_module("casadi")
     options = {"max_iter": limit} if method == "qrqp" else {"terminationTolerance": eps, "nWSR": limit}
     sparsity = {"h": casadi.Sparsity.dense(n, n), "a": casadi.Sparsity(0, n)}
-    return casadi.conic("solver", method, sparsity, options | _SILENT[method] | {"error_on_fail": False})
+    return casadi.conic("solver", method, sparsity, options | _OPTIONS[method] | {"error_on_fail": False})
 
 
 def _by_ipopt(given: DenseLCP, eps: float, limit: int, tuned: bool) -> Answer:
-    made = _complementarity(len(given.q), max(eps**2, 1e-15), limit, tuned)
-    found = made(x0=0.0, lbx=0.0, lbg=0.0, p=np.concatenate([given.M.ravel(order="F"), given.q]))
-    y, stats = np.array(found["x"]).ravel(), made.stats()
+    n, M = len(given.q), sparse.csc_matrix(given.M)
+    made = _complementarity(n, M.indptr.tobytes(), M.indices.tobytes(), max(eps**2, 1e-15), limit, tuned)
+    found = made(x0=0.0, lbx=0.0, lbg=0.0, ubg=0.0, p=np.concatenate([M.data, given.q]))
+    y, stats = np.array(found["x"]).ravel()[:n], made.stats()
     accurate = np.abs(np.minimum(y, given.M @ y + given.q)).max() <= eps
     status = Status.SOLVED if stats["success"] and accurate else Status.FAILED
     return given.scaled.answer(y, status, stats["return_status"], iterations=int(stats["iter_count"]))
 
 
 @lru_cache(maxsize=16)
-def _complementarity(n: int, tol: float, limit: int, tuned: bool) -> Any:
-    """CasADi's solver by Ipopt of the program z'w of an LCP of n unknowns, whose parameters are M by columns, and q."""
+def _complementarity(n: int, starts: bytes, rows: bytes, tol: float, limit: int, tuned: bool) -> Any:
+    """CasADi's solver by Ipopt of the program z'w of an LCP of n unknowns, whose parameters are the entries of M, and q."""
     casadi: Any = import_module("casadi")
-    z, M, q = casadi.MX.sym("z", n), casadi.MX.sym("M", n, n), casadi.MX.sym("q", n)
-    w = M @ z + q
-    ipopt = _SILENT["ipopt"] | {"tol": tol, "max_iter": limit} | ({"bound_relax_factor": 0.0} if tuned else {})
-    program = {"x": z, "p": casadi.veccat(M, q), "f": casadi.dot(z, w), "g": w}
+    pattern = casadi.Sparsity(n, n, *(np.frombuffer(each, np.int32).tolist() for each in (starts, rows)))
+    z, w, entries, q = (casadi.MX.sym(name, size) for name, size in (("z", n), ("w", n), ("M", pattern.nnz()), ("q", n)))
+    ipopt = _OPTIONS["ipopt"] | {"tol": tol, "max_iter": limit} | ({"bound_relax_factor": 0.0} if tuned else {})
+    program = {
+        "x": casadi.veccat(z, w),
+        "p": casadi.veccat(entries, q),
+        "f": casadi.dot(z, w),
+        "g": casadi.MX(pattern, entries) @ z + q - w,
+    }
     return casadi.nlpsol("solver", "ipopt", program, {"ipopt": ipopt, "print_time": False})

@@ -5,9 +5,9 @@ own has one body and nc contacts, and its dense dual problem's Delassus matrix, 
 then preconditioned as Kamino does.
 
 Licence: Apache-2.0 (Newton and Warp).
-Form: the dimensionless Delassus matrix, dense, with three rows a contact, (t1, t2, n); the second tangent of a
-    planar one is decoupled. Setup: the template, once per size, and the transfer into it. Solve: the solver's solve, and
-    reading the impulses. What Warp compiles for a size, some ten seconds, is not timed.
+Form: the dimensionless Delassus matrix, dense, with three rows a contact, (t1, t2, n); the second tangent of a planar one is
+    decoupled. Setup: the template, once per size, and the transfer into it. Solve: the solver's solve, and reading the
+    impulses. What Warp compiles for a size, some ten seconds, is not timed.
 Clock: none.
 Charged: both are made for many worlds at once on a graphics card. On the processor each iteration launches some five kernels of
     Warp from Python, a third of a millisecond whatever the size, which is nearly all of the time of small problems.
@@ -20,8 +20,7 @@ Tolerance: of PADMM's three residuals and of APGD's natural map eps/10, eps as i
 Flaws: at 1e-6 its residuals, in single precision, are met where the verified one is up to five times the tolerance, or never,
     `frictionbench solve 'house_of_cards[storeys=4]' --tol 1e-6 --solver 'kamino[method=padmm]'`. APGD may correct the shift for
     seconds and end above the tolerance.
-Reference: Tsounis, Grandia and Bächer 2025, "On Solving the Dynamics of Constrained Rigid Multi-Body Systems with Kinematic
-    Loops"; the Newton developers, Newton.
+Reference: Tsounis, Grandia and Bächer 2025, arXiv:2504.19771; the Newton developers, Newton.
 """
 
 from functools import cache
