@@ -8,6 +8,7 @@
 The same tables always give the same files, byte for byte.
 """
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -27,7 +28,7 @@ from frictionbench.reports.tables import setting
 from frictionbench.results.files import ResultsError, subfolder, write_text
 
 FONT = 7  # points, in figures: the smallest size that journals accept
-ASPECT, TALLEST = 0.75, 7.4  # height of a panel over its width; inches of a figure, which leaves room for its caption
+ASPECT, TALLEST = 0.75, 5.2  # height of a panel over its width; inches of panels: a page of 7.6 has legend and caption besides
 NARROWEST, MOST_COLUMNS = 1.6, 3  # inches of a panel; panels side by side
 LETTERS = 75  # of a row that a column of text takes at a readable size; a table of longer rows takes the width of the page
 ON_PAGE_ONLY = ("Hover over", "Below each panel")  # the beginnings of sentences that apply to the page only
@@ -39,7 +40,7 @@ def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, wi
     """Write figures as PDF and SVG, tables, captions and references; return DIR/paper.
 
     figures: names of charts, None for all. width: of every figure, inches. font: serif or sans. A chart that is taller than a
-    page is continued in further files, NAME_2 and so on.
+    page is continued in further files, NAME_2 and so on. Captions of figures of earlier calls stay.
     Errors: ResultsError naming a chart that does not exist.
     """
     paper = subfolder(folder, "paper")
@@ -53,7 +54,7 @@ def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, wi
     for table in made:
         write_text(paper / f"{table.name}.tex", booktabs(table))
     captions = {table.name: table.caption for table in made} | captions
-    write_text(paper / "captions.tex", captions_file(captions, setting(run)))
+    write_text(paper / "captions.tex", captions_file(captions, setting(run), paper))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
     return paper
 
@@ -85,14 +86,12 @@ def _save(
     columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
     size = width / columns, ASPECT * width / columns
     most = columns * max(1, int(TALLEST / size[1]))
-    captions = {}
+    asterisk = " An asterisk marks a portfolio, which runs other solvers." * bool(run.portfolios)
+    captions, title = {}, caption.partition(". ")[0].rstrip(".")
     for k in range(0, len(panels), most):
         name = f"{stem}_{k // most + 1}" if k else stem
-        part, path = panels[k : k + most], paper / name
-        save_sheet(part, run.looks, path, columns, size, FONT, font, handles=handles)
-        title = caption.partition(". ")[0].rstrip(".")
-        caption = f"{title} (continued)." if k else caption
-        captions[name] = caption + " An asterisk marks a portfolio, which runs other solvers." * bool(run.portfolios)
+        save_sheet(panels[k : k + most], run.looks, paper / name, columns, size, FONT, font, handles=handles)
+        captions[name] = (f"{title} (continued)." if k else caption) + asterisk
     return captions
 
 
@@ -140,13 +139,15 @@ def booktabs(table: Table) -> str:
     ])  # fmt: skip
 
 
-def captions_file(captions: Mapping[str, str], setting: str) -> str:
-    """captions.tex: the captions by the names of their tables and figures, and the setting."""
+def captions_file(captions: Mapping[str, str], setting: str, paper: Path) -> str:
+    """captions.tex: the captions by the names of their tables and figures, the setting, and earlier captions of others."""
+    earlier = (paper / "captions.tex").read_text("utf-8") if (paper / "captions.tex").is_file() else ""
+    named = {name: line for line, name in re.findall(r"^(\\expandafter.*?@(\w+)\\endcsname.*)", earlier, re.MULTILINE)}
     lines = [
         r"% \input{captions}, then \caption{\benchcaption{times}} and, where and on what it was made, \benchsetting",
         r"\newcommand{\benchcaption}[1]{\csname benchcaption@#1\endcsname}",
         rf"\newcommand{{\benchsetting}}{{{escaped(setting)}}}",
     ]
     for name, caption in captions.items():
-        lines.append(rf"\expandafter\def\csname benchcaption@{name}\endcsname{{{escaped(caption)}}}")
-    return "\n".join([*lines, ""])
+        named[name] = rf"\expandafter\def\csname benchcaption@{name}\endcsname{{{escaped(caption)}}}"
+    return "\n".join([*lines, *named.values(), ""])

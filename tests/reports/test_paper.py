@@ -79,12 +79,15 @@ def test_every_solver_has_its_references() -> None:  # but for the plug-ins that
 
 def test_figures_fit_the_page(run, tmp_path) -> None:
     """Charts of one's choice, of some scenes, over several files where they are taller than a page."""
-    rows = [solve_row("lemke", f"{scene}{k}", scene=f"scene_{scene}") for scene in range(16) for k in (0, 1)]
+    rows = [solve_row("lemke", f"{scene}{k}", scene=f"scene_{scene}") for scene in range(20) for k in (0, 1)]
     many = read_run(write_folder(tmp_path / "many", rows))
     paper = write_paper(tmp_path, many, ["speed_accuracy"])
-    assert sorted(path.name for path in paper.glob("*.pdf")) == ["speed_accuracy.pdf", "speed_accuracy_2.pdf"]
+    assert sorted(path.name for path in paper.glob("*.pdf")) == [f"speed_accuracy{k}.pdf" for k in ("", "_2", "_3")]
     captions = (paper / "captions.tex").read_text()
-    assert "(continued)." in captions
+    assert ["(continued)" in line for line in captions.splitlines() if "@speed_accuracy" in line] == [False, True, True]
+    assert "(continued) (continued)" not in captions
+    wide = (write_paper(tmp_path, many, ["profiles"], 7.0) / "captions.tex").read_text()  # of another width, beside the first
+    assert set(captions.splitlines()) < set(wide.splitlines())
     (tmp_path / "one").mkdir()
     one = write_paper(tmp_path / "one", restricted(many, "scenes", ["scene_3"]), ["speed_accuracy"])
     assert [path.name for path in one.glob("*.pdf")] == ["speed_accuracy.pdf"]
@@ -123,6 +126,7 @@ def test_the_document_shown_compiles(run, tmp_path, options) -> None:
     text = [rf"\documentclass[{options}]{{article}}", preamble, r"\begin{document}", r"\begin{figure}" + body]
     (paper / "shown.tex").write_text("\n".join([*text, r"\bibliographystyle{plain}\end{document}"]), encoding="utf-8")
     log = compile_latex(paper, "shown", "pdflatex", "bibtex", "pdflatex", "pdflatex")
+    assert "Float too large" not in log
     assert [line for line in re.findall(r"Overfull \\hbox.*", log) if float(re.search(r"([\d.]+)pt", line)[1]) > 1] == []
     assert b"/Type3" not in (paper / "shown.pdf").read_bytes()
 
