@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Iterator
 from functools import partial
+from itertools import product
+from time import thread_time
 
-import clarabel
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from scipy import sparse
 
 import frictionbench as fb
 from frictionbench.harness import Source
@@ -23,6 +23,7 @@ DISTINCT = 1e-4  # solutions further apart are two, and not one to a few digits
 CONE, TOL = "interior_point", 1e-10
 SLIDING = 0.236  # s, until the ball rolls
 FACETS = (4, 6, 8, 12, 16, 24, 32, 64)
+LIMIT = 60  # iterations of the interior point method
 TURNS = 8  # orientations of each polygon, evenly over the angle of a facet
 SPACE = (
     Source("cubes", {"boxes": 2, "friction": 0.2, "push": 0.5, "twist": 2.0, "fall": 1.0}),
@@ -48,8 +49,8 @@ def orientations(facets: int, turns: int) -> Array:
     return 2 * np.pi / facets * np.arange(turns) / turns if facets else np.zeros(1)
 
 
-def ball(facets: Iterable[int] = (0, *FACETS), step: float = 0.004, shown: int = 40, turns: int = TURNS) -> Iterator[Row]:
-    """A sliding ball with a side spin: some points of its path, and its distances from the parabola; 0 facets for the cone."""
+def ball(facets: Iterable[int] = (0, *FACETS), step: float = 0.004, turns: int = TURNS) -> Iterator[Row]:
+    """A sliding ball with a side spin: the distances of its path from the parabola and from that with the cone, 0 facets."""
     stage = fb.scene("sliding_ball", step=step, duration=SLIDING)
     assert stage.path is not None
     parabola = np.vstack([stage.path(k * step) for k in range(stage.steps + 1)])
@@ -61,7 +62,6 @@ def ball(facets: Iterable[int] = (0, *FACETS), step: float = 0.004, shown: int =
     cone = path(CONE)
     for count, angle in ((polygon, turn) for polygon in facets for turn in orientations(polygon, turns)):
         found = path(f"lemke[facets={count}]", angle) if count else cone
-        pick = np.linspace(0, len(found) - 1, shown).astype(int)
         yield {
             "facets": count,  # of the polygon, 0 for the cone
             "angle": angle,  # of the polygon's first corner, rad
@@ -70,21 +70,12 @@ def ball(facets: Iterable[int] = (0, *FACETS), step: float = 0.004, shown: int =
             "from_parabola": float(np.linalg.norm(found - parabola, axis=1).max()),
             # largest distance of the path from that with the cone, m
             "from_cone": float(np.linalg.norm(found - cone, axis=1).max()),
-            "x": found[pick, 0],  # points of the path, m
-            "y": found[pick, 1],  # points of the path, m
-            # their distance from the parabola across its chord, m
-            "aside": (found - parabola)[pick, :2] @ _across(parabola[:, :2]),
+            "length": float(np.linalg.norm(found[-1] - found[0])),  # between the ends of the path, m
         }
 
 
-def _across(path: Array) -> Array:
-    """The unit vector across the chord of a path in the plane."""
-    chord = path[-1] - path[0]
-    return np.array([-chord[1], chord[0]]) / np.linalg.norm(chord)
-
-
 def problems(facets: Iterable[int] = FACETS[:-1], sources: Iterable[Source] = SPACE, turns: int = TURNS) -> Iterator[Row]:
-    """Spatial problems by the cone and by polygons: the residual of Coulomb's law and the velocities' error.
+    """Spatial problems by the cone and by polygons: the velocities' error.
 
     A problem may have several solutions; the second is found by refining the finest polygon's answer on the cone.
     """
@@ -106,8 +97,6 @@ def problems(facets: Iterable[int] = FACETS[:-1], sources: Iterable[Source] = SP
                 "contacts": problem.contacts,  # number of contacts
                 "facets": count,  # of the polygon
                 "angle": angle,  # of its first corner, rad
-                "unknowns": problem.contacts * (count + 2),  # of the LCP
-                "residual": fb.residual(problem, impulse),  # of Coulomb's law
                 # |v - v_cone|_M / |v*|_M to the nearer of the known solutions with the cone
                 "error": min(apart(problem, v, known) for known in velocities),
                 # the same between these: above 0 there are two
@@ -116,31 +105,97 @@ def problems(facets: Iterable[int] = FACETS[:-1], sources: Iterable[Source] = SP
 
 
 def interior(facets: Iterable[int] = (0, *FACETS), sources: Iterable[Source] = SPACE, repeats: int = 7) -> Iterator[Row]:
-    """One interior point method, Clarabel, on the convex relaxation of the same problems with the cone and with polygons.
+    """Coulomb's law on the same problems with the cone, 0 facets, and with polygons by one interior point method."""
+    for (number, source), count in product(enumerate(sources), facets):
+        problem, times = fb.instance(source.scene, **source.parameters), []
+        for _ in range(repeats):
+            begun = thread_time()
+            impulse, iterations = predictor_corrector(problem, count)
+            times.append(thread_time() - begun)
+        yield {
+            "number": number,  # of the problem
+            "facets": count,  # of the polygon, 0 for the cone
+            "solved": iterations < LIMIT,
+            "iterations": iterations,
+            "seconds": min(times),  # of the processor, the smallest of the repeats
+            "residual": fb.residual(problem, impulse),  # of Coulomb's law with the cone
+        }
 
-    The relaxation has both forms, so that here only the model of the cone differs. 0 facets stand for the cone.
+
+def predictor_corrector(problem: FrictionProblem, facets: int, tol: float = 1e-8) -> tuple[Array, int]:
+    """Mehrotra's method on Coulomb's law with the cone or a polygon; the impulses and the iterations, LIMIT if it fails.
+
+    At each contact 0 <= r_n, u_n >= 0 with r_n u_n = 0, and for k generators A_i of friction, (mu r_n, r_t) = sum A_i'x_i and
+    y_i = A_i (lambda, u_t) with x_i o y_i = 0: of a polygon A_i = (1, d_i) and x_i, y_i >= 0, which is its LCP with the slack
+    mu r_n - sum x_i at 0; of the cone A = I, x and y are in the second-order cone and o is its Jordan product, linearised as it
+    stands. All but the velocities and the joints' impulses are eliminated contact by contact. tol: of the products' mean,
+    in SI units; the equations, which rounding limits, are satisfied to a hundred times that.
     """
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.max_threads = 1
-    for number, source in enumerate(sources):
-        problem = fb.instance(source.scene, **source.parameters)
-        for count in facets:
-            program = problem.qp(count) if count else problem.cone()
-            G, A = program.G, program.A
-            rows, bounds = sparse.vstack([G, A], format="csc"), np.concatenate([program.h, program.b])
-            m, joints = G.shape[0], clarabel.ZeroConeT(A.shape[0])
-            bodies = [clarabel.NonnegativeConeT(m)] if count else [clarabel.SecondOrderConeT(3)] * (m // 3)
-            cones = [*bodies, joints]
-            given = sparse.triu(program.P, format="csc"), program.q, rows, bounds, cones, settings
-            runs = [clarabel.DefaultSolver(*given).solve() for _ in range(repeats)]
-            yield {
-                "number": number,  # of the problem
-                "facets": count,  # of the polygon, 0 for the cone
-                "solved": str(runs[0].status) == "Solved",
-                "iterations": runs[0].iterations,
-                "seconds": min(run.solve_time for run in runs),  # by Clarabel's own clock, the smallest of the repeats
-            }
+    nc, (nj, nv), mu = problem.contacts, problem.joints.shape, problem.friction[:, None]
+    angle = 2 * np.pi / max(facets, 1) * np.arange(facets)
+    fan = np.stack([np.ones(facets), np.cos(angle), np.sin(angle)], axis=1)[:, None] if facets else np.eye(3)[None]
+    J = np.concatenate([problem.normal.toarray()[:, None], problem.tangent.toarray().reshape(nc, 2, nv)], axis=1)
+    M, F, bias = problem.mass.toarray(), problem.joints.toarray(), problem.bias[:, None] * [1, 0, 0]
+    v, joint, u = problem.free_velocity, np.zeros(nj), J @ problem.free_velocity + bias
+    opening = np.full((nc, 1), np.abs(u).max())
+    y = np.einsum("kpa,na->nkp", fan, np.column_stack([np.linalg.norm(u[:, 1:], axis=1) + opening[:, 0], u[:, 1:]]))
+    x = np.zeros_like(y)
+    x[..., 0] = mu * opening / problem.scale.max() / len(fan)
+    for done in range(LIMIT):
+        r, u = np.einsum("kpa,nkp->na", fan, x), J @ v + bias
+        r[:, :1] /= mu
+        c = r[:, :1]
+        momentum, gap = M @ (v - problem.free_velocity) - np.einsum("nav,na", J, r) - F.T @ joint, opening - u[:, :1]
+        mean = ((c * opening).sum() + (x * y).sum()) / (nc + nc * len(fan))
+        if max(mean, 0.01 * np.abs(momentum).max(), 0.01 * np.abs(gap).max()) < tol:
+            return r, done
+        theta = np.einsum("kpa,nkbp->nab", fan, _divided(_times(x[..., None, :], fan.swapaxes(1, 2)), y[..., None, :]))
+        top = np.column_stack([mu * c / opening, -theta[:, 0, 1:]]) / theta[:, 0, :1]  # d lambda = shift + top du
+        H = theta[:, :, :1] * top[:, None]  # dr = right - H du
+        H[:, 1:, 1:] += theta[:, 1:, 1:]
+        H[:, 0] = c / opening * [1, 0, 0]
+        newton = np.block([[M + np.einsum("nav,nab,nbw->vw", J, H, J), -F.T], [F, np.zeros((nj, nj))]])
+        inverse, aim, aims = np.linalg.inv(newton), -c * opening, -_times(x, y)
+        for corrects in (False, True):
+            held = np.einsum("kpa,nkp->na", fan, _divided(aims, y))
+            normal = (aim + c * gap) / opening
+            shift = (held[:, :1] - mu * normal) / theta[:, 0, :1]
+            right = np.column_stack([normal, held[:, 1:] - theta[:, 1:, 0] * shift])
+            known = np.concatenate([np.einsum("nav,na", J, right) - momentum, -F @ v - problem.joint_bias])
+            dv, djoint = np.split(inverse @ known, [nv])
+            du = J @ dv
+            dc, dopening = normal - c / opening * du[:, :1], du[:, :1] - gap
+            dy = np.einsum("kpa,na->nkp", fan, np.column_stack([shift[:, 0] + (top * du).sum(axis=1), du[:, 1:]]))
+            dx = _divided(aims - _times(x, dy), y)
+            t = 1 / max(1, *(_shrinkage(*pair) for pair in ((x, dx), (y, dy), (c, dc), (opening, dopening))))
+            if not corrects:
+                after = ((c + t * dc) * (opening + t * dopening)).sum() + ((x + t * dx) * (y + t * dy)).sum()
+                centre = (after / (nc + nc * len(fan))) ** 3 / mean**2
+                aim, aims = aim - dc * dopening + centre, aims - _times(dx, dy)
+                aims[..., 0] += centre
+        v, joint, opening, x, y = v + t * dv, joint + t * djoint, opening + t * dopening, x + t * dx, y + t * dy
+    return r, LIMIT
+
+
+def _times(x: Array, y: Array) -> Array:
+    """The Jordan product of second-order cones in the last axis, of numbers where it has one entry."""
+    x, y = np.broadcast_arrays(x, y)
+    return np.concatenate([(x * y).sum(-1, keepdims=True), x[..., :1] * y[..., 1:] + y[..., :1] * x[..., 1:]], axis=-1)
+
+
+def _divided(z: Array, y: Array) -> Array:
+    """x with x o y = z."""
+    first = y[..., :1] * z[..., :1] - (y[..., 1:] * z[..., 1:]).sum(-1, keepdims=True)
+    first = first / (y[..., :1] ** 2 - (y[..., 1:] ** 2).sum(-1, keepdims=True))
+    return np.concatenate([first, (z[..., 1:] - y[..., 1:] * first) / y[..., :1]], axis=-1)
+
+
+def _shrinkage(x: Array, dx: Array) -> float:
+    """1/t for the t by which x + t dx comes .995 of the way to the boundary of the cones."""
+    size = np.sqrt(x[..., :1] ** 2 - (x[..., 1:] ** 2).sum(-1, keepdims=True))
+    along = (x[..., :1] * dx[..., :1] - (x[..., 1:] * dx[..., 1:]).sum(-1, keepdims=True)) / size
+    rest = dx[..., 1:] - (along + dx[..., :1]) / (x[..., :1] + size) * x[..., 1:]
+    return float(((np.linalg.norm(rest, axis=-1, keepdims=True) - along) / size).max() / 0.995)
 
 
 def summary(found: Tables) -> Summary:
@@ -155,12 +210,16 @@ def summary(found: Tables) -> Summary:
     coarse, fine = bends.index.min(), bends.index.max()
     enough = bends.index[bends["max"] < cone["from_parabola"]]
     require(slope.value < -0.5, "more facets approach the cone")
-    clocks = found["interior"][found["interior"]["solved"]].pivot_table(index="number", columns="facets", values="seconds")
-    inner = clocks.drop(columns=0).div(clocks[0], axis=0).median()
+    interior = found["interior"]
+    require(interior["solved"].all(), "the interior point method solves all problems")
+    require((interior[interior["facets"] == 0]["residual"] < 1e-5).all(), "with the cone it solves Coulomb's law")
+    own = interior.pivot_table(index="number", columns="facets", values=["iterations", "seconds"])
+    counts, clocks = (own[name].drop(columns=0).div(own[name][0], axis=0) for name in ("iterations", "seconds"))
+    inner, rounds = clocks.median(), counts.median()
     numbers = {
         "coarse": coarse,
         "coarse_bend": f"{100 * bends['mean'].iloc[0]:.1f}",
-        "length": f"{np.hypot(cone['x'][-1], cone['y'][-1]):.2f}",
+        "length": f"{cone['length']:.2f}",
         "fine": fine,
         "fine_bend": f"{1000 * bends['mean'].iloc[-1]:.2f}",
         "slope": slope,
@@ -170,6 +229,7 @@ def summary(found: Tables) -> Summary:
         "enough": len(enough),
         "enough_from": enough.min(),
         "problems": problems["number"].nunique(),
+        "sizes": f"{problems['contacts'].min()} to {problems['contacts'].max()}",
         "first_error": f"{erring.iloc[0]:.2g}",
         "first_facets": erring.index[0],
         "last_error": f"{erring.iloc[-1]:.2g}",
@@ -178,28 +238,21 @@ def summary(found: Tables) -> Summary:
         "inner": ", ".join(f"{ratio:.2g} with {count}" for count, ratio in inner.items()),
         "inner_least": f"{inner.min():.2g}",
         "inner_most": f"{inner.max():.2g}",
+        "rounds": ", ".join(f"{ratio:.2g} with {count}" for count, ratio in rounds.items()),
+        "cone_rounds": f"{own['iterations'][0].min():.0f} to {own['iterations'][0].max():.0f}",
+        "inner_pairs": clocks.size,
+        "inner_dearer": int((clocks > 1).to_numpy().sum()),
         "two": len(two),
         "two_scenes": ", ".join(sorted({*two["scene"]})),
     }
     figures = {
-        "ball": (
-            Panel("across the parabola, mm", partial(_paths, ball=ball)),
-            Panel("distance of the paths", partial(_distances, bends=bends)),
-        ),
+        "ball": (Panel("distance of the paths", partial(_distances, bends=bends)),),
         "problems": (
             Panel("error", partial(_errors, problems=problems)),
             Panel("time over that with the cone", partial(_ratios, clocks=clocks)),
         ),
     }
     return Summary(numbers, figures)
-
-
-def _paths(ax: Axes, ball: pd.DataFrame) -> None:
-    shown = ball[(ball["angle"] == 0) & ball["facets"].isin([0, 4, 6, 8, 16])]
-    for k, row in enumerate(shown.to_dict("records")):
-        label = f"{row['facets']} facets" if row["facets"] else "cone"
-        curve(ax, k, row["x"], 1000 * np.array(row["aside"]), label, marker="")
-    finish(ax, "x, m", "mm")
 
 
 def _distances(ax: Axes, bends: pd.DataFrame) -> None:
@@ -218,8 +271,8 @@ def _errors(ax: Axes, problems: pd.DataFrame) -> None:
 
 
 def _ratios(ax: Axes, clocks: pd.DataFrame) -> None:
-    ratio = clocks.drop(columns=0).div(clocks[0], axis=0)
-    curve(ax, 1, ratio.columns, ratio.median(), "interior point, median")
+    for k, (_, ratios) in enumerate(clocks.iterrows()):
+        curve(ax, k, ratios.index, ratios)
     ax.axhline(1, color=INK, lw=0.6, ls=":")
     finish(ax, "facets", "time ratio", "xy")
 

@@ -8,16 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import (
-    Census,
-    FrictionProblem,
-    Shape,
-    census,
-    first_problem,
-    is_p0,
-    recorded_steps,
-    simulation,
-)
+from frictionbench.problems import Census, FrictionProblem, Shape, census, first_problem, is_p0, recorded_steps, simulation
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM, INK
 from studies.motions import coulomb, thrown

@@ -83,9 +83,7 @@ def summary(found: Tables) -> Summary:
         "ends": ends,
         "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in found["free"].groupby("form")),
     }
-    figures = {
-        "drift": (Panel("drift", partial(_drift, hinges=hinges)), Panel("error", partial(_error, drifts=drifts))),
-    }
+    figures = {"drift": (Panel("drift", partial(_drift, hinges=hinges)), Panel("error", partial(_error, drifts=drifts)))}
     return Summary(numbers, figures)
 
 

@@ -58,13 +58,7 @@ def accumulated(stage: Any, solver: str, steps: int) -> Row:
             largest = max(largest, float(one.impulse[:, 0].max(initial=0.0)))
             net = net + one.problem.jacobian.T @ one.impulse.ravel()
     changes = [float(np.linalg.norm(mass * (after.v - before.v))) for before, after in pairwise(states)]
-    return {
-        "normal": normal,
-        "largest": largest,
-        "net": net,
-        "velocity": states[-1].v,
-        "variation": sum(changes),
-    }
+    return {"normal": normal, "largest": largest, "net": net, "velocity": states[-1].v, "variation": sum(changes)}
 
 
 def summary(found: Tables) -> Summary:

@@ -65,9 +65,6 @@ def ensembles(
                 "scheme": scheme,  # time-stepping scheme
                 "solver": solver,  # of the steps, to 1e-10
                 "size": size,  # of the change of the first velocities, m/s and rad/s
-                "members": members,  # number of neighbours
-                # of these with a solution in every step, as the undisturbed motion
-                "ended": sum(end is not None for end in last),
                 # at the end of the undisturbed motion, null where a step has no solution; m/s and rad/s
                 "velocity": middle[-1] if whole else None,
                 # largest distance of a neighbour's velocities on the way, m/s and rad/s
@@ -152,9 +149,7 @@ def summary(found: Tables) -> Summary:
         "without": without,
         "without_names": "; ".join(without),
     }
-    figures = {
-        "edges": (Panel("order of two hits", partial(_landings, landings=landings)),),
-    }
+    figures = {"edges": (Panel("order of two hits", partial(_landings, landings=landings)),)}
     return Summary(numbers, figures)
 
 

@@ -84,18 +84,13 @@ def found(problem: FrictionProblem, starts: int) -> Iterator[tuple[str, str, Arr
             yield method, str(seed) if seed else "zero", answer.impulse if answer.status is fb.Status.SOLVED else None
 
 
-def refined_answers(problem: FrictionProblem, starts: int) -> list[Array]:
-    """Those of found that can be refined to rounding."""
-    refinements = [refined(problem, answer) for _, _, answer in found(problem, starts) if answer is not None]
-    return [r for r in refinements if r is not None]
-
-
 def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADDER) -> Iterator[Row]:
     """Residual and velocity error of answers at a ladder of tolerances, v* shared by two refined methods."""
     for name, settings in scenes:
         for friction in frictions:
             problem = problem_of(name, settings | {"friction": friction})
-            finest = refined_answers(problem, 0)
+            refinements = [refined(problem, answer) for _, _, answer in found(problem, 0) if answer is not None]
+            finest = [r for r in refinements if r is not None]
             if len(finest) < 2 or any((velocity_distance(problem, r, finest[0]) or 0.0) > 1e-9 for r in finest[1:]):
                 continue
             for method in METHODS[problem.dimension]:
@@ -105,7 +100,6 @@ def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADD
                         "scene": name,
                         "friction": friction,
                         "dimension": problem.dimension,
-                        "contacts": problem.contacts,
                         "method": method,
                         "tol": tol,
                         "residual": fb.residual(problem, answer.impulse),
@@ -135,7 +129,6 @@ def summary(tables: Tables) -> Summary:
     line = order(measured["residual"][~other], measured["error"][~other])
     numbers = {
         "problems": len(problems),
-        "unknown": len(rows.groupby(PROBLEM)) - len(problems),
         "several": len(several),
         "planar": share((several["dimension"] == 2).sum(), (problems["dimension"] == 2).sum()),
         "spatial": share((several["dimension"] == 3).sum(), (problems["dimension"] == 3).sum()),

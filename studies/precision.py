@@ -84,15 +84,8 @@ def _curves(ax: Axes, table: pd.DataFrame) -> None:
     for k, precision in enumerate(PRECISIONS):
         own = table[table["precision"] == precision].groupby("limit")
         for level, ls in ((0.5, "-"), (0.9, ":")):
-            low = own["residual"].quantile(level).clip(lower=1e-16)
-            curve(
-                ax,
-                k,
-                1e3 * own["seconds"].median(),
-                low,
-                f"{precision}, {'median' if level == 0.5 else '9 of 10 below'}",
-                ls=ls,
-            )
+            low, time = own["residual"].quantile(level).clip(lower=1e-16), 1e3 * own["seconds"].median()
+            curve(ax, k, time, low, f"{precision}, {'median' if level == 0.5 else '9 of 10 below'}", ls=ls)
     finish(ax, "ms", "residual", "xy")
 
 

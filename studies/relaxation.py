@@ -93,7 +93,7 @@ def summary(found: Tables) -> Summary:
     numbers = {
         "sudden": f"{100 * by_push[SUDDEN]:.0f}",
         "smooth_error": f"{100 * by_push[SMOOTH]:.2g}",
-        **{f"piles_{push}": _by_pile(by_pile[push]) for push in PUSHES},
+        **{f"piles_{push}": ", ".join(f"{name} {error:.2g}" for name, error in by_pile[push].items()) for push in PUSHES},
         "smooth_finest": f"{by_step[SMOOTH].iloc[0]:.1g}",
         "smooth_coarsest": f"{by_step[SMOOTH].iloc[-1]:.1g}",
         "arrived": arrived["anitescu_hart"],
@@ -119,10 +119,6 @@ def summary(found: Tables) -> Summary:
         "artefacts": (Panel("two artefacts", partial(_gaps, gaps=gaps)),),
     }
     return Summary(numbers, figures)
-
-
-def _by_pile(errors: pd.Series) -> str:
-    return ", ".join(f"{name} {error:.2g}" for name, error in errors.items())
 
 
 def _errors(ax: Axes, errors: pd.DataFrame) -> None:

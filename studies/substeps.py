@@ -38,18 +38,17 @@ def errors(
     """Motions by nsgs with so many sweeps in each substep, started from the substep before, and by an exact solver."""
     parts = tuple(substeps)
     for name in scenes:
-        known, _ = motion(begin(name, max(parts) * FINER), coulomb)
+        known = motion(begin(name, max(parts) * FINER), coulomb)
         for part, budget in product(parts, (0, *budgets)):
             if budget and budget < part:
                 continue
             stage = begin(name, part)
-            path, overlap = motion(stage, Sweeps(budget // part) if budget else coulomb)
+            path = motion(stage, Sweeps(budget // part) if budget else coulomb)
             yield {
                 "scene": name,
                 "substeps": part,  # in 10 ms
                 "budget": budget,  # sweeps in 10 ms; 0 for the exact solver
                 "error": float(np.linalg.norm(path - known, axis=1).max()),  # of a body's centre at the end, m
-                "overlap": overlap,  # the deepest on the way, m
             }
 
 
@@ -59,12 +58,10 @@ def begin(name: str, parts: int) -> Scene:
     return replace(fb.scene(scene, **settings, step=STEP / parts), duration=DURATION)
 
 
-def motion(stage: Scene, answer: Any) -> tuple[Array, float]:
-    """The bodies' centres at the end, and the deepest overlap on the way, m."""
-    overlap = 0.0
-    for now in simulation(stage, answer, SCHEMES[GAPS]):
-        overlap = max(overlap, stage.deepest_overlap(now.q))
-    return stage.geometry.centres(now.q), overlap
+def motion(stage: Scene, answer: Any) -> Array:
+    """The bodies' centres at the end, m."""
+    *_, last = simulation(stage, answer, SCHEMES[GAPS])
+    return stage.geometry.centres(last.q)
 
 
 class Sweeps:

@@ -73,8 +73,8 @@ def summary(found: Tables) -> Summary:
     middle = (motions[WARM] / motions[COLD]).groupby("variant").median()
     ends = middle.idxmin(), middle.idxmax()
     told = [
-        f"{name} ({COUNTS[name]}) {_words(ratios[name][WARM])}, {middle[name]:.2f} in the median motion, "
-        f"from another step {ratios[name][SHUFFLED][0]:.2f}"
+        f"{name} ({COUNTS[name]}) {'{:.2f} ({:.2f} to {:.2f})'.format(*ratios[name][WARM])}, "
+        f"{middle[name]:.2f} in the median motion, from another step {ratios[name][SHUFFLED][0]:.2f}"
         for name in names
     ]
     numbers = {
@@ -114,16 +114,8 @@ def _ratio(own: pd.DataFrame, start: str, methods: int, draws: int = 2000) -> tu
     return float(above.sum() / below.sum()), float(low), float(high)
 
 
-def _words(ratio: tuple[float, float, float]) -> str:
-    return f"{ratio[0]:.2f} ({ratio[1]:.2f} to {ratio[2]:.2f})"
-
-
 def _draw(
-    ax: Axes,
-    motions: pd.DataFrame,
-    start: str,
-    names: list[str],
-    ratios: dict[str, dict[str, tuple[float, float, float]]],
+    ax: Axes, motions: pd.DataFrame, start: str, names: list[str], ratios: dict[str, dict[str, tuple[float, float, float]]]
 ) -> None:
     ax.axvline(1, color=INK, lw=0.6, ls=":")
     for k, name in enumerate(names):
