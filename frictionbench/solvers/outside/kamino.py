@@ -10,11 +10,11 @@ Form: the dimensionless Delassus matrix, dense, with three rows a contact, (t1, 
     impulses. What Warp compiles for a size, some ten seconds, is not timed.
 Clock: none.
 Charged: both are made for many worlds at once on a graphics card. On the processor each iteration launches some five kernels of
-    Warp from Python, a third of a millisecond whatever the size, which is nearly all of the time of small problems.
-Settings: PADMM's initial penalty rho_0 is 1; tuned is 0.1, with half the iterations, `frictionbench solve
-    'stack[blocks=5,push=1]' --tol 1e-4 --solver 'kamino[method=padmm]' --solver 'kamino[method=padmm,settings=tuned]'`. APGD
-    corrects the shift once by default, which solves a relaxation; here it may 200 times. PADMM's limit of 200 iterations is
-    raised to 2000.
+    Warp from Python, an eighth of a millisecond and more whatever the size, which is nearly all of the time of small problems.
+Settings: PADMM's initial penalty rho_0 is 1; tuned is 0.1, with fewer iterations on stacks and more on random bodies,
+    `frictionbench solve 'stack[blocks=5,push=1]' --tol 1e-4 --solver 'kamino[method=padmm]' --solver
+    'kamino[method=padmm,settings=tuned]'`. APGD corrects the shift once by default, which solves a relaxation; here it may 200
+    times. PADMM's limit of 200 iterations is raised to 2000.
 Tolerance: of PADMM's three residuals and of APGD's natural map eps/10, eps as in solvers.outside.scaled_delassus, but at least
     1e-7, about a unit of rounding; where eps is less than that, it does not claim more than rounding allows.
 Flaws: at 1e-6 its residuals, in single precision, are met where the verified one is up to five times the tolerance, or never,
