@@ -115,7 +115,9 @@ class ManyJoints:
         within = place[coupling.indices].astype(np.int32)
         self.coupling = Rows(coupling.indptr, within, coupling.data * unit[coupling.indices])  # J M^-1 F' (nc*d, nj)
         below = place[row] - place[near]  # the diagonal
-        half = max(_half_bandwidth(self.coupling), int(below.max(initial=0)))
+        filled = coupling.indptr[:-1][np.diff(coupling.indptr) > 0]
+        width = np.maximum.reduceat(within, filled) - np.minimum.reduceat(within, filled)  # of the rows of the coupling
+        half = int(max(width.max(initial=0), below.max(initial=0)))
         own = below >= 0
         self.factor = np.zeros((nj, half + 1))
         self.factor[place[row[own]], half - below[own]] = (unit[row] * block[:, 0, 0] * unit[near])[own]
@@ -206,10 +208,3 @@ def _reordered(rows: Rows, unit: Array, order: Index32) -> Rows:
     start = np.append(0, count[order].cumsum()).astype(np.int32)
     entry = np.repeat(rows.start[order] - start[:-1], count[order]) + np.arange(start[-1])
     return Rows(start, rows.column[entry], (rows.value * np.repeat(unit, count))[entry])
-
-
-def _half_bandwidth(rows: Rows) -> int:
-    """The largest difference between two columns of one row."""
-    filled = rows.start[:-1][np.diff(rows.start) > 0]
-    ends = [extreme.reduceat(rows.column, filled) for extreme in (np.maximum, np.minimum) if len(filled)]
-    return int(np.subtract(*ends).max()) if ends else 0

@@ -19,8 +19,9 @@ Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy
     `frictionbench solve 'stack[blocks=5,push=1]' --solver 'siconos[method=friction_3d_nsgs]' --solver
     'siconos[method=friction_3d_nsgs,settings=tuned]'`; for friction_3d_prox a weight sigma of the proximal term of 0.5 instead
     of 5, with half the iterations, `frictionbench solve 'sphere_pyramid[levels=3,noise=0.3]' --solver
-    'siconos[method=friction_3d_prox]' --solver 'siconos[method=friction_3d_prox,settings=tuned]'`. lcp_pivot follows Lemke's
-    rule by default; lcp_pivot_least_index is the same driver with LEAST_INDEX, `frictionbench solve
+    'siconos[method=friction_3d_prox]' --solver 'siconos[method=friction_3d_prox,settings=tuned]'`. newton is tuned with the
+    local solver ONECONTACT_NSN, which aborts where a contact has no friction; the default one is taken there. lcp_pivot follows
+    Lemke's rule by default; lcp_pivot_least_index is the same driver with LEAST_INDEX, `frictionbench solve
     'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=lcp_pivot]' --solver
     'siconos[method=lcp_pivot_least_index]'`.
 Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus
@@ -31,7 +32,8 @@ Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q
 Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
     'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and the fixed
     points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit. lcp_lemke and lcp_pivot do
-    not resolve exact ties, as the corners of a polygon on the axes make them.
+    not resolve exact ties, as the corners of a polygon on the axes make them. ONECONTACT_NSN fails where the default does not,
+    `frictionbench solve painleve_rod --solver 'siconos[method=friction_3d_nsgs,settings=newton]'`.
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
 """
 
@@ -60,15 +62,14 @@ _DENSE = {
     **{"friction_3d_nsn_ac": 16, "friction_3d_nsn_fb": 16},
 }
 _FULL = ("friction_3d_admm", "friction_3d_prox")  # dense also where most pairs of contacts share a body
-_SCRIPT = "siconos_numerics.py"
 _BALANCED = {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2}  # SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING
+_RELAXED = {"SICONOS_FRICTION_3D_NSGS_RELAXATION": 1}, {"SICONOS_FRICTION_3D_NSGS_RELAXATION_VALUE": 1.3}
 _TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
-    "friction_3d_nsgs": ({"SICONOS_FRICTION_3D_NSGS_RELAXATION": 1}, {"SICONOS_FRICTION_3D_NSGS_RELAXATION_VALUE": 1.3}),
-    "friction_3d_prox": ({}, {"SICONOS_FRICTION_3D_PROXIMAL_DPARAM_SIGMA": 0.5}),
-    "friction_3d_admm": (_BALANCED, {}),
-    "global_friction_3d_admm": (_BALANCED, {}),
+    **{f"friction_3d_nsgs,settings={settings}": _RELAXED for settings in ("tuned", "newton")},
+    "friction_3d_prox,settings=tuned": ({}, {"SICONOS_FRICTION_3D_PROXIMAL_DPARAM_SIGMA": 0.5}),
+    "friction_3d_admm,settings=tuned": (_BALANCED, {}),
+    "global_friction_3d_admm,settings=tuned": (_BALANCED, {}),
 }
-_LEAST_INDEX = {"SICONOS_LCP_IPARAM_PIVOTING_METHOD_TYPE": 2}  # SICONOS_LCP_PIVOT_LEAST_INDEX
 
 
 # The kind of the problem, the scaling that converts its answer, and the problem in the message to the child.
@@ -84,12 +85,12 @@ Prepared = tuple[str, DenseLCP | ScaledDelassus, dict[str, Any]]
     needs=(f"siconos.numerics@{PYTHON}",),
     lacks=("friction_bias",),
     remote=True,
-    variants=(*(f"method={method}" for method in _METHODS), *(f"method={method},settings=tuned" for method in _TUNED)),
+    variants=tuple(f"method={method}" for method in (*_METHODS, *_TUNED)),
 )
 class Siconos:
     """Siconos' solvers of LCPs and friction problems, in a child process. (outside)
 
-    method: the name of Siconos' constant without SICONOS_, in small letters. settings: default or tuned. Work: iterations.
+    method: Siconos' constant without SICONOS_, in small letters. settings: default, tuned or newton. Work: iterations.
     """
 
     method: str = "friction_3d_prox"
@@ -127,19 +128,20 @@ class Siconos:
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         kind, given, message = prepared
-        integers, reals = _TUNED[self.method] if self.settings == "tuned" else ({}, {})
+        integers, reals = _TUNED.get(f"{self.method},settings={self.settings}", ({}, {}))
         size = float(np.linalg.norm(given.q)) or 1.0
         asked = {
             "kind": kind,
             "solver": self.method.removesuffix("_least_index"),
-            "integers": _LEAST_INDEX if self.method == "lcp_pivot_least_index" else integers,
+            "integers": {"SICONOS_LCP_IPARAM_PIVOTING_METHOD_TYPE": 2} if self.method.endswith("_least_index") else integers,
             "reals": reals,
+            "local": "FRICTION_3D_ONECONTACT_NSN" if self.settings == "newton" and (message["mu"] > 0).all() else "",
             "eps": tol * given.share / 2,
             "size": size * (2 * np.sqrt(len(message["mu"])) if kind == "friction_2d" else 1.0),
             "limit": limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000),
             "start": np.zeros(len(given.q)) if start is None or isinstance(given, DenseLCP) else given.guess(start),
         }
-        found = child(_SCRIPT, PYTHON).ask(**asked, **message)
+        found = child("siconos_numerics.py", PYTHON).ask(**asked, **message)
         status, detail = (Status.FAILED if found["code"] else Status.SOLVED), f"Siconos' code {found['code']}"
         scaled = given.scaled if isinstance(given, DenseLCP) else given
         return scaled.answer(found["r"], status, detail, found["clock"], iterations=found["iterations"])

@@ -24,6 +24,7 @@ def answer(
     solver: str,
     integers: dict[str, int],
     reals: dict[str, float],
+    local: str,
     eps: float,
     size: float,
     limit: int,
@@ -58,6 +59,8 @@ def answer(
             options.iparam[getattr(sn, name)] = whole
         for name, real in reals.items():
             options.dparam[getattr(sn, name)] = real
+        if local:
+            sn.solver_options_update_internal(options, 0, getattr(sn, f"SICONOS_{local}"))
         driver, arguments = call(kind, problem, given, dense, r)
         code = driver(*arguments, options)
         seconds += perf_counter() - begun
