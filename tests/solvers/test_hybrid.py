@@ -10,9 +10,11 @@ from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.packed import pack
+from frictionbench.problems.residual import residual_floor
 from frictionbench.solvers import clock
 from frictionbench.solvers.hybrid import few_pivots, few_pivots_each
 from frictionbench.solvers.interface import Answer, Status, find, solve
+from frictionbench.solvers.many import solve_many
 from tests.helpers.friction_problems import known_by_W
 
 FIRST_BY_PIVOTS = {
@@ -44,7 +46,18 @@ def test_a_claim_within_the_floor_of_rounding_is_an_answer() -> None:
     """A block of 1e10 times the mass of the one below it: rounding hides any residual below 1e-6."""
     answer = solve(scene("stack", blocks=4, mass_ratio=1e10, push=1.0).problem(), "hybrid")
     assert answer.status is Status.ROUNDING
-    assert answer.work["members"] == 2  # a second one, which might find smaller impulses, and no more
+    assert answer.work["members"] == 3
+
+
+def test_smaller_impulses_are_looked_for_where_rounding_hides_the_residual() -> None:
+    """A finger of a gripper that slides along the floor: of its normal only rounding acts, and 1e14 N s would hold it."""
+    finger = FrictionProblem(
+        dimension=3, mass=np.diag([0.4, 1.2]), normal=[[0, 3e-16], [1, 1]], tangent=[[0, 0], [0, 1], [0, 0], [0, 0]],
+        friction=[1, 1], free_velocity=[-0.06, -1], bias=[0, 0],
+    )  # fmt: skip
+    for answer in (solve(finger, "hybrid"), solve_many([finger], "hybrid")):
+        assert residual_floor(finger, answer.impulse.reshape(-1, 3)) < 1e-12
+        assert np.all(answer.status == Status.SOLVED)
 
 
 def test_newtons_method_is_first_where_contacts_in_space_are_few() -> None:
