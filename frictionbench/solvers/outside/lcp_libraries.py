@@ -152,7 +152,6 @@ class QuantEcon:
     Licence: MIT.
     Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
     Clock: none.
-    Charged: at 100 contacts 1.4 times a call by hand, where the scaled LCP takes more pivots.
     Settings: tol_ratio_diff, within which two ratios are a tie, is 1e-13 by default; tuned is 1e-10, `frictionbench solve
         'stack[blocks=50,friction=0.05,push=1]' --solver 'quantecon' --solver 'quantecon[settings=tuned]'`. A random covering
         vector takes 0.8 times as long on 34 problems and claims more wrong answers.
