@@ -61,7 +61,7 @@ def solve_one(
         record = facts["record"]
         rank_by = rank_by or (RankBy.BODIES if facts["mechanical"] else RankBy.FORM)
         if not as_json:
-            print(f"{problem}: {facts['summary']}", flush=True)
+            print(printable(f"{problem}: {facts['summary']}"), flush=True)
         if facts["contradiction"] and not as_json:
             print("\n".join(paragraph(facts["contradiction"], screen(), "")), flush=True)
         cells = sorted(plan.solve_cells([record]), key=lambda cell: [cell.variant != name for name in FIRST])

@@ -22,6 +22,7 @@ from typing import Any
 from frictionbench.harness.plans.plan import Plan, Plugin
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results import store
+from frictionbench.results.files import cleaned
 from frictionbench.solvers import executable, plugins
 
 SYSTEM = tuple(map(Path, ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/bin", "/bin", "/etc", "/proc", "/sys", "/dev")))
@@ -143,9 +144,10 @@ def _named(path: Path) -> str:
     return next((str(path.relative_to(home)) for home in homes if path.is_relative_to(home)), path.name)
 
 
-def differing(recorded: dict[str, str]) -> list[str]:
-    """The places in a manifest's `content` whose content is another now."""
-    return [place for place, digest in recorded.items() if hashed(place) != digest]
+def differing(plan: Plan, recorded: dict[str, str]) -> list[str]:
+    """The places in the manifest's `content` of a plan's run whose content is another now."""
+    now = cleaned(begun(plan)["content"])  # as they stand in the manifest
+    return [place for place, digest in recorded.items() if (now.get(place) or hashed(place)) != digest]
 
 
 class Record:

@@ -111,7 +111,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
     if (folder / "manifest.json").exists():
         stored = store.read_manifest(folder)
         if different := _differences(stored, manifest) or [
-            f"{place}: has another content" for place in dependencies.differing(stored.get("content", {}))
+            f"{place}: has another content" for place in dependencies.differing(plan, stored.get("content", {}))
         ]:
             listed = "\n  ".join(different[:12])
             raise ResultsError(f"{folder} holds another run; choose another --out. Differences:\n  {listed}")

@@ -183,8 +183,9 @@ def test_page_is_complete_and_self_contained(tmp_path):
         ([unanswered_row("a", "p", "skipped", size=None, contacts=None, dimension=None, condition=None)], []),
         ([solve_row("a", "p", residual=float("inf"), verdict="unsolved")], []),
         ([solve_row("a", "p")], [simulation_row("a", energies=[1.0, float("inf"), float("nan")])]),
+        ([solve_row("a", "p")], [simulation_row("a", times=[float("nan")] * 3)]),
     ],
-    ids=["nothing", "simulations alone", "trivial", "skipped", "no residual", "one solver"],
+    ids=["nothing", "simulations alone", "trivial", "skipped", "no residual", "one solver", "no finite time"],
 )
 def test_partial_run_page(tmp_path, solves, simulations):
     write_folder(tmp_path, solves, simulations)

@@ -134,6 +134,8 @@ def test_archives_that_unpack_to_much(tmp_path, monkeypatch) -> None:
     for method in (zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2):
         with pytest.raises(InputError, match="is compressed by another method than deflate"):
             read(npz(tmp_path / "a.npz", {"W": header(described("(3,)")) + bytes(24)}, method))
+    with pytest.raises(InputError, match=r"holds G{80}; expected"):
+        read(npz(tmp_path / "a.npz", {"G" * 1000: header(described("(3,)")) + bytes(24)}))
     with pytest.raises(InputError, match="names: hold control characters"):
         read(npz(tmp_path / "a.npz", {"W\x1b[31m\n": b""}))
 

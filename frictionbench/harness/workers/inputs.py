@@ -7,6 +7,7 @@ import json
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from frictionbench.harness.cells.worker import IMPORT_SECONDS, describe_plugin, run_scene
@@ -15,7 +16,7 @@ from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import split
 from frictionbench.results.conventions import scene_title
-from frictionbench.results.files import ResultsError, parsed
+from frictionbench.results.files import ResultsError, cleaned, parsed
 from frictionbench.solvers import find, plugins
 
 COLUMNS = {"solver", "family", "model", "members", "version"}  # that describe a solver, see harness.cells.rows.solver_facts
@@ -61,9 +62,9 @@ def _described(source: str, value: Any) -> Plugin:
     except ResultsError:
         found = None
     described = found is not None and all(facts.keys() == COLUMNS for facts in found.solvers.values())
-    if not found or not described or (found.source, found.content) != (source, plugins.content(source)):
+    if not found or not described or (found.source, found.content) != (cleaned(source), plugins.content(source)):
         raise InputError(f"solver: {source} cannot be imported (its worker returned a malformed description)")
-    return found
+    return replace(found, source=source)
 
 
 BUILD_SECONDS = 60.0  # seconds to build a scene and its first problem: the largest of the suites takes one

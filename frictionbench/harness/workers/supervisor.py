@@ -1,7 +1,4 @@
-"""Supervisors: processes that run only this package's code, each with one worker, which also runs solvers.
-
-    main  ─  server  ─┬─  supervisor  ─  worker  ─  whatever its solver starts
-                      └─  supervisor  ─  worker
+"""Supervisors: processes that run only this package's code, each with one worker, which also runs solvers (see SECURITY.md).
 
 The server imports what workers need once, and forks a supervisor for every socket that the main process sends it. A supervisor
 forks its worker, sends it tasks, and kills it at its deadline. It is the subreaper of all processes that its worker starts, and

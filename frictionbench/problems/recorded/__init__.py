@@ -44,7 +44,7 @@ def _archive(path: Path) -> FrictionProblem | LCP:
     reader = plain.kind(arrays)
     try:
         if reader is None:
-            names = ", ".join(list(arrays)[:8])
+            names = ", ".join(list(arrays)[:8])[:80]
             raise InputError(f"holds {names}; expected M, N, T, mu, v, or W, q, mu, d, or an LCP's M, q")
         return reader(arrays)
     except InputError as error:

@@ -37,8 +37,9 @@ def _draw(ax: Axes, simulations: pd.DataFrame, looks: dict[str, Look]) -> None:
         keep = np.unique(np.linspace(0, count - 1, min(count, POINTS)).astype(int))
         scale = row.energy_scale if row.energy_scale > 0 else 1.0
         change = 100 * (row.energies[keep] - row.energies[0]) / scale
-        look = looks[row.label]
-        ax.plot(row.times[keep], change, **look.line, markevery=(0.1, 0.3), ms=3.5, alpha=0.9)
+        keep, change = (part[np.isfinite(row.times[keep]) & np.isfinite(change)] for part in (keep, change))
+        if len(keep):  # markers have no place on a curve without points
+            ax.plot(row.times[keep], change, **looks[row.label].line, markevery=(0.1, 0.3), ms=3.5, alpha=0.9)
         highest = max(highest, float(np.nanmax(change, initial=0.0)))
     ax.axhline(0, color=INK, lw=0.6)
     if highest > 1e-4:
