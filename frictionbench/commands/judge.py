@@ -38,7 +38,7 @@ def told(folder: Path) -> str:
     body: list[tuple[str, ...]] = [("the engine", "", *engine, "", "", "")]
     for other in found.beside:
         residuals, times = _shown(other["residual"], (0, 3), digits), _shown(other["time"], (0, 2, 3), seconds)
-        body.append((other["variant"], f"{other['solved']}/{other['problems']}", *residuals, *times))
+        body.append((other["variant"], f"{other['solved']}/{other['steps']}", *residuals, *times))
     return "\n".join([*lines, "", *columns(header, body, screen(), ("time p99", "residual p50"))])
 
 

@@ -86,7 +86,7 @@ def _violations(ax: Axes, found: list[Judgement]) -> None:
         if values.any():
             ax.plot(at, np.clip(values, LEAST, None), color=colour, marker=".", label=law)
     log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(2, -13, -2)})
-    ax.set_ylim(LEAST / 3, None)
+    ax.set_ylim(LEAST / 3, 1e4)  # above what occurs, for the legend
     _steps(ax, "m/s")
 
 
@@ -95,7 +95,7 @@ def _steps(ax: Axes, measured: str) -> None:
     ax.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     name_axes(ax, "step with contacts", measured, grid="y")
     if ax.get_legend_handles_labels()[0]:
-        ax.legend()
+        ax.legend(ncols=2)
 
 
 def _forces(ax: Axes, one: Judgement) -> None:

@@ -181,9 +181,9 @@ class Judged:
         return told.strip()
 
     def worst(self, most: int) -> list[Judgement]:
-        """The steps with the largest residuals that are not neighbours in time, the largest first."""
+        """The steps with the largest residuals that are apart in time, as far as leaves so many, the largest first."""
         order = {one.file: place for place, one in enumerate(self.steps)}
-        apart = len(self.steps) // (2 * most)
+        apart = (len(self.steps) // most + 1) // 2
         chosen: list[Judgement] = []
         for one in sorted(self.touching, key=lambda one: -one.residual):
             if len(chosen) < most and all(abs(order[one.file] - order[other.file]) >= apart for other in chosen):
@@ -192,17 +192,17 @@ class Judged:
 
     @property
     def beside(self) -> list[dict[str, Any]]:
-        """The solvers on the same steps, in the order of their rows: variant, problems solved of how many, and percentiles of
-        residual and of time, s."""
+        """The solvers on the steps with contacts: variant, steps solved of how many, percentiles of residual and of time, s."""
+        each = pd.DataFrame({"problem": [one.problem for one in self.touching]}).merge(self.rows)  # equal steps are one problem
         return [
             {
                 "variant": str(variant),
                 "solved": int((own["verdict"] == Verdict.SOLVED).sum()),
-                "problems": len(own),
+                "steps": len(own),
                 "residual": percentiles(filter(np.isfinite, own["residual"])),
                 "time": percentiles(filter(np.isfinite, own["time"])),
             }
-            for variant, own in self.rows.groupby("variant", sort=False)
+            for variant, own in each.groupby("variant", sort=False)
         ]
 
 

@@ -74,6 +74,14 @@ def test_solvers_beside_answer_the_same_problems(folder) -> None:
     assert (rows["verdict"] == "solved").all()
 
 
+def test_worst_steps_are_apart_and_equal_steps_count(folder) -> None:
+    one = next(one for one in read_judgements(folder) if one.file == "creeping.npz")
+    steps = [one._replace(file=f"{k}.npz", residual=1.0 / (1 + k)) for k in range(40)]
+    found = Judged(steps, read_table(folder, "solves").assign(time=1.0))
+    assert [worst.file for worst in found.worst(12)] == [f"{k}.npz" for k in range(0, 24, 2)]
+    assert [(each["variant"], each["solved"], each["steps"]) for each in found.beside] == [("hybrid", 40, 40), ("nsgs", 40, 40)]
+
+
 def test_summary_and_page(folder, monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.commands.judge.screen", lambda: 60)
     text = told(folder)

@@ -26,6 +26,17 @@ for (const part of document.querySelectorAll("td, th, h1, h2, h3, p, dt, dd, but
   if (text.width === 0) continue;
   if (text.right > box.right + 2 || text.left < box.left - 2) faults.push(`too wide: ${part.textContent.trim().slice(0, 60)}`);
 }
+for (const cell of document.querySelectorAll("td, th")) {
+  for (const texts = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT); texts.nextNode(); ) {
+    for (const { 0: word, index } of texts.currentNode.data.matchAll(/(?<!\S)\w[.\w]{0,11}(?:-\d{1,2})?(?![^\s,;:])/g)) {
+      const range = document.createRange();
+      range.setStart(texts.currentNode, index);
+      range.setEnd(texts.currentNode, index + word.length);
+      const lines = new Set([...range.getClientRects()].map((box) => Math.round(box.top)));
+      if (lines.size > 1) faults.push(`broken word: ${word} in ${cell.textContent.trim().slice(0, 60)}`);
+    }
+  }
+}
 const root = document.documentElement;
 for (const wide of document.querySelectorAll(".wide")) {
   if (root.clientWidth <= 400 && wide.scrollWidth > wide.clientWidth + 1) faults.push(`scrolls: ${wide.textContent.trim().slice(0, 60)}`);
