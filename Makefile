@@ -7,7 +7,8 @@
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
-# make studies install, run all studies and put their page and figures into docs/
+# make studies install, also the models of robots of other packages, run all studies and put their page and figures into docs/;
+#              13 minutes of the processor. What is missing of the packages that a study needs ends it before docs/ is touched
 # make docs    the documentation as a site, docs/_build/html; its links are checked, and that it loads nothing from elsewhere
 # make release  wheel and sdist into dist/, checked by twine and installed into an empty environment
 # make placeholders  list what the owner fills in before a release; exit 1 while there is something
@@ -96,6 +97,8 @@ peers: $(PEERS)/installed
 		-e '/^<!-- begin: python -m tools.direct/r $(PEERS_RUN)/direct.md' docs/peers.md
 
 studies: install
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[robots]'
+	$(BIN)/pip install --quiet --no-deps dm_control==1.0.50 gymnasium-robotics==1.4.2
 	$(BIN)/python -m studies all --out $(STUDIES)
 	mkdir -p docs/studies
 	cp $(STUDIES)/studies.md docs/

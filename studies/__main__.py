@@ -17,9 +17,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="tables computed at the same time")
     given = parser.parse_args(arguments)
     names = [name for name in NAMES if study(name).runs()] if "all" in given.names else given.names
+    lacking = {name: study(name).needs for name in NAMES if "all" in given.names and name not in names}
     try:
         compute(names, given.out, given.jobs)
         print(write_page(given.out))
+        for name, needs in lacking.items():
+            raise ResultsError(f"{name} is left out, which needs {', '.join(needs)}")
     except (InputError, ResultsError) as error:
         parser.error(str(error))
 

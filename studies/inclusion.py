@@ -16,7 +16,7 @@ from frictionbench.reports.drawing.figures import Panel
 from studies.motions import by
 from studies.study import Row, Study, Summary, Tables, curve, finish, listing, widest
 
-SMALL = 0.05  # a last change below this share of the quantity, and below the one before, counts as settling
+SMALL = 0.05  # a last change below this share of the quantity counts as settling
 APART = 0.01  # m/s, or a share of normal impulses: more is another answer
 ROUNDING = 1e-6  # m/s or N s: changes below it are rounding
 ROD = 0.9  # N s: the normal impulse that stops the rod in the limit, 3/4 m sin cos |v_t|

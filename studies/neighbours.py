@@ -124,7 +124,7 @@ def summary(found: Tables) -> Summary:
     silent = pairs[pairs["none"]]
     told = [f"{case} ({_pairs(own)})" for case, own in parted.groupby("case")]
     jam = rows[(rows["case"] == JAM) & ~rows["none"]].drop_duplicates(["scheme", "solver"])
-    between = widest(jam["velocity"])
+    between = jam.groupby("scheme")["velocity"].agg(widest).max()  # solvers in one scheme
     edge = rows[(rows["case"] == EDGE) & rows["parted"]]
     events = landings[landings["scheme"] == EVENTS].sort_values("spin")
     others = landings[landings["scheme"] != EVENTS]

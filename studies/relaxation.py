@@ -94,6 +94,7 @@ def summary(found: Tables) -> Summary:
         "sudden": f"{100 * by_push[SUDDEN]:.0f}",
         "smooth_error": f"{100 * by_push[SMOOTH]:.2g}",
         **{f"piles_{push}": ", ".join(f"{name} {error:.2g}" for name, error in by_pile[push].items()) for push in PUSHES},
+        **{f"{push}_worst": f"{100 * by_pile[push].max():.2g}" for push in PUSHES},
         "smooth_finest": f"{by_step[SMOOTH].iloc[0]:.1g}",
         "smooth_coarsest": f"{by_step[SMOOTH].iloc[-1]:.1g}",
         "arrived": arrived["anitescu_hart"],
