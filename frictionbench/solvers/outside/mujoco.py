@@ -4,23 +4,21 @@ The contacts of the former are soft: Newton and CG minimise the relaxation with 
 from hard contacts. Here R = max(tol, 1e-7) s at every contact, so that a ladder of tolerances is a sweep of R; with smaller R
 Newton diverges.
 
-They take no matrices. A template of MuJoCo's own has nv bodies of unit mass on slides and nc touching spheres, so that its mass
-matrix is the identity and its constraint rows are those of nc contacts; J, R, the reference and the friction are then
-overwritten. (A call of mj_projectConstraint afterwards would crash; with island discovery on, the answer would be wrong.)
+They take no matrices. A template of MuJoCo's own has nv slides with an armature of 1 and nc touching spheres; the mass matrix,
+J, R, the reference and the friction are then overwritten. J is sparse, faster than dense from some 16 velocities on and 10 µs
+slower with three; as many slides as a row has entries move all spheres, for MuJoCo makes room for no more. (A call of
+mj_projectConstraint afterwards would crash; with island discovery on, the answer would be wrong.)
 
 Its contact rows are J^ on velocities of unit mass: with M = L L', w = L'v / theta and r = theta E r^
 (solvers.outside.scaled_delassus),
 
     J^ = E J L^-T,      w* = L'v* / theta,      b^ = E b / theta,      W^ = J^ J^',      q^ = J^ w* + b^.
 
-L has entries only between the first of a row of M and its diagonal, so that the factorisation of a block diagonal mass matrix
-is one of its blocks.
-
 Licence: Apache-2.0.
 Form: dimensionless contact rows, three a contact, on velocities of unit mass. Setup: MuJoCo's
     template, once per size. Solve: the transfer of the rows into it, and mj_fwdConstraint.
 Clock: around mj_fwdConstraint.
-Charged: some 40 µs more than a call by hand, 1.9 times at 2 contacts: the dimensionless form.
+Charged: some 50 µs more than a call by hand at 2 contacts: the dimensionless form.
 Settings: island discovery and warm start off, as above; elliptic cones. The line search's defaults are ls_tolerance = 0.01 and
     ls_iterations = 50; tuned are 1e-8 and 100.
 Tolerance: R as above, and MuJoCo's tolerance 0: it iterates until it makes no progress, and its gradient decides the status.
@@ -48,7 +46,6 @@ _LEAST = 1e-7  # of R/s: below, MuJoCo's Newton diverges
 _SEARCH = {"default": (0.01, 50), "tuned": (1e-8, 100)}  # ls_tolerance and ls_iterations
 _DEFINITE = 1e-13  # on a diagonal of about 1: the least with which mju_boxQP factorises redundant contacts
 _CALLS = 20
-
 
 # The scaling; rows J^ (3 nc, nv), three a contact, normal first; w* (nv,) and b^ (3 nc,).
 Whitened = tuple[ScaledDelassus, Array, Array, Array]
@@ -78,18 +75,21 @@ class MuJoCo:
         motion = problem.free_velocity, problem.offset
         return given, *_whiten(*problem.contact_rows, *problem.mass_rows, *motion, given.E, given.theta)
 
-    def setup(self, form: Whitened) -> tuple[Whitened, Any, Any]:
-        given, _, v, _ = form
-        return form, *_template(len(v), len(given.friction))
+    def setup(self, form: Whitened) -> tuple[Whitened, Any, Any, Any]:
+        given, J, v, _ = form
+        filled = np.repeat(J.reshape(-1, 3, len(v)).any(axis=1), 3, axis=0)  # alike in a contact's rows
+        return form, filled, *_template(len(v), len(given.friction), max(1, int(filled.sum(axis=1).max())))
 
-    def solve(self, prepared: tuple[Whitened, Any, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
+    def solve(self, prepared: tuple[Whitened, Any, Any, Any], tol: float, limit: int | None, start: Any = None) -> Answer:
         mujoco: Any = import_module("mujoco")
-        (given, J, v, b), model, data = prepared
+        (given, J, v, b), filled, model, data = prepared
         R, mu = max(tol, _LEAST), np.maximum(given.friction, 1e-8)  # its elliptic cone needs friction
         model.opt.solver = getattr(mujoco.mjtSolver, f"mjSOL_{self.method.upper()}")
         model.opt.iterations = limit or _ITERATIONS[self.method]
         model.opt.ls_tolerance, model.opt.ls_iterations = _SEARCH[self.settings]
-        data.efc_J[:] = J.ravel()
+        counts, values = filled.sum(axis=1), J[filled]
+        data.efc_J_rownnz[:], data.efc_J_rowadr[:], data.efc_J_rowsuper[:] = counts, np.cumsum(counts) - counts, 0
+        data.efc_J_colind[: len(values)], data.efc_J[: len(values)] = filled.nonzero()[1], values
         data.efc_aref[:], data.efc_R[:], data.efc_D[:] = -b, R, 1 / R
         data.efc_margin[:] = data.efc_pos[:] = 0
         data.contact.mu[:], data.contact.friction[:, :2] = mu, mu[:, None]
@@ -106,22 +106,23 @@ class MuJoCo:
 
 
 @cache
-def _template(nv: int, nc: int) -> tuple[Any, Any]:
-    """MuJoCo's model and data for so many velocities and contacts."""
+def _template(nv: int, nc: int, moving: int) -> tuple[Any, Any]:
+    """MuJoCo's model and data for so many velocities, of which the last `moving` move the spheres, and contacts."""
     mujoco: Any = import_module("mujoco")
     spheres = "".join(f'<geom type="sphere" size=".1" pos="{j} 0 .0999" contype="1" conaffinity="0"/>' for j in range(nc))
-    inertia = '<joint type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
-    bodies = "".join(f"<body>{inertia}{'' if i else spheres}</body>" for i in range(nv))
+    body = '<body><joint type="slide" axis="0 0 1" armature="1"/><inertial pos="0 0 0" mass="1e-12" diaginertia="1 1 1"/>'
+    bodies = f"{body}</body>" * (nv - moving) + body * moving + spheres + "</body>" * moving
     model = mujoco.MjModel.from_xml_string(
-        '<mujoco><option gravity="0 0 0" cone="elliptic" impratio="1" jacobian="dense" tolerance="0">'
+        '<mujoco><option gravity="0 0 0" cone="elliptic" impratio="1" tolerance="0" jacobian="sparse">'
         '<flag warmstart="disable" island="disable"/></option>'
-        '<default><geom condim="3"/></default><worldbody>'
+        '<size memory="500M"/><default><geom condim="3" mass="0"/></default><worldbody>'
         f'<geom type="plane" size="9999 9999 .1" contype="0" conaffinity="1"/>{bodies}</worldbody></mujoco>'
     )
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    if data.nefc != 3 * nc:
-        raise RuntimeError(f"MuJoCo's template has {data.nefc} constraint rows for {nc} contacts")
+    data.M[:] = 0
+    data.M[model.M_rowadr + model.M_rownnz - 1] = 1
+    mujoco.mj_factorM(model, data)
     return model, data
 
 
@@ -146,9 +147,9 @@ class BoxQP:
         answer until that no longer changes, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
         'mujoco_boxqp' --solver 'mujoco_boxqp[settings=tuned]'`.
     Tolerance: it takes none.
-    Flaws: it returns a rank and no measure of accuracy, so that an answer after 100 iterations looks like any other:
-        `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver mujoco_boxqp`. The diagonal is felt with large
-        mass ratios: `frictionbench solve 'stack[blocks=5,mass_ratio=1e8,push=1]' --solver mujoco_boxqp`.
+    Flaws: it returns a rank and no measure of accuracy, so that an answer after 100 iterations looks like any other, as above.
+        The diagonal is felt with large mass ratios: `frictionbench solve 'stack[blocks=5,mass_ratio=1e8,push=1]' --solver
+        mujoco_boxqp`.
     Reference: Tassa, Mansard and Todorov 2014, "Control-limited differential dynamic programming".
     """
 
@@ -195,7 +196,7 @@ def _whiten(start, column, J, m_start, m_column, m_value, free, offset, E, theta
 
 @part
 def _factor(start, column, value):  # type: ignore[no-untyped-def]
-    """L (nv, nv) and the column of the first entry of each of its rows."""
+    """L (nv, nv) and the column of the first entry of each of its rows, as in M: of blocks, the blocks are factorised."""
     n = len(start) - 1
     L, begin = np.zeros((n, n)), np.empty(n, np.int64)
     for i in range(n):

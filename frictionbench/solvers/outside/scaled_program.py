@@ -35,7 +35,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.problems.forms.relaxation import Program
-from frictionbench.problems.rows import Rows
+from frictionbench.problems.rows import Rows, row_of_entry
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
 from frictionbench.solvers.outside.scaled_delassus import size_and_share
 
@@ -146,9 +146,11 @@ def _joints(program: Program, D: Array) -> tuple[sparse.csc_matrix | None, Array
     """A^, and E_A (nj,); None where there are no joints."""
     if not len(program.b):
         return None, np.ones(0)
-    length = np.sqrt((program.A * D).power(2).sum(axis=1))
+    start, column, value = program.joints
+    value, row = value * D[column], row_of_entry(start)
+    length = np.sqrt(np.bincount(row, value**2, len(program.b)))
     joint = 1 / np.where(length > 0, length, 1.0)
-    return sparse.csc_matrix(program.A * D * joint[:, None]), joint
+    return sparse.csr_matrix((value * joint[row], column, start), shape=(len(length), len(D))).tocsc(), joint
 
 
 @kernel
