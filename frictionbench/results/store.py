@@ -9,11 +9,9 @@
     DIR/shrunk/                   failing problems reduced in size, see commands.shrink
     DIR/report.html, report.md, paper/    made from the files above, see reports
 
-A shard may end in an incomplete line, if its writer was killed. Such a line, and any other that is not a row, is ignored, and
-its cell runs again. Of several rows with the same key the first counts. The tables are written from the rows that the shards
-held when the run began and from those that its main process wrote since, which it keeps in memory: what another process does to
-shards meanwhile does not count. All input is checked against results.schema; nothing is unpickled, and files that declare more
-than the limits below are refused before they are read.
+A line that is not a row, as where a writer was killed, is ignored, and its cell runs again. Of several rows with the same key
+the first counts. The tables are written from the rows of before the run and those that its main process keeps in memory: what
+others do to shards meanwhile does not count. Files that declare more than the limits below are refused before they are read.
 """
 
 import json

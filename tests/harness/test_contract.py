@@ -1,5 +1,6 @@
 """The contract: a solver that keeps it has no violation; one that breaks a single rule fails the check of that rule."""
 
+import ctypes
 from collections.abc import Callable
 from dataclasses import replace as changed
 from pathlib import Path
@@ -79,11 +80,17 @@ def test_a_check_tells_the_good_solver_from_the_spoilt_one(name) -> None:
     assert list(CHECKS[name].violations(Subject(find(GOOD)[0], Spoiled(SPOILT[name]))))
 
 
+def test_writing_into_the_dense_matrix_is_found() -> None:
+    """As LAPACK does, which factorises in place what it is given by its address."""
+    spoilt = Spoiled(lambda _, problem, *__: ctypes.memset(problem.dense().W.ctypes.data, 0, 8) and None)
+    assert list(CHECKS["input_unchanged"].violations(Subject(find(GOOD)[0], spoilt)))
+
+
 def test_crashing_solver_is_reported(tmp_path: Path) -> None:
-    file = tmp_path / "two.py"
+    file = tmp_path / "one.py"
     file.write_text(
-        '"""Two solvers."""\nimport os\nimport numpy as np\nfrom frictionbench.solvers import Answer, Status, solver\n\n'
-        '@solver("aborts", family="bad", model="coulomb")\nclass Aborts:\n    """Aborts."""\n'
+        'import os\nfrom frictionbench.solvers import solver\n\n@solver("aborts", family="bad", model="coulomb")\n'
+        'class Aborts:\n    """Aborts."""\n'
         "    def solve(self, problem, tol, limit, start=None):\n        os.abort()\n"
     )
     result = CliRunner().invoke(app, ["check-solver", str(file), "--jobs", "1"])

@@ -311,8 +311,7 @@ def test_leaving_its_core_is_recorded(tmp_path: Path) -> None:
 )
 def test_failure_of_the_first_call_of_a_process(body: str, verdict: str, tmp_path: Path) -> None:
     """As of a table that is filled by the first call, after it was read."""
-    plugin = tmp_path / "guest.py"
-    plugin.write_text(FIRST.format(body=body), encoding="utf-8")
+    plugin = write(tmp_path / "guest.py", first="import frictionbench as fb\ncalls = []", body=FIRST.format(body=body))
     motions = (Source("stopping_block", {}, steps=5),)
     rows = run_of(tmp_path / "run", plugin, simulations=motions, simulation_solvers=("guest",), tolerances=(1e-6, 1e-8))
     rows = pd.concat([rows, store.read_table(tmp_path / "run", "simulations")])
@@ -321,21 +320,11 @@ def test_failure_of_the_first_call_of_a_process(body: str, verdict: str, tmp_pat
     assert rows["reason"].fillna("").str.contains(f"first call.* is {verdict}").all() == (verdict != "solved")
 
 
-FIRST = """
-import frictionbench as fb
-calls = []
-
-@fb.solver("guest", family="test", model="coulomb")
-class Guest:
-    \"\"\"Fails in its first call.\"\"\"
-
-    def solve(self, problem, tol, limit, start=None):
-        answer = fb.solve(problem, "lemke", tol=tol)
+FIRST = """answer = fb.solve(problem, "lemke", tol=tol)
         calls.append(1)
         if len(calls) == 1:
             {body}
-        return answer
-"""
+        return answer"""
 
 HOMES = """
 import os, tempfile

@@ -93,7 +93,7 @@ def test_problems_that_are_missing_are_told(tmp_path: Path) -> None:
 
 
 EDITS = {
-    "name": ("../up", "Index-a-b", 1),
+    "name": ("../up", "Index-a-b", "a" * 300, 1),
     "format": (2,),
     "cells": (-1, True, 10**30),
     "machine.cores": (None, "two"),

@@ -71,7 +71,7 @@ def _is_check(value: Any) -> bool:
 
 def _is_name(value: Any) -> bool:
     """Whether it names a file, and a page that is not the index."""
-    return _text(value) and bool(re.fullmatch(r"[\w+-][\w.+-]*", value)) and page_of(value).casefold() != "index"
+    return _text(value) and bool(re.fullmatch(r"[\w+-][\w.+-]{0,200}", value)) and page_of(value).casefold() != "index"
 
 
 def page_of(name: str) -> str:
