@@ -28,7 +28,7 @@ for (const part of document.querySelectorAll("td, th, h1, h2, h3, p, dt, dd, but
 }
 for (const cell of document.querySelectorAll("td, th")) {
   for (const texts = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT); texts.nextNode(); ) {
-    for (const { 0: word, index } of texts.currentNode.data.matchAll(/(?<!\S)\w[.\w]{0,11}(?:-\d{1,2})?(?![^\s,;:])/g)) {
+    for (const { 0: word, index } of texts.currentNode.data.matchAll(/(?<!\S)\w[.\w]{0,10}(?:-\d{1,2})?(?![^\s,;:])/g)) {
       const range = document.createRange();
       range.setStart(texts.currentNode, index);
       range.setEnd(texts.currentNode, index + word.length);
