@@ -71,11 +71,11 @@ def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str
     """How many cells a plan without a known duration has, with which solvers, and how long small ones take."""
     solvers = dict.fromkeys(cell.variant for cell in cells)
     named = ", ".join(solvers) if len(solvers) <= 12 else f"{len(solvers)} solvers"
-    minutes, seconds = divmod(round(SMALL_CELL * len(cells)), 60)
-    takes = f"{minutes} min" if minutes else f"{max(seconds, 1)} s"
+    least, most = (max(round(each * len(cells)), 1) for each in (SMALL_CELL, plan.time_limit))  # s
+    takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in (least, most))
     cells_of = f"{len(cells)} cell{'s' * (len(cells) != 1)} of {len(records)} problem{'s' * (len(records) != 1)}"
-    told = f"{cells_of} with {named}: about {takes} on one core where problems are small"
-    return f"{told}; a cell ends at {plan.time_limit:g} s"
+    told = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
+    return f"{told}, some {longest} where all come to their time limit of {plan.time_limit:g} s"
 
 
 def _run(

@@ -35,21 +35,24 @@ def write_judgement(folder: Path) -> Path:
         str(variant): own.drop_duplicates("problem").set_index("problem")
         for variant, own in found.rows.groupby("variant", sort=False)
     }
-    page = environment().get_template("judgement.html")
-    text = page.render(
-        name=folder.resolve().name,
-        found=found,
-        heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
-        quantities=QUANTITIES,
-        nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
-        worst=[
-            (one, {variant: own.reindex([one.problem]).iloc[0].to_dict() for variant, own in solved.items()}) for one in bad
-        ],
-        panels=[
-            Panel("residual of each step", partial(_residuals, found=found.touching, solved=solved)),
-            Panel("violation of each law, m/s", partial(_violations, found=found.touching)),
-        ],
-        forces=[Panel(one.file, partial(_forces, one=one)) for one in bad[:DRAWN] if one.forces],
+    text = (
+        environment()
+        .get_template("judgement.html")
+        .render(
+            name=folder.resolve().name,
+            found=found,
+            heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
+            quantities=QUANTITIES,
+            nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
+            worst=[
+                (one, {variant: own.reindex([one.problem]).iloc[0].to_dict() for variant, own in solved.items()}) for one in bad
+            ],
+            panels=[
+                Panel("residual of each step", partial(_residuals, found=found.touching, solved=solved)),
+                Panel("violation of each law, m/s", partial(_violations, found=found.touching)),
+            ],
+            forces=[Panel(one.file, partial(_forces, one=one)) for one in bad[:DRAWN] if one.forces],
+        )
     )
     path = folder / "judgement.html"
     write_text(path, text)
@@ -70,9 +73,8 @@ def _residuals(ax: Axes, found: list[Judgement], solved: dict[str, pd.DataFrame]
     """The engine's residuals step by step, and those of the solvers."""
     at = np.arange(1, len(found) + 1)
     ax.plot(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, marker=".", label="the engine")
-    names = [one.problem for one in found]
     for k, (variant, own) in enumerate(solved.items()):
-        by_problem = own["residual"].reindex(names).to_numpy(float)
+        by_problem = own["residual"].reindex([one.problem for one in found]).to_numpy(float)
         ax.plot(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % 4], marker=".", label=plain(variant))
     residual_axis(ax)
     ax.set_ylim(ZERO / 3, WORST * 3)

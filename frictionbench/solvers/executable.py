@@ -10,6 +10,7 @@ The whole call counts as solve: writing the problem, the process, and reading th
 shown beside it.
 """
 
+import errno
 import re
 import shlex
 import shutil
@@ -47,7 +48,8 @@ def absolute(source: str) -> str:
     require(not missing, "solver", f"{source!r} lacks {' and '.join(missing)}, which stand for the paths of the files")
     found = shutil.which(first)
     if found is None:
-        raise InputError(f"solver: {first} is not an executable file")
+        hint = ("; write ./" if shutil.which(f"./{first}") else "; chmod +x ") + first if Path(first).is_file() else ""
+        raise InputError(f"solver: {first} is not an executable file{hint}")
     return PREFIX + shlex.join(str(Path(word).absolute()) if Path(word).is_file() else word for word in (found, *others))
 
 
@@ -129,7 +131,8 @@ def _run(command: tuple[str, ...], text: str, contacts: tuple[int, int]) -> Answ
                     words, cwd=folder, stdin=subprocess.DEVNULL, stdout=written, stderr=subprocess.STDOUT, check=False
                 )
             except OSError as error:
-                raise ValueError(f"{words[0]}: {error.strerror}; a script begins with a line #!, as of a shell") from None
+                why = {errno.ENOEXEC: " (a script needs a first line #!)", errno.ENOENT: " (or what its #! names)"}
+                raise ValueError(f"{words[0]}: {error.strerror}{why.get(error.errno or 0, '')}") from None
         if done.returncode:
             with output.open("rb") as written:
                 said = written.read(300).decode("utf-8", "replace").strip()
@@ -161,8 +164,7 @@ def parse_answer(text: str, contacts: tuple[int, int]) -> Answer:
     if status not in ENDED:
         raise ValueError(f"answer: status must be {', '.join(ENDED)}, got {status!r:.40}")
     try:
-        clock = facts.pop("clock", None)
-        seconds = None if clock is None else float(clock)
+        seconds = float(facts.pop("clock")) if "clock" in facts else None
         work = {unit: int(count) for unit, count in facts.items()}
         impulse = np.array([float(word) for _, line in lines for word in line.split()])
     except ValueError as error:

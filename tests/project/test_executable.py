@@ -128,11 +128,18 @@ def test_bad_executables_are_failures_or_errors(folder, text, said) -> None:
             solved(command, problem)
 
 
-def test_a_script_without_its_first_line_is_told(folder) -> None:
-    command = script(folder, "plain", "")
-    (folder / "plain").write_text("echo status solved > $2\n", encoding="utf-8")
-    with pytest.raises(ValueError, match="plain: Exec format error; a script begins with a line #!"):
+@pytest.mark.parametrize(
+    ("first", "told"), [("", "needs a first line #!"), ("#!/no/shell\n", "or what its #! names"), ("#!/\n", "")]
+)
+def test_why_a_script_cannot_be_started(folder, first, told) -> None:
+    command = script(folder, name := f"plain{len(first)}", "")
+    (folder / name).write_text(f"{first}echo status solved > $2\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=f"{name}: ") as caught:
         solved(command, scene("stack", blocks=1).problem())
+    assert (told in str(caught.value)) if told else "#!" not in str(caught.value)
+    (folder / name).chmod(0o644)
+    with pytest.raises(InputError, match=rf"is not an executable file; chmod \+x .*{name}$"):
+        load_plugins([command])
 
 
 def test_a_run_judges_hangs_and_wrong_shapes(folder) -> None:
