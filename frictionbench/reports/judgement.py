@@ -31,28 +31,23 @@ def write_judgement(folder: Path) -> Path:
     """Write DIR/judgement.html; return its path. Errors: ResultsError where the folder holds no judgement."""
     found = read_judged(folder)
     bad = found.worst(MOST)
-    solved = {
-        str(variant): own.drop_duplicates("problem").set_index("problem")
-        for variant, own in found.rows.groupby("variant", sort=False)
-    }
-    text = (
-        environment()
-        .get_template("judgement.html")
-        .render(
-            name=folder.resolve().name,
-            found=found,
-            heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
-            quantities=QUANTITIES,
-            nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
-            worst=[
-                (one, {variant: own.reindex([one.problem]).iloc[0].to_dict() for variant, own in solved.items()}) for one in bad
-            ],
-            panels=[
-                Panel("residual of each step", partial(_residuals, found=found.touching, solved=solved)),
-                Panel("violation of each law, m/s", partial(_violations, found=found.touching)),
-            ],
-            forces=[Panel(one.file, partial(_forces, one=one)) for one in bad[:DRAWN] if one.forces],
-        )
+    by_variant = found.rows.drop_duplicates(["variant", "problem"]).set_index("problem").groupby("variant", sort=False)
+    solved = {str(variant): own for variant, own in by_variant}
+    page = environment().get_template("judgement.html")
+    text = page.render(
+        name=folder.resolve().name,
+        found=found,
+        heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
+        quantities=QUANTITIES,
+        nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
+        worst=[
+            (one, {variant: own.reindex([one.problem]).iloc[0].to_dict() for variant, own in solved.items()}) for one in bad
+        ],
+        panels=[
+            Panel("residual of each step", partial(_residuals, found=found.touching, solved=solved)),
+            Panel("violation of each law, m/s", partial(_violations, found=found.touching)),
+        ],
+        forces=[Panel(one.file, partial(_forces, one=one)) for one in bad[:DRAWN] if one.forces],
     )
     path = folder / "judgement.html"
     write_text(path, text)
