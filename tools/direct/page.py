@@ -19,7 +19,7 @@ from pathlib import Path
 from frictionbench.solvers import SolverInfo, available, find
 
 DOCS = Path(__file__).parents[2] / "docs"
-FIELDS = ("Licence", "Form", "Clock", "Charged", "Settings", "Tolerance", "Flaws", "Reference")
+FIELDS = ("Licence", "Law", "Form", "Clock", "Charged", "Settings", "Tolerance", "Flaws", "Reference")
 BEGIN = "<!-- begin: python -m tools.direct.page -->\n"
 
 
@@ -51,8 +51,8 @@ def facts(info: SolverInfo) -> dict[str, str]:
         entries = re.findall(rf"^({'|'.join(FIELDS)}): (.*?)(?=^\w+: |\Z|^$)", text, flags=re.MULTILINE | re.DOTALL)
         found |= {name: " ".join(words.split()) for name, words in entries}
     if info.model == "relaxation":
-        other = f"Another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver {info.name}`."
-        found["Flaws"] = " ".join([*([found["Flaws"]] if "Flaws" in found else []), other])
+        shown = f"`frictionbench solve stopping_block --solver {info.name}`"
+        found["Law"] = f"the convex relaxation, by design another than Coulomb's where boxes slide, {shown}."
     return found
 
 

@@ -23,7 +23,7 @@ Settings: island discovery and warm start off, as above; elliptic cones. The lin
     ls_iterations = 50; tuned are 1e-8 and 100.
 Tolerance: R as above, and MuJoCo's tolerance 0: it iterates until it makes no progress, and its gradient decides the status.
     Newton is given 1000 iterations and CG 2000; MuJoCo's own limit is 100.
-Flaws: soft contacts. CG is far from the minimum after 2000 iterations, `frictionbench solve
+Flaws: CG is far from the minimum of its soft contacts after 2000 iterations, `frictionbench solve
     'stack[blocks=5,friction=0.2,push=1]' --solver 'mujoco[method=cg]'`.
 Reference: Todorov 2014, "Convex and analytically-invertible dynamics with contacts and constraints".
 """

@@ -157,7 +157,9 @@ def test_whitened_rows_make_the_scaled_delassus_form() -> None:
 
 @pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)
 def test_treatment_is_documented(info) -> None:
-    assert facts(info).keys() | {"Charged"} == set(FIELDS)
+    told = facts(info).keys()
+    assert told | {"Charged", "Flaws", "Law"} == set(FIELDS)
+    assert told & {"Flaws", "Law"}
 
 
 def test_fairness_page_is_generated() -> None:
@@ -173,17 +175,17 @@ def test_contract_results_are_complete() -> None:
 
 COMMANDS = [
     (field, command, info.name)
-    for field in ("Flaws", "Settings")
+    for field in ("Flaws", "Law", "Settings")
     for info in available().values()
     if info.needs
-    for command in re.findall(r"`frictionbench ([^`]*)`", facts(info)[field])
+    for command in re.findall(r"`frictionbench ([^`]*)`", facts(info).get(field, ""))
 ]
 
 
 @pytest.mark.parametrize(("field", "command", "name"), COMMANDS)
 def test_commands_of_flaws_and_settings(field, command, name) -> None:
-    """It names a problem and solvers that there are. Of flaws none has both claim and answer good; of settings the second
-    solves what the first does not, or takes two thirds of its work at most."""
+    """It names a problem and solvers that there are. Of flaws and other laws none has both claim and answer good; of
+    settings the second solves what the first does not, or takes two thirds of its work at most."""
     verb, what, *rest = shlex.split(command)
     options = list(zip(rest[::2], rest[1::2], strict=True))
     specs, tol = [value for option, value in options if option == "--solver"], float(dict(options).get("--tol", 1e-8))
@@ -195,10 +197,10 @@ def test_commands_of_flaws_and_settings(field, command, name) -> None:
         if info.missing:
             pytest.skip(info.missing)
         answer = solver.solve(solver.prepare(problem.fresh()), tol, None)
-        enough = ("solved",) if field == "Flaws" else ("solved", "relaxed")
+        enough = ("solved",) if field != "Settings" else ("solved", "relaxed")
         good = verify(problem, answer, info.model, tol).verdict in enough and answer.status is Status.SOLVED
         told.append((good, sum(answer.work.values())))
-    if field == "Flaws":
+    if field != "Settings":
         assert not any(good for good, _ in told)
     else:
         (default, work), (tuned, less) = told
