@@ -12,7 +12,6 @@ import pytest
 
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT
-from tests.helpers.plugin import write
 
 pytestmark = pytest.mark.slow  # the quick tests would not see a step of a workflow that fails
 
@@ -20,6 +19,7 @@ yaml = pytest.importorskip("yaml")
 GITHUB, GITLAB = map(
     yaml.safe_load, re.findall(r"```yaml\n(.*?)```", (ROOT / "docs" / "ci.md").read_text(encoding="utf-8"), re.DOTALL)
 )
+MINE = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "plugin.md").read_text(encoding="utf-8"), re.DOTALL)[0]
 SMALL = ("--scene", "stack[blocks=1,push=1]", "--tol", "1e-6")
 # The command line with one pair of runs to confirm in place of eight, and one scene of the suite.
 COMMAND = f"""#!{sys.executable}
@@ -37,7 +37,8 @@ main()
 def repository(tmp_path_factory) -> Path:
     """A repository with a solver, its baseline and the branch main, in which the suite is installed."""
     home = tmp_path_factory.mktemp("repository")
-    write(home / "solvers" / "mine.py")
+    (home / "solvers").mkdir()
+    (home / "solvers" / "mine.py").write_text(MINE, encoding="utf-8")
     ran = frictionbench("run", "smoke", "--solver", "solvers/mine.py", "--out", "runs/first", *SMALL, cwd=home)
     assert ran.returncode == 0, ran.stderr
     assert frictionbench("compare", "baselines/smoke.tsv", "runs/first", "--accept", cwd=home).returncode == 0
