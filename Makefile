@@ -4,6 +4,8 @@
 # make test-all  the same, and then the slow tests, which guard documents, recipes, builds, pages in a browser and the sandbox
 # make test-peers  the outside solvers as in make peers, and the tests of their adapters and of engines; what is missing is skipped with its
 #              reason. PEER_NAMES: the packages to install, all by default
+# make coverage  lines of the package that the tests of make quick run, the least covered files first; COVERED: other tests.
+#              Bodies of compiled kernels are left out: a tracer does not see them
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
@@ -31,7 +33,7 @@ QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems
 	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
 PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
-.PHONY: bench quick test test-all test-peers timing peers studies docs release placeholders regress install clean
+.PHONY: bench quick test test-all test-peers coverage timing peers studies docs release placeholders regress install clean
 install: .venv/installed
 
 .venv/installed: pyproject.toml constraints.txt
@@ -69,6 +71,12 @@ checked: install
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+COVERED ?= $(QUICK)
+coverage: install
+	$(BIN)/pip install --quiet coverage
+	$(BIN)/python -m coverage run -m pytest --numprocesses=0 $(COVERED)
+	$(BIN)/python -m coverage report --sort=cover
 
 timing: install
 	mkdir -p $(TIMING)
