@@ -28,7 +28,7 @@ Flaws: CG is far from the minimum of its soft contacts after 2000 iterations, `f
 Reference: Todorov 2014, "Convex and analytically-invertible dynamics with contacts and constraints".
 """
 
-from functools import cache
+from functools import lru_cache
 from importlib import import_module
 from time import perf_counter
 from typing import Any
@@ -105,7 +105,7 @@ class MuJoCo:
         return answer
 
 
-@cache
+@lru_cache(maxsize=8)  # some 50 MB each
 def _template(nv: int, nc: int, moving: int) -> tuple[Any, Any]:
     """MuJoCo's model and data for so many velocities, of which the last `moving` move the spheres, and contacts."""
     mujoco: Any = import_module("mujoco")
@@ -115,7 +115,7 @@ def _template(nv: int, nc: int, moving: int) -> tuple[Any, Any]:
     model = mujoco.MjModel.from_xml_string(
         '<mujoco><option gravity="0 0 0" cone="elliptic" impratio="1" tolerance="0" jacobian="sparse">'
         '<flag warmstart="disable" island="disable"/></option>'
-        '<size memory="500M"/><default><geom condim="3" mass="0"/></default><worldbody>'
+        '<default><geom condim="3" mass="0"/></default><worldbody>'
         f'<geom type="plane" size="9999 9999 .1" contype="0" conaffinity="1"/>{bodies}</worldbody></mujoco>'
     )
     data = mujoco.MjData(model)
