@@ -3,9 +3,8 @@
     python -m tools.direct.page      writes them into the page, after BEGIN
 
 The docstring of an outside solver, or that of its file, has the facts under the names of FIELDS, with a colon after each;
-Charged, why an adapter is charged more than a call by hand (tools.direct), stands only where it is, and the flaw that all
-solvers of the relaxation have is added here. The results of the contract
-and the licences of the packages are in docs/outside.tsv.
+Charged, why an adapter is charged more than a call by hand (tools.direct), stands only where it is. The law of solvers of the
+relaxation is added here. The results of the contract and the licences of the packages are in docs/outside.tsv.
 """
 
 import csv
@@ -52,7 +51,8 @@ def facts(info: SolverInfo) -> dict[str, str]:
         found |= {name: " ".join(words.split()) for name, words in entries}
     if info.model == "relaxation":
         shown = f"`frictionbench solve stopping_block --solver {info.name}`"
-        found["Law"] = f"the convex relaxation, by design another than Coulomb's where boxes slide, {shown}."
+        default = "by default " if any(find(spec)[0].model != info.model for spec in info.specs) else ""
+        found["Law"] = f"{default}the convex relaxation, which by design differs from Coulomb's law where boxes slide, {shown}."
     return found
 
 

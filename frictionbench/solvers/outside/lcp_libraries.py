@@ -35,8 +35,8 @@ class Drake:
         solver object, as a reused one starts from its last basis, and its Solve.
     Clock: none.
     Settings: its defaults; there are no options. With perturbation=1e-10 the LCP is given q + 1e-10 rand, as its ratio test has
-        no rule for ties; our lemke perturbs, too. Of 27 problems it solves 19, in units in which ties are exact in floating
-        point 24, and perturbed 25, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
+        no rule for ties; our lemke perturbs, too. Of 27 problems it solves 19 as given, 24 in units in which ties are exact in
+        floating point, and 25 perturbed, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
         'drake[method=unrevised]' --solver 'drake[method=unrevised,perturbation=1e-10]'`.
     Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
     Flaws: with large mass ratios UnrevisedLemke fails and MobyLcp, whose retries solve with M + lambda I, lambda up to 1e-4 at
@@ -87,8 +87,8 @@ class Path:
     Clock: the total time in PATH's own log, including GAMS' evaluation of M z + q. PATH is compared by it, as GAMS is another
         process: the column solve_time is this clock, and call_time the records and GAMSPy's call.
     Settings: by default a crash method finds a first basis; tuned is crash_method none, 1.4 times as fast in the mean of 28
-        problems and slower on some, `frictionbench solve 'house_of_cards[storeys=5]' --solver path --solver
-        'path[settings=tuned]'`. GAMSPy's freeze is for problems of one M; those of a suite differ in it.
+        problems but slower on some, `frictionbench solve 'house_of_cards[storeys=5]' --solver path --solver
+        'path[settings=tuned]'`. GAMSPy's freeze, for problems of one M, is of no use in a suite.
     Tolerance: convergence_tolerance = eps/10, on PATH's residual of the scaled LCP; eps as in solvers.pivots.dense_lcp.
     Flaws: beyond the licence's 1000 rows GAMS does not call PATH; the answer is `unsolved`, which says nothing about PATH.
     Reference: Dirkse and Ferris 1995; Ferris and Munson 1999.

@@ -9,7 +9,7 @@ Charged: on some problems it takes many times the iterations of a call by hand, 
     of impulses and velocities as they are, and on others a fraction; with Anderson acceleration it may stall above them.
 Settings: ADMM's defaults have no Anderson acceleration, anderson_capacity = 0, estimate the largest eigenvalue of W by as many
     steps of Lanczos as W has rows, lanczos_size = 2^31 - 1, which is not in its clock, and may change rho in each iteration,
-    rho_min_update_frequency = 1; tuned are 8, 10, 10, with fewer iterations, `frictionbench solve
+    rho_min_update_frequency = 1; tuned sets 8, 10 and 10, with fewer iterations, `frictionbench solve
     'stack[blocks=10,mass_ratio=100,push=1]' --solver 'pinocchio[method=admm]' --solver 'pinocchio[settings=tuned]'`. PGS'
     over_relaxation is 1; tuned is 1.3, `frictionbench solve 'wedge[friction=0.2]' --solver 'pinocchio[method=pgs]' --solver
     'pinocchio[method=pgs,settings=tuned]'`.

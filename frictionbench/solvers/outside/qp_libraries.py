@@ -54,10 +54,9 @@ class Clarabel:
     Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-15; eps stands for tol.
     Flaws: its gap is the difference of two objectives, which rounding can make 0 before the answer is accurate: some answers
         that it calls Solved are off by a few times 1e-8. Or it stays above eps^2, and it reports failure although the answer
-        is accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`.
-        By default it also calls answers Solved that are off by 1e-5, `frictionbench solve
-        'robot_step[case=adroit_hammer-harsh-099]' --solver clarabel`; linear cones for limits and dry friction do not change
-        that (7e-6), a static regularisation of 1e-12 does.
+        is accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`. By default it also calls
+        answers Solved that are off by 1e-5, `frictionbench solve 'robot_step[case=adroit_hammer-harsh-099]' --solver
+        clarabel`: with linear cones for limits and dry friction still by 7e-6, with a static regularisation of 1e-12 not.
     Reference: Goulart and Chen 2024.
     """
 
@@ -149,8 +148,8 @@ class ProxSuite:
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
         solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=20,mass_ratio=100000]' --solver
         'proxsuite' --solver 'proxsuite[settings=tuned]'`.
-    Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-14, which is tested only on request; eps_rel = 0;
-        4.4e-16 of the gap's terms for rounding; eps stands for tol.
+    Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-14, which is tested only on request; eps_rel = 0,
+        4.4e-16 for the gap, for rounding; eps stands for tol.
     Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
     """
 
@@ -200,7 +199,7 @@ class PIQP:
     Clock: PIQP's own solve_time.
     Charged: dense some 60 µs more than a call by hand, twice at 2 contacts: the dimensionless program, as for daqp.
     Settings: compute_timings on.
-    Tolerance: eps_abs = eps, gap eps^2, no less than 1e-15; eps_rel = 0, 4.4e-16 of the gap's terms; eps stands for tol.
+    Tolerance: eps_abs = eps, gap eps^2, no less than 1e-15; eps_rel = 0, for the gap 4.4e-16; eps stands for tol.
     Reference: Schwan, Jiang, Kuhn and Jones 2023.
     """
 

@@ -21,14 +21,14 @@ Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy
     'stack[blocks=5,push=1]' --solver 'siconos[method=friction_3d_nsgs]' --solver
     'siconos[method=friction_3d_nsgs,settings=tuned]'`; for friction_3d_prox a weight sigma of the proximal term of 0.5 instead
     of 5, `frictionbench solve 'sphere_pyramid[levels=3,noise=0.3]' --solver 'siconos[method=friction_3d_prox]' --solver
-    'siconos[method=friction_3d_prox,settings=tuned]'`. newton is tuned with the local solver ONECONTACT_NSN, but where a
-    contact has no friction, as it aborts there. lcp_pivot follows Lemke's rule by default; lcp_pivot_least_index is the same
-    driver with LEAST_INDEX, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=lcp_pivot]'
-    --solver 'siconos[method=lcp_pivot_least_index]'`.
+    'siconos[method=friction_3d_prox,settings=tuned]'`. newton is tuned with the local solver ONECONTACT_NSN, but
+    the default one where a contact has no friction, as that aborts there. lcp_pivot follows Lemke's rule by default;
+    lcp_pivot_least_index is the same driver with LEAST_INDEX, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]'
+    --solver 'siconos[method=lcp_pivot]' --solver 'siconos[method=lcp_pivot_least_index]'`.
 Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus
     and, for lcp_, solvers.pivots.dense_lcp. Where |r^| is larger it divides by that, and is called again from its own answer
     with a smaller tolerance, unless that answer's error is small enough. The drivers of friction_2d_ begin at 0 whatever their
-    guess is: they are asked for an eps of 2 sqrt(contacts) less at once, as impulses add up in piles.
+    guess is: they are asked at once for eps over 2 sqrt(contacts), as impulses add up in piles.
 Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
     'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and the fixed
     points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit. lcp_lemke and lcp_pivot do
