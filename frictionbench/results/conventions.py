@@ -109,7 +109,7 @@ def scene_title(scene: Any, parameters: Any) -> str:
 def json_object(text: Any) -> dict[str, Any]:
     """The object in a text of JSON; empty where there is none."""
     try:
-        found = json.loads(text) if isinstance(text, str) else {}
+        found = cleaned(json.loads(text)) if isinstance(text, str) else {}
     except (ValueError, RecursionError):
         return {}
-    return cleaned(found) if isinstance(found, dict) else {}
+    return found if isinstance(found, dict) else {}

@@ -225,13 +225,8 @@ class _Source:
 
 
 # The types of what is read of a manifest, and of its settings.
-_FACTS: dict[str, Any] = {
-    "machine": dict[str, Any],
-    "versions": dict[str, str],
-    "solvers": dict[str, str],
-    "content": dict[str, str],
-}
-_FACTS |= {"loaded": dict[str, dict[str, str]]}
+_FACTS: dict[str, Any] = {"machine": dict[str, Any], "loaded": dict[str, dict[str, str]]}
+_FACTS |= dict.fromkeys(("versions", "solvers", "content"), dict[str, str])
 _SETTINGS: dict[str, Any] = {"tolerances": list[float], "plugins": list[_Plugin], "sources": list[_Source]}
 
 

@@ -99,6 +99,10 @@ def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
     return long.set_column(SCHEMA.names.index("reason"), "reason", pa.array(["x" * length]).take(pa.array([0] * rows)))
 
 
+def test_a_deeply_nested_text_has_no_counts() -> None:
+    assert counts(f'{{"sweeps": {"[" * 600}{"]" * 600}}}') == {}
+
+
 @pytest.mark.parametrize(
     "text",
     ["[" * 10**6, '{"settings": {"a": ' + "9" * 5000, f'{{"settings": {{}}, "schema": {SCHEMA_VERSION}, "machine": "x"}}'],

@@ -170,6 +170,8 @@ class _Slot:
                 return None
             self.connection = _supervisor(self._settings)
             message = {"failure": Verdict.CRASHED.name, "reason": f"its processes were killed {TRIES} times"}
+        except RecursionError:
+            message = {"failure": Verdict.CRASHED.name, "reason": "the worker's reply is nested too deeply"}
         if "unusable" in message:
             raise InputError(message["unusable"])
         if message.get("retry") and self._tries < TRIES:

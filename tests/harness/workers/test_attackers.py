@@ -46,10 +46,15 @@ os._exit(0)
 """
 
 
-@pytest.mark.parametrize("value", [None, 1, [], {}, {"source": "x", "content": "y", "solvers": {}}, {"solvers": {"lemke": {}}}])
+MALFORMED = ("None", "1", "[]", "{}", "{'source': 'x', 'content': 'y', 'solvers': {}}", "{'solvers': {'lemke': {}}}")
+NESTED = "__import__('functools').reduce(lambda inner, _: [inner], range(700), 1)"
+
+
+@pytest.mark.parametrize("value", [*MALFORMED, NESTED])
 def test_forged_descriptions_are_refused(tmp_path, value) -> None:
-    plugin = write(tmp_path / "guest.py", first=FORGED.replace("VALUE", repr(value)))
+    plugin = write(tmp_path / "guest.py", first=FORGED.replace("VALUE", value))
     done = frictionbench("solve", "stack[blocks=1]", "--solver", str(plugin))
     assert done.returncode == 2
-    assert "cannot be imported (its worker returned a malformed description)" in done.stderr
+    told = "its worker returned a malformed description" if value in MALFORMED else "the worker's reply is nested too deeply"
+    assert f"cannot be imported ({told})" in done.stderr
     assert len(done.stderr.splitlines()) == 1
