@@ -43,7 +43,8 @@ class _Watch:
         self.before, self.libraries = set(sys.modules), set(_mapped())
         self.read: set[str] = set()
         self.written: set[str] = set()
-        self.worker, self.forked = os.getpid(), os.memfd_create("read by forked children")
+        self.worker, self.forked = os.getpid(), os.memfd_create("opened by forked children")
+        self.identity = os.fstat(self.forked)
         sys.addaudithook(self._heard)
 
     def _heard(self, event: str, arguments: tuple[Any, ...]) -> None:
@@ -51,19 +52,22 @@ class _Watch:
             flags = arguments[2] if isinstance(arguments[2], int) else 0
             path = os.path.abspath(os.fsdecode(arguments[0]))
             fresh = flags & os.O_RDWR and flags & (os.O_CREAT | os.O_TRUNC)  # one opened to be changed has been read as well
-            if flags & os.O_WRONLY or fresh:
-                self.written.add(path)
-            else:
-                self._add(path)
+            self._add(path, self.written if flags & os.O_WRONLY or fresh else self.read)
         elif event in STARTED and (program := _program(event, arguments)):
-            self._add(program)
+            self._add(program, self.read)
 
-    def _add(self, path: str) -> None:
-        """Add what was read, in a forked child to the file that its worker reads, too."""
-        if os.getpid() != self.worker and path not in self.read and path not in self.written:
+    def _add(self, path: str, known: set[str]) -> None:
+        """Add what was read or written; a forked child tells its worker by a file in memory, unless it closed that."""
+        if os.getpid() != self.worker and path not in known:
             with suppress(OSError):
-                os.write(self.forked, os.fsencode(path) + b"\0")
-        self.read.add(path)
+                if os.path.samestat(os.fstat(self.forked), self.identity):
+                    os.write(self.forked, (b"w" if known is self.written else b"r") + os.fsencode(path) + b"\0")
+        known.add(path)
+
+    def add_forked(self) -> None:
+        """Add what forked children have told, so that later ones do not tell it again."""
+        for entry in os.fsdecode(os.pread(self.forked, os.fstat(self.forked).st_size, 0)).split("\0")[:-1]:
+            (self.written if entry.startswith("w") else self.read).add(entry[1:])
 
 
 _watch: _Watch | None = None
@@ -94,8 +98,8 @@ def loaded() -> Loaded:
                 found[f"{folder} {part}" if part > 1 else folder] = str(Path(place).resolve())
     places = [Path(place) for place in found.values()]
     places += [_watch.folder, *_left_out()]
-    forked = os.fsdecode(os.pread(_watch.forked, os.fstat(_watch.forked).st_size, 0)).split("\0")[:-1]
-    read = {*_mapped(), *_watch.read, *forked} - _watch.libraries - _watch.written
+    _watch.add_forked()
+    read = {*_mapped(), *_watch.read} - _watch.libraries - _watch.written
     others = {_source(Path(path)).resolve() for path in read}
     others -= {Path(file).resolve() for module in list(sys.modules.values()) if (file := getattr(module, "__file__", None))}
     for path in sorted(others):

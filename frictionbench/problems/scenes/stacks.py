@@ -89,15 +89,7 @@ def disc_pile(
     return _pile(bodies, place, -1, push, shear, slope, fall)
 
 
-def _pile(
-    bodies: tuple[Body, ...],
-    place: Array,
-    pushed: int,
-    push: float,
-    shear: float,
-    slope: float,
-    fall: float,
-) -> Scene:
+def _pile(bodies: tuple[Body, ...], place: Array, pushed: int, push: float, shear: float, slope: float, fall: float) -> Scene:
     """Bodies at their places (n, 3) on the ground, one of them pushed; see stack."""
     velocity = np.zeros(place.shape)
     velocity[:, 0] = number("shear", shear) * place[:, 1]
