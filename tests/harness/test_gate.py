@@ -162,9 +162,10 @@ READS = (
     "import numpy, runpy; numpy.load({home!r} + '/gains.npy'); runpy.run_path({home!r} + '/run.py'); "
     "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close(); import os, subprocess; "
     "subprocess.run([{home!r} + '/started.sh']); subprocess.run({home!r} + '/in_shell.sh', shell=True); "
-    "os.system({home!r} + '/by_os.sh 1'); import multiprocessing; "
-    "child = multiprocessing.get_context('fork').Process(target=numpy.load, args=({home!r} + '/by_child.npy',)); "
-    "child.start(); child.join()"
+    "os.system({home!r} + '/by_os.sh 1'); import multiprocessing; fork = multiprocessing.get_context('fork'); "
+    "opened = (numpy.load, 'by_child.npy'), (open, 'made.txt', 'w'), (open, 'made.txt'); "
+    "children = [fork.Process(target=call, args=({home!r} + '/' + name, *mode)) for call, name, *mode in opened]; "
+    "[child.start() or child.join() for child in children]"
 )
 READ = ("gains.npy", "by_child.npy", "run.py", "named.txt", "both.txt", "started.sh", "in_shell.sh", "by_os.sh")
 SPREAD = {"spread": "one/spread", "spread 2": "two/spread"}  # a package of two folders
@@ -307,7 +308,8 @@ def test_leaving_its_core_is_recorded(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("body", "verdict"), [("answer.impulse += 1", "wrong"), ("raise ValueError('not loaded')", "crashed"), ("pass", "solved")]
+    ("body", "verdict"),
+    [("answer.impulse += 1", "wrong"), ("answer.work = None", "wrong"), ("raise ValueError", "crashed"), ("pass", "solved")],
 )
 def test_failure_of_the_first_call_of_a_process(body: str, verdict: str, tmp_path: Path) -> None:
     """As of a table that is filled by the first call, after it was read."""

@@ -58,7 +58,7 @@ IMPORT_SECONDS = 60.0  # seconds for a plug-in's import: large libraries take te
 LOAD_SECONDS = 30.0  # seconds for an outside library to load and solve a single contact, whatever the limit: as for imports
 FOREIGN_COMPILING = 120.0  # seconds for a plug-in to compile its kernels, and ours that it calls, when it is warmed up
 FOREIGN_LOADING = 10.0  # seconds for our kernels that a plug-in calls to be loaded in a cell, which do not count
-WARM = 1e-6  # the tolerance of the first call of a process, which all precisions reach
+FIRST_TOLERANCE = 1e-6  # of the call that warms a solver up: single precision is asked for no less
 SHARED = 0.02  # of the timed seconds: a cell that waited longer for its core is marked as disturbed
 
 
@@ -156,8 +156,7 @@ def _solved(
             met=met,
         )
     except AnswerError as error:
-        verdict = Verdict.WRONG if error.claimed else Verdict.UNSOLVED
-        return {"verdict": verdict, "reason": str(error), "claimed": error.claimed}
+        return {"verdict": _malformed(error), "reason": str(error), "claimed": error.claimed}
     _worker.deadline.allow(HARNESS_SECONDS)
     row = _machine_columns(waited, timing.spent)
     reference = stored_answer(_worker.folder, cell.problem)
@@ -187,7 +186,7 @@ def run_batch(cell: BatchCell, limit: float) -> Row:
 
 def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None, measure: Callable[[], Row]) -> Row:
     """The columns that `measure` finds within the limit, and those of the machine; that it crashed, whatever a solver raises,
-    also SystemExit. reason: why the cell is skipped, if it is. kind: as of _warm_up."""
+    also SystemExit; or the verdict of _warm_up where it is worse. reason: why the cell is skipped, if it is. kind: of _kind."""
     found: Row = {"verdict": Verdict.SKIPPED, "reason": reason}
     first = {} if reason else _warm_up(variant, *kind, limit)
     process.reset_peak_memory()
@@ -286,13 +285,20 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
 def _failure(info: SolverInfo, solver: Solver, dimension: int, jointed: bool) -> Row:
     """The verdict and its reason, where a call on _smallest crashes or falsely claims to have solved it."""
     try:
-        answer = checked_copy(solver.solve(solver.prepare(_smallest(dimension, jointed)), WARM, None))
-        finding = verify(_smallest(dimension, jointed), answer, info.model, WARM)
+        answer = checked_copy(solver.solve(solver.prepare(_smallest(dimension, jointed)), FIRST_TOLERANCE, None))
+        finding = verify(_smallest(dimension, jointed), answer, info.model, FIRST_TOLERANCE)
         verdict, reason = finding.verdict, finding.reason
+    except AnswerError as error:
+        verdict, reason = _malformed(error), str(error)
     except BaseException as error:
         verdict, reason = Verdict.CRASHED, plugins.describe_error(error)
-    told = f"the process's first call, on a problem of one contact, is {verdict}, and its second is not: {reason}"
+    told = f"the first call in its process, on a problem of one contact, is {verdict}, and the second is not: {reason}"
     return {"verdict": verdict, "reason": told} if verdict in (Verdict.WRONG, Verdict.CRASHED) else {}
+
+
+def _malformed(error: AnswerError) -> Verdict:
+    """The verdict on an answer that cannot be read."""
+    return Verdict.WRONG if error.claimed else Verdict.UNSOLVED
 
 
 def _smallest(dimension: int, jointed: bool) -> FrictionProblem | LCP:
