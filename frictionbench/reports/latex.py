@@ -16,6 +16,8 @@ _SPECIAL = str.maketrans({
     "[": "{[}", "]": "{]}", "µ": r"\ensuremath{\mu}", "μ": r"\ensuremath{\mu}", "–": "--", "−": r"\ensuremath{-}",
     "×": r"\ensuremath{\times}", "≤": r"\ensuremath{\leq}",
 })  # fmt: skip
+_COMMANDS = "|".join(re.escape(text) for text in _SPECIAL.values() if text[0] in "\\{")
+ESCAPED = rf"(?:[^\\{{}}$&#^_~%\n]|{_COMMANDS})*"  # matches what `escaped` returns, and no text with other commands
 ALWAYS = "all"
 
 

@@ -21,12 +21,13 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import NOTHING, save_sheet
 from frictionbench.reports.drawing.tiles import Drawing
-from frictionbench.reports.latex import bibliography, escaped
+from frictionbench.reports.latex import ESCAPED, bibliography, escaped
 from frictionbench.reports.printed import REFERENCES, Table, printed
 from frictionbench.reports.run import Run
 from frictionbench.reports.tables import setting
-from frictionbench.results.files import ResultsError, subfolder, write_text
+from frictionbench.results.files import ResultsError, read_text, subfolder, write_text
 
+LARGEST = 2**20  # bytes of captions, some thousand of them
 FONT = 7  # points, in figures: the smallest size that journals accept
 ASPECT, TALLEST = 0.75, 5.2  # height of a panel over its width; inches of panels: a page of 7.6 has legend and caption besides
 NARROWEST, MOST_COLUMNS = 1.6, 3  # inches of a panel; panels side by side
@@ -140,9 +141,10 @@ def booktabs(table: Table) -> str:
 
 
 def captions_file(captions: Mapping[str, str], setting: str, paper: Path) -> str:
-    """captions.tex: the captions by the names of their tables and figures, the setting, and earlier captions of others."""
-    earlier = (paper / "captions.tex").read_text("utf-8") if (paper / "captions.tex").is_file() else ""
-    named = {name: line for line, name in re.findall(r"^(\\expandafter.*?@(\w+)\\endcsname.*)", earlier, re.MULTILINE)}
+    """captions.tex: the captions by the names of their tables and figures, the setting, and earlier ones without commands."""
+    file, line = paper / "captions.tex", rf"^(\\expandafter\\def\\csname benchcaption@(\w+)\\endcsname\{{{ESCAPED}\}})$"
+    earlier = read_text(file, LARGEST) if file.exists() else ""
+    named = {name: line for line, name in re.findall(line, earlier, re.MULTILINE)}
     lines = [
         r"% \input{captions}, then \caption{\benchcaption{times}} and, where and on what it was made, \benchsetting",
         r"\newcommand{\benchcaption}[1]{\csname benchcaption@#1\endcsname}",

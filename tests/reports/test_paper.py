@@ -2,13 +2,14 @@
 
 import re
 import shutil
+import string
 import subprocess
 
 import matplotlib.pyplot as plt
 import pytest
 
 from frictionbench.commands.options import parse_length, split_names
-from frictionbench.reports.latex import cited, escaped, references
+from frictionbench.reports.latex import ESCAPED, cited, escaped, references
 from frictionbench.reports.paper import booktabs, restricted, write_paper
 from frictionbench.reports.printed import Table
 from frictionbench.reports.run import Run, read_run
@@ -48,6 +49,8 @@ def test_latex_escaping() -> None:
     assert escaped("nsgs[x=1] 3 µs") == r"nsgs{[}x=1{]} 3 \ensuremath{\mu}s"
     assert escaped("\\input{x} $^~") == r"\textbackslash{}input\{x\} \ensuremath{\$}\textasciicircum{}\textasciitilde{}"
     assert escaped("é漢\x00") == "e??"
+    assert re.fullmatch(ESCAPED, escaped(string.printable + "µμ–−×≤é"))
+    assert not any(re.fullmatch(ESCAPED, text) for text in (r"\input{x}", "{", "}", "$", r"\\", "%", "\n"))
 
 
 def test_chosen_solvers(run) -> None:
@@ -88,6 +91,9 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     assert "(continued) (continued)" not in captions
     wide = (write_paper(tmp_path, many, ["profiles"], 7.0) / "captions.tex").read_text()  # of another width, beside the first
     assert set(captions.splitlines()) < set(wide.splitlines())
+    with (paper / "captions.tex").open("a") as file:  # of somebody else
+        file.write("\\expandafter\\def\\csname benchcaption@x\\endcsname{\\input{x}}\n")
+    assert (write_paper(tmp_path, many, ["profiles"], 7.0) / "captions.tex").read_text() == wide
     (tmp_path / "one").mkdir()
     one = write_paper(tmp_path / "one", restricted(many, "scenes", ["scene_3"]), ["speed_accuracy"])
     assert [path.name for path in one.glob("*.pdf")] == ["speed_accuracy.pdf"]
