@@ -226,11 +226,13 @@ def compare(
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits, accept as accept_run, compare as compare_runs
 
-    if (out or accept or confirm) if history else len(runs) != 2:
-        raise InputError("DIR: give a baseline and one results folder, or --history, without --out, for a table of many")
+    if history and (out or accept or confirm):
+        raise InputError("history: shows any number of runs; it takes no --out, --accept or --confirm")
     if history:
         typer.echo(over_time(lines(runs)))
         return
+    if len(runs) != 2:
+        raise InputError("DIR: give a baseline and one results folder, or --history for a table of many")
     baseline, folder = runs
     if folder.is_file():
         raise InputError(f"DIR: {folder} is a file; the second is the folder of a run, which a baseline's file cannot replace")

@@ -70,6 +70,8 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
         ("report a --font comic", "Invalid value for '--font': "),
         ("compare a", "frictionbench: DIR: "),
         ("compare a b c", "frictionbench: DIR: "),
+        ("compare --history a b --out c", "frictionbench: history: "),
+        ("compare --history a b --accept", "frictionbench: history: "),
         (f"compare a {__file__}", "frictionbench: DIR: "),
         ("export stack", "frictionbench: out: "),
         ("export fclib/Chain --out x", "frictionbench: out: "),

@@ -9,7 +9,6 @@ from frictionbench.results import cells
 from frictionbench.results.compare import accept, compare
 from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import SCHEMA_VERSION
-from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import SETTINGS, simulation_row, solve_row, unanswered_row, write_folder
 from tests.helpers.paths import ROOT
 
@@ -101,5 +100,3 @@ def test_history_uses_common_cells(tmp_path):
     assert [(line[0], line[1]) for line in lines if "pivots" in line][:2] == [("a", str(second)), (str(first), "2026-01-02")]
     assert [line[line.index("pivots") + 1] for line in lines if "pivots" in line] == ["60,", "30,", "30,"]
     assert sum("wrong" in line for line in lines) == 1
-    refused = frictionbench("compare", "--history", str(first), str(second), "--out", "made", cwd=tmp_path)
-    assert (refused.returncode, "without --out" in refused.stderr) == (2, True)
