@@ -21,8 +21,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         compute(names, given.out, given.jobs)
         print(write_page(given.out))
-        for name, needs in lacking.items():
-            raise ResultsError(f"{name} is left out, which needs {', '.join(needs)}")
+        if lacking:
+            left = "; ".join(f"{name}, which needs {', '.join(needs)}" for name, needs in lacking.items())
+            raise ResultsError(f"left out: {left}")
     except (InputError, ResultsError) as error:
         parser.error(str(error))
 

@@ -123,7 +123,7 @@ def interior(facets: Iterable[int] = (0, *FACETS), sources: Iterable[Source] = S
 
 
 def predictor_corrector(problem: FrictionProblem, facets: int, tol: float = 1e-8) -> tuple[Array, int]:
-    """Mehrotra's method on Coulomb's law with the cone or a polygon; the impulses and the iterations, LIMIT if it fails.
+    """Mehrotra's method on Coulomb's law, mu > 0, with the cone or a polygon; impulses and iterations, LIMIT if it fails.
 
     At each contact 0 <= r_n, u_n >= 0 with r_n u_n = 0, and for k generators A_i of friction, (mu r_n, r_t) = sum A_i'x_i and
     y_i = A_i (lambda, u_t) with x_i o y_i = 0: of a polygon A_i = (1, d_i) and x_i, y_i >= 0, which is its LCP with the slack
@@ -146,8 +146,9 @@ def predictor_corrector(problem: FrictionProblem, facets: int, tol: float = 1e-8
         r[:, :1] /= mu
         c = r[:, :1]
         momentum, gap = M @ (v - problem.free_velocity) - np.einsum("nav,na", J, r) - F.T @ joint, opening - u[:, :1]
+        drift = F @ v + problem.joint_bias
         mean = ((c * opening).sum() + (x * y).sum()) / (nc + nc * len(fan))
-        if max(mean, 0.01 * np.abs(momentum).max(), 0.01 * np.abs(gap).max()) < tol:
+        if max(mean, *(0.01 * np.abs(each).max(initial=0.0) for each in (momentum, gap, drift))) < tol:
             return r, done
         theta = np.einsum("kpa,nkbp->nab", fan, _divided(_times(x[..., None, :], fan.swapaxes(1, 2)), y[..., None, :]))
         top = np.column_stack([mu * c / opening, -theta[:, 0, 1:]]) / theta[:, 0, :1]  # d lambda = shift + top du
@@ -161,7 +162,7 @@ def predictor_corrector(problem: FrictionProblem, facets: int, tol: float = 1e-8
             normal = (aim + c * gap) / opening
             shift = (held[:, :1] - mu * normal) / theta[:, 0, :1]
             right = np.column_stack([normal, held[:, 1:] - theta[:, 1:, 0] * shift])
-            known = np.concatenate([np.einsum("nav,na", J, right) - momentum, -F @ v - problem.joint_bias])
+            known = np.concatenate([np.einsum("nav,na", J, right) - momentum, -drift])
             dv, djoint = np.split(inverse @ known, [nv])
             du = J @ dv
             dc, dopening = normal - c / opening * du[:, :1], du[:, :1] - gap

@@ -136,9 +136,9 @@ class Hybrid:
             found, counts = few_contacts_each(packed, steps, tol, limit, start)
             impulse = np.where(np.repeat(few, nc)[:, None], found, impulse)
             work |= {"newton sweeps": counts[:, 0], "newton steps": counts[:, 1]}
-        least = np.where(few | chosen, residuals(packed, impulse).max(axis=1), np.inf)  # or what rounding hides
+        least = np.where(few | chosen, residuals(packed, impulse).max(axis=1), np.inf)  # and of its floor
         solved, members = least <= tol, np.ones(len(nc), np.int64)
-        tried = ~solved & (few | (swept.status != Status.SOLVED))  # what is claimed but not seen, solve judges
+        tried = ~solved & (few | (swept.status != Status.SOLVED))  # solve takes claims that are not confirmed
         if tried.any():
             close = least <= CLOSE
             guess = impulse if start is None else np.where(np.repeat(close, nc)[:, None], impulse, start)

@@ -73,8 +73,8 @@ class FewJoints:
 
     def shares(self) -> tuple[Array, Array]:
         """(nc*d,) each: the diagonal of J M^-1 F' X F M^-1 J', which W lacks, and the same of its terms' absolute values."""
-        (C, X), (size, terms) = (self._coupling, self.inverse), map(np.abs, (self._coupling, self.inverse))
-        return np.sum(C * (X @ C), axis=0), np.sum(size * (terms @ size), axis=0)
+        C, size = self._coupling, np.abs(self._coupling)
+        return np.sum(C * (self.inverse @ C), axis=0), np.sum(size * (np.abs(self.inverse) @ size), axis=0)
 
     def coupled(self) -> Array:
         """J M^-1 F' X F M^-1 J' (nc*d, nc*d), which W lacks."""
@@ -114,13 +114,13 @@ class ManyJoints:
         self.response = _reordered(Rows(response.indptr, response.indices, response.data), unit, order)
         within = place[coupling.indices].astype(np.int32)
         self.coupling = Rows(coupling.indptr, within, coupling.data * unit[coupling.indices])  # J M^-1 F' (nc*d, nj)
-        below = place[row] - place[near]  # the diagonal
+        below = place[row] - place[near]  # rows below the diagonal
         filled = coupling.indptr[:-1][np.diff(coupling.indptr) > 0]
         width = np.maximum.reduceat(within, filled) - np.minimum.reduceat(within, filled)  # of the rows of the coupling
         half = int(max(width.max(initial=0), below.max(initial=0)))
-        own = below >= 0
+        lower = below >= 0
         self.factor = np.zeros((nj, half + 1))
-        self.factor[place[row[own]], half - below[own]] = (unit[row] * block[:, 0, 0] * unit[near])[own]
+        self.factor[place[row[lower]], half - below[lower]] = (unit[row] * block[:, 0, 0] * unit[near])[lower]
         banded.factorise(self.factor, 10 * nj * held.EPSILON)
 
     def hold(self, velocity: Array, share: float = 1.0) -> Array:

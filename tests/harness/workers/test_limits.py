@@ -3,6 +3,7 @@
 import resource
 import subprocess
 import sys
+from functools import partial
 
 from frictionbench.commands.single import solve_one
 from frictionbench.harness.cells import worker
@@ -22,7 +23,7 @@ print(soft == hard)
 
 def limited(limit: int, *command: str) -> subprocess.CompletedProcess[str]:
     """A command of Python under a limit on address space."""
-    bound = lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))  # noqa: E731
+    bound = partial(resource.setrlimit, resource.RLIMIT_AS, (limit, limit))
     return subprocess.run([sys.executable, *command], capture_output=True, text=True, check=False, cwd=ROOT, preexec_fn=bound)
 
 
