@@ -105,7 +105,7 @@ def test_the_rods_impulse_tends_to_the_limit() -> None:
     away = np.abs(table.loc[table["solver"] == "lemke", "largest"] - 0.9)
     assert away.is_monotonic_decreasing
     assert away.iloc[-1] < 0.06
-    assert "each solver's sequence settles, to 5 % in the last halving, in 2 of 2 cases" in text("inclusion", rows).answer
+    assert "each solver's settles, to 5 % in the last halving, in 2 of 2 cases" in text("inclusion", rows).answer
 
 
 @pytest.mark.slow  # its claims on computed tables
