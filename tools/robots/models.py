@@ -76,10 +76,15 @@ def load(package: str, file: str, bare: bool = False, step: float | None = None)
     found = [one for one in files if str(one).endswith(file)]
     if not found:
         raise InputError(f"{package}: holds no {file}")
-    spec = mj.MjSpec.from_file(str(found[0].locate()))
+    return compiled(mj.MjSpec.from_file(str(found[0].locate())), bare, step)
+
+
+def compiled(spec: Any, bare: bool, step: float | None = None) -> Any:
+    """The mujoco.MjModel of a mujoco.MjSpec; see Model. Errors: ValueError of MuJoCo."""
     if bare:
         spec.worldbody.add_geom(type=mj.mjtGeom.mjGEOM_PLANE, size=[10, 10, 0.1])
-        spec.worldbody.first_body().add_freejoint()
+        if not any(joint.type == mj.mjtJoint.mjJNT_FREE for joint in spec.joints):
+            spec.worldbody.first_body().add_freejoint()
     if step is not None:
         spec.option.timestep = step
     model = spec.compile()

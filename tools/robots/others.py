@@ -18,7 +18,7 @@ import mujoco as mj
 import numpy as np
 
 import frictionbench as fb
-from tools.robots.models import ALL, begin
+from tools.robots.models import ALL, begin, compiled
 
 TOL, FAST = 1e-8, 1e3  # residual; m/s and rad/s: controls without a limit of force drive some models beyond
 
@@ -26,14 +26,7 @@ TOL, FAST = 1e-8, 1e3  # residual; m/s and rad/s: controls without a limit of fo
 def load(path: Path) -> Any:
     """The model of a file. Errors: ValueError of MuJoCo."""
     spec = mj.MjSpec.from_file(str(path))
-    if len(spec.worldbody.bodies) == 1:
-        spec.worldbody.add_geom(type=mj.mjtGeom.mjGEOM_PLANE, size=[10, 10, 0.1])
-        if not any(joint.type == mj.mjtJoint.mjJNT_FREE for joint in spec.joints):
-            spec.worldbody.first_body().add_freejoint()
-    model = spec.compile()
-    if model.opt.integrator == mj.mjtIntegrator.mjINT_RK4:
-        model.opt.integrator = mj.mjtIntegrator.mjINT_EULER
-    return model
+    return compiled(spec, bare=len(spec.worldbody.bodies) == 1)
 
 
 def steps(model: Any, behaviour: str, seed: int) -> Iterator[tuple[int, float]]:
