@@ -71,7 +71,7 @@ def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STAR
 
 
 def found(problem: FrictionProblem, starts: int) -> Iterator[tuple[str, str, Array | None]]:
-    """The answers of all methods, from zero and from random starts; None where a method has none."""
+    """The answers of all methods, from zero and from random starts; None where a method has none within its limit of work."""
     random = np.random.default_rng(1)
     scale = problem.units / problem.scale
     for method in METHODS[problem.dimension]:
@@ -80,7 +80,7 @@ def found(problem: FrictionProblem, starts: int) -> Iterator[tuple[str, str, Arr
             if seed:
                 start = scale[:, None] * random.standard_normal((problem.contacts, problem.dimension))
                 start[:, 0] = np.abs(start[:, 0])
-            answer = solve(problem, method, tol=TOL, start=start, time_limit=5.0)
+            answer = solve(problem, method, tol=TOL, start=start)
             yield method, str(seed) if seed else "zero", answer.impulse if answer.status is fb.Status.SOLVED else None
 
 
@@ -95,7 +95,7 @@ def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADD
                 continue
             for method in METHODS[problem.dimension]:
                 for tol in ladder:
-                    answer = solve(problem, method, tol=tol, time_limit=5.0)
+                    answer = solve(problem, method, tol=tol)
                     yield {
                         "scene": name,
                         "friction": friction,
@@ -137,6 +137,8 @@ def summary(tables: Tables) -> Summary:
         "high": f"{several['apart'].max():.2g}",
         "median": f"{several['apart'].median():.2g}",
         "largest": problems["contacts"].max(),
+        "solves": len(rows),
+        "missed": len(rows) - len(known),
         "least": listing([f"{name} from mu = {mu:g}" for name, mu in least.items()]),
         "never": listing(sorted(set(problems.reset_index()["scene"]) - set(least.index))),
         "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
