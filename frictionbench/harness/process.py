@@ -38,11 +38,6 @@ def require_linux() -> None:
         )
 
 
-def pin_threads() -> None:
-    """Limit BLAS, OpenMP, numba and Rayon to one thread in every process started from now on."""
-    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
-
-
 def cores() -> list[int]:
     """The processor cores that this process may use; of two hardware threads of a core, the first."""
     allowed = os.sched_getaffinity(0)

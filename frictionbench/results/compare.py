@@ -157,8 +157,8 @@ def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
 
 
 def equal_loads(recorded: Cells, before: Cells, after: Cells) -> dict[str, list[str]]:
-    """By variant the names of what both versions of a plug-in loaded, though the baseline was made with another content of it:
-    that they give the same result does not tell what the change of these has done.
+    """By variant the names of what both versions of a plug-in loaded, though the baseline was made with another content of it,
+    or of what the baseline loaded and neither of them: that they give the same result does not tell what this has done.
 
     A library of the suite's, of which the version is known, may be loaded in one run and not in another.
     """
@@ -168,6 +168,7 @@ def equal_loads(recorded: Cells, before: Cells, after: Cells) -> dict[str, list[
         equal = {name for name, digest in now.items() if then.get(name) == digest}
         versions = {name for name in equal - known.keys() if "." in now[name]}
         names = [name for name in equal - versions if known.get(name) != now[name]]
+        names += [name for name in known.keys() - now.keys() - then.keys() if "." not in known[name]]
         found |= {variant: sorted(names)} if names else {}
     return found
 
@@ -229,7 +230,7 @@ def _name(found: Change) -> tuple[str, str]:
 
 def _same_on_both(names: Sequence[str]) -> str:
     return (
-        f"both versions load the same {', '.join(names[:SHOWN])}, and the baseline was made with other content. "
+        f"both versions load {', '.join(names[:SHOWN])} with another content than the baseline was made with, or not at all. "
         "Give as --code an environment with the baseline's, or for an executable a checkout in which it is built; if the "
         "change is meant, accept the run as the baseline."
     )

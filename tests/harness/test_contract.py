@@ -13,6 +13,7 @@ from frictionbench.commands.cli import app
 from frictionbench.harness.contract import checks  # noqa: F401  # registers them
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.solvers import Answer, Status, find
+from tests.helpers.plugin import write
 
 GOOD = "interior_point"
 
@@ -50,6 +51,7 @@ def tangents(problem):
 
 
 SPOILT = {
+    "first_calls": lambda self, problem, *_: nothing(problem) if self.calls == 3 else None,
     "input_unchanged": rob,
     "answer_format": lambda self, problem, answer, *_: Answer(np.vstack([answer.impulse, answer.impulse]), answer.status),
     "no_contacts": lambda self, problem, answer, *_: None if problem.contacts else Answer(np.zeros(0), Status.FAILED),
@@ -84,6 +86,17 @@ def test_writing_into_the_dense_matrix_is_found() -> None:
     """As LAPACK does, which factorises in place what it is given by its address."""
     spoilt = Spoiled(lambda _, problem, *__: ctypes.memset(problem.dense().W.ctypes.data, 0, 8) and None)
     assert list(CHECKS["input_unchanged"].violations(Subject(find(GOOD)[0], spoilt)))
+
+
+def test_a_fault_of_the_first_call_is_reported(tmp_path: Path) -> None:
+    """Of the call in which a worker loads the solver, and which no check makes."""
+    first = "answer = fb.solve(problem, 'lemke', tol=tol); calls.append(1)"
+    lies = "return Answer(answer.impulse + (len(calls) == 1), Status.SOLVED, answer.work)"
+    plugin = write(tmp_path / "one.py", first="import frictionbench as fb; calls = []", body=f"{first}; {lies}")
+    result = CliRunner().invoke(app, ["check-solver", str(plugin), "--jobs", "1"])
+    assert result.exit_code == 1
+    assert "failed  first calls: Answer the first call of a process" in result.output
+    assert "the first call in its process, on a problem of one contact, is wrong, and the second is not" in result.output
 
 
 def test_crashing_solver_is_reported(tmp_path: Path) -> None:

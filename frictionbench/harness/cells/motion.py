@@ -8,7 +8,6 @@ middle velocity w = (v + v+)/2 the kinetic energy changes by exactly
 
 from functools import partial
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -32,12 +31,6 @@ from frictionbench.solvers import solve
 TOLERANCE = 1e-8  # as in the suites' simulations
 
 
-def _changed(stage: Scene) -> dict[str, Any]:
-    """The parameters of a scene that are not its defaults."""
-    defaults = scenes()[stage.name].parameters if stage.name in scenes() else {}
-    return {name: value for name, value in stage.parameters.items() if name not in defaults or value != defaults[name]}
-
-
 def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps: int | None = None) -> Motion:
     """The motion of a scene with a solver. It ends early where the scheme has no solution, the solver gives no usable answer,
     or the energy diverges.
@@ -57,10 +50,11 @@ def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps
         ended = str(finding)
     parts = [_balance(stage, before, after) for before, after in pairwise(taken)]
     work = np.cumsum([np.zeros(3), *(work for _, work, _ in parts)], axis=0)
+    usual = scenes()[stage.name].parameters if stage.name in scenes() else {}
     return Motion(
         scene=stage.name,
         parameters=stage.parameters,
-        changed=_changed(stage),
+        changed={name: value for name, value in stage.parameters.items() if name not in usual or value != usual[name]},
         solver=solver,
         scheme=scheme,
         step=stage.step,

@@ -27,6 +27,7 @@ from frictionbench.harness.cells.timing import MOST, time_solver
 from frictionbench.harness.contract.check import contact
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source, plugin_of
+from frictionbench.harness.workers.pool import Settings
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.answer import AnswerError, checked_copy
@@ -49,6 +50,7 @@ class _Worker:
     folder: Path
     plugins: tuple[Plugin, ...]
     memory: int
+    tell: Callable[[], None]
     warm: dict[tuple[str, int, bool], Row] = field(default_factory=dict)  # see _warm_up
     met: set[tuple[str, str]] = field(default_factory=set)
 
@@ -62,12 +64,16 @@ FIRST_TOLERANCE = 1e-6  # of the call that warms a solver up: single precision i
 SHARED = 0.02  # of the timed seconds: a cell that waited longer for its core is marked as disturbed
 
 
-def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tuple[Plugin, ...], memory_limit: int) -> None:
-    """Make this process a worker of the run in folder, pinned to a core of its own if there is one."""
+def start(deadline: Deadline, core: int | None, settings: Settings, tell: Callable[[], None]) -> None:
+    """Make this process a worker, pinned to a core of its own if there is one.
+
+    tell: called before and after a solver's first call, to tell the main process what was loaded until then.
+    """
     global _worker  # noqa: PLW0603  # the state of the worker process, set once
     if core is not None:
         os.sched_setaffinity(0, {core})
-    _worker = _Worker(deadline, core, folder, plugin_files, process.bound_memory(memory_limit))
+    folder, plugin_files, memory_limit = settings
+    _worker = _Worker(deadline, core, folder, plugin_files, process.bound_memory(memory_limit), tell)
 
 
 def folder() -> Path:
@@ -203,13 +209,12 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
     return found | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - begun}
 
 
-def run_check(variant: str, check: str, violations: Callable[[SolverInfo, Solver, str], list[str]], limit: float) -> list[str]:
-    """The violations of a check of the contract (harness.contract) about a solver."""
+def run_check(variant: str, check: str, violations: Callable[..., list[str]], limit: float) -> list[str]:
+    """The violations of a check of the contract (harness.contract) about a solver, which is told what its first calls broke."""
     info, solver = _solver(variant)
-    for dimension in info.dimension:
-        _warm_up(variant, dimension, False, limit)
+    broken = [str(row["reason"]) for dimension in info.dimension if (row := _warm_up(variant, dimension, False, limit))]
     with _worker.deadline.within(limit), process.no_forked_child():
-        return violations(info, solver, check)
+        return violations(info, solver, broken, check)
 
 
 def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None) -> dict[str, Any]:
@@ -268,6 +273,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
     kind = (variant, dimension, jointed)
     if kind not in _worker.warm:
         _worker.warm[kind] = {}
+        _worker.tell()
         info, solver = find(variant)
         gc.disable()  # compilation keeps most objects it creates; collections would free little and take a tenth of the time
         seconds = max(limit, LOAD_SECONDS) if info.needs else limit
@@ -276,6 +282,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
             first = _failure(info, solver, dimension, jointed)
             if first and _foreign(variant) and not _failure(info, solver, dimension, jointed):
                 _worker.warm[kind] = first
+        _worker.tell()
         gc.enable()
         gc.collect()
         gc.freeze()  # what is loaded now stays; collections between cells skip it

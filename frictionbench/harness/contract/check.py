@@ -7,7 +7,7 @@
 The argument is the advice that is shown with violations.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,6 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import make_instance, scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
-from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.problems.verify import Finding, verify
 from frictionbench.solvers import Answer, Solver, SolverInfo
 
@@ -27,10 +26,11 @@ Violations = Iterator[str]
 
 
 class Subject(NamedTuple):
-    """The solver under test."""
+    """The solver under test. broken: what was wrong with the first calls of its process, in words."""
 
     info: SolverInfo
     solver: Solver
+    broken: Sequence[str] = ()
 
     def takes(self, *problems: FrictionProblem) -> list[FrictionProblem]:
         """The problems that the solver does not refuse."""
@@ -62,16 +62,6 @@ def check(advice: str) -> Callable[[Callable[[Subject], Violations]], Callable[[
         return violations
 
     return register
-
-
-def is_solved(finding: Finding) -> bool:
-    """Whether the solver's own model is solved."""
-    return finding.verdict in ACCEPTED
-
-
-def is_false_claim(finding: Finding) -> bool:
-    """Whether the solver claims a solution whose residual is far above the tolerance."""
-    return finding.verdict == Verdict.WRONG
 
 
 def ordinary() -> list[FrictionProblem]:

@@ -1,5 +1,5 @@
-"""The checks of the contract, by what they are about: the answer's format, the fields of the problem, degenerate problems, the
-status, and changes of the problem that leave its velocities the same.
+"""The checks of the contract, by what they are about: first calls, the answer's format, the fields of the problem, degenerate
+problems, the status, and changes of the problem that leave its velocities the same.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,8 +15,6 @@ from frictionbench.harness.contract.check import (
     contact,
     duplicated,
     in_units,
-    is_false_claim,
-    is_solved,
     mirrored,
     ordinary,
     permuted,
@@ -26,11 +24,19 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import make_instance, scene
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.subproblems import side_by_side
+from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.solvers import Status
 
 FAST = 1e6  # the ratio of two islands' speeds: a test relative to the fastest contact allows the other any answer
 TIGHT = 1e-8  # the tolerance of comparisons, so that differences above NEAR are not the tolerance's
 NEAR = 1e-4  # of the largest free contact velocity; each of these problems has a unique velocity
+
+
+@check("Answer the first call of a process, and the first on a problem, like later ones: fill tables before they are read.")
+def first_calls(subject: Subject) -> Violations:
+    yield from subject.broken
+    for problem in ordinary():  # no other check has met them
+        yield from _claimed(subject, problem, "when first met")
 
 
 @check("Copy arrays before changing them: those of the problem belong to the caller.")
@@ -74,7 +80,7 @@ def single_contact(subject: Subject) -> Violations:
         for name, (speed, falling) in cases.items():
             for problem in subject.takes(contact(d, speed=speed, falling=falling)):
                 _, finding = subject.solve(problem)
-                if not is_solved(finding):
+                if finding.verdict not in ACCEPTED:
                     yield f"a contact of dimension {d} that {name}: {finding.verdict}, residual {finding.model_residual:.1e}"
 
 
@@ -128,7 +134,7 @@ def _claimed(subject: Subject, problem: FrictionProblem, name: str, tol: float =
     """A violation where the solver claims an answer that is far from one."""
     for given in subject.takes(problem):
         _, finding = subject.solve(given, tol)
-        if is_false_claim(finding):
+        if finding.verdict == Verdict.WRONG:
             yield f"{given.contacts} contacts of dimension {given.dimension} {name}: {finding.reason}"
 
 
@@ -158,9 +164,9 @@ def duplicated_contacts(subject: Subject) -> Violations:
 def frictionless(subject: Subject) -> Violations:
     for problem in subject.takes(*(each.replace(friction=np.zeros(each.contacts)) for each in ordinary())):
         answer, finding = subject.solve(problem)
-        if is_false_claim(finding) or not np.isfinite(answer.impulse).all():
+        if finding.verdict == Verdict.WRONG or not np.isfinite(answer.impulse).all():
             yield f"{problem.contacts} contacts of dimension {problem.dimension}: {finding.verdict}, {finding.reason}"
-        elif is_solved(finding) and np.abs(answer.impulse[:, 1:]).max(initial=0.0) > 1e-6 * np.abs(answer.impulse).max(
+        elif finding.verdict in ACCEPTED and np.abs(answer.impulse[:, 1:]).max(initial=0.0) > 1e-6 * np.abs(answer.impulse).max(
             initial=1.0
         ):
             yield "tangential impulses without friction"
@@ -190,7 +196,7 @@ def deterministic(subject: Subject) -> Violations:
 def work_limit(subject: Subject) -> Violations:
     for problem in subject.takes(scene("stack", blocks=10, push=1.0).problem(), make_instance("cubes", boxes=5, push=1.0)):
         answer, finding = subject.solve(problem, 1e-10, limit=1)
-        if is_false_claim(finding):
+        if finding.verdict == Verdict.WRONG:
             yield f"with a limit of 1: {finding.reason}"
         if answer.status is not Status.SOLVED and (most := max(answer.work.values(), default=0)) > 100:
             yield f"with a limit of 1 it counts {most} units of work"
@@ -202,11 +208,11 @@ def warm_start(subject: Subject) -> Violations:
         return
     for problem in subject.takes(*ordinary()):
         cold, finding = subject.solve(problem)
-        if not is_solved(finding):
+        if finding.verdict not in ACCEPTED:
             continue
         for name, start in (("its own answer", cold.impulse), ("zero", 0 * cold.impulse), ("nonsense", 1e3 + 0 * cold.impulse)):
             _, found = subject.solve(problem, start=np.ascontiguousarray(start))
-            if not is_solved(found):
+            if found.verdict not in ACCEPTED:
                 yield f"{problem.contacts} contacts, from {name}: {found.verdict}, residual {found.model_residual:.1e}"
 
 
@@ -239,11 +245,11 @@ def _same(
         if spatial and (problem.dimension == 2 or subject.info.model == "lcp"):  # a polygon rotates with the tangents
             continue
         answer, finding = subject.solve(problem, TIGHT)
-        if not is_solved(finding):
+        if finding.verdict not in ACCEPTED:
             continue
         other = change(problem)
         again, found = subject.solve(other, TIGHT)
-        if not is_solved(found):
+        if found.verdict not in ACCEPTED:
             yield f"{problem.contacts} contacts of dimension {problem.dimension}: solved before, {found.verdict} after"
             continue
         off = np.abs(problem.velocity(answer.impulse) - other.velocity(again.impulse) / times).max(initial=0.0)

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from itertools import groupby
+from itertools import groupby, islice
 from typing import Any, NamedTuple
 
 from frictionbench.harness.cells import worker
@@ -82,6 +82,6 @@ def _named(check: str) -> str:
     return check.replace("_", " ")
 
 
-def _violations(info: SolverInfo, solver: Solver, check: str) -> list[str]:
+def _violations(info: SolverInfo, solver: Solver, broken: list[str], check: str) -> list[str]:
     """What one check finds; at most five violations."""
-    return [violation for violation, _ in zip(CHECKS[check].violations(Subject(info, solver)), range(5), strict=False)]
+    return list(islice(CHECKS[check].violations(Subject(info, solver, broken)), 5))

@@ -7,6 +7,7 @@ times in all.
 """
 
 import json
+import os
 import socket
 import subprocess
 import sys
@@ -81,7 +82,7 @@ class _Server:
     """
 
     def __init__(self) -> None:
-        process.pin_threads()
+        os.environ.update(dict.fromkeys(process.ONE_THREAD, "1"))
         self._control, far_end = socket.socketpair()
         command = [sys.executable, "-P", "-c", START, str(PACKAGE.parent), str(far_end.fileno())]
         with TemporaryFile() as errors:
@@ -150,6 +151,7 @@ class _Slot:
         self.connection = _supervisor(settings)
         self.task: Task | None = None
         self._tries = 0
+        self._loaded: Loaded = {}
 
     def send(self, task: Task) -> None:
         self.task = task
@@ -160,7 +162,7 @@ class _Slot:
             self._restart()
 
     def receive(self) -> Outcome | None:
-        """The outcome of the task; None where it was restarted."""
+        """The outcome of the task; None where it was restarted, or has told what was loaded so far."""
         assert self.task is not None
         try:
             message: dict[str, Any] = cleaned(json.loads(self.connection.recv_bytes()))
@@ -174,13 +176,17 @@ class _Slot:
             message = {"failure": Verdict.CRASHED.name, "reason": "the worker's reply is nested too deeply"}
         if "unusable" in message:
             raise InputError(message["unusable"])
+        if message.keys() == {"loaded"}:
+            self._loaded = message["loaded"]
+            return None
         if message.get("retry") and self._tries < TRIES:
             self.send(self.task)
             return None
         failure = Verdict[message["failure"]] if "failure" in message else None
+        message = {"loaded": self._loaded} | message
         told = {name: message[name] for name in ("value", "reason", "refused", "loaded") if name in message}
         outcome = Outcome(self.task, failure=failure, **told)
-        self.task, self._tries = None, 0
+        self.task, self._tries, self._loaded = None, 0, {}
         return outcome
 
     def _restart(self) -> None:

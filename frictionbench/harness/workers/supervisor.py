@@ -191,7 +191,12 @@ class _Worker:
                 received = os.read(self._replies, 2**20)
                 reply += received
                 if reply.endswith(b"\n"):
-                    return _checked(bytes(reply))
+                    for line in bytes(reply).splitlines(keepends=True):
+                        checked, reusable = _checked(line)
+                        if not reusable or json.loads(checked).keys() != {"loaded"}:
+                            return checked, reusable
+                        channel.send_bytes(checked)  # what the worker has loaded so far, in case it is ended in the call
+                    reply.clear()
                 if not received:
                     open_ends, poll = [channel], POLL_CLOSED
             if (ended := self._ended()) is not None:
@@ -223,11 +228,11 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
             sandbox.use_scratch(child.scratch)
             dependencies.watch(folder)
         process.use_temporary(child.scratch)
-        worker.start(child.deadline, core, *settings)
+        worker.start(child.deadline, core, settings, lambda: _write(replies, loaded=dependencies.loaded()))
     except (OSError, ValueError) as error:
-        os.write(replies, _reply(reason=str(error) if isinstance(error, InputError) else f"workers: {error}"))
+        _write(replies, reason=str(error) if isinstance(error, InputError) else f"workers: {error}")
         return
-    os.write(replies, _reply())
+    _write(replies)
     pid, home = os.getpid(), os.getcwd()
     while True:
         try:
@@ -242,13 +247,18 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
             refused = isinstance(error, InputError)
             reason = str(error) if refused else plugins.describe_error(error)
             found = {"failure": Verdict.CRASHED.name, "reason": reason, "refused": refused}
-        reply = _reply(**found, helpers=living(), loaded=dependencies.loaded())
         if os.getpid() != pid:  # a child that a solver forked, and that returned from the call as well
             os._exit(0)
         os.chdir(home)
         signal.pthread_sigmask(signal.SIG_SETMASK, ())
-        while reply:
-            reply = reply[os.write(replies, reply) :]
+        _write(replies, **found, helpers=living(), loaded=dependencies.loaded())
+
+
+def _write(replies: int, **fields: Any) -> None:
+    """Write a reply, a line, to the pipe of this worker."""
+    reply = _reply(**fields)
+    while reply:
+        reply = reply[os.write(replies, reply) :]
 
 
 def _checked(line: bytes) -> tuple[bytes, bool]:
