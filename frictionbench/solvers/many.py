@@ -81,7 +81,7 @@ class Answers:
 
 def solve_many(
     problems: Batch | Iterable[FrictionProblem],
-    spec: str,
+    spec: str = "hybrid",
     *,
     tol: float = 1e-8,
     limit: int | None = None,

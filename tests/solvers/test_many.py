@@ -68,6 +68,7 @@ def test_hybrid_goes_from_newtons_method_to_the_interior_point(spatial: list[Fri
     found = find("hybrid")[1].solve_many(packed, 1e-8, None)  # type: ignore[attr-defined]
     assert found.work["members"].tolist() == [1, 2, 1]
     assert (found.work["interior_point iterations"] > 0).tolist() == [False, True, False]
+    assert "members" in fb.solve_many(spatial[3:]).work  # without a name hybrid, as in solve
 
 
 @pytest.mark.parametrize("spec", ["lemke", "nsgs", "interior_point"])
