@@ -8,8 +8,8 @@ with a sparse M: solutions have the value 0, a local minimum may have another, o
 
 Licence: CasADi LGPL-3.0; it bundles qpOASES (LGPL-2.1) and Ipopt (EPL-2.0).
 Form: for qrqp and qpoases the dual, dense and dimensionless, for qrqp with 1e-12 on the diagonal, as it fails on singular ones;
-    for ipopt the friction LCP's M, scaled, and q. Setup: none. Solve: the call, from 0, of CasADi's solver object, which is
-    made once for each tolerance and size, for ipopt for each tolerance and sparsity of M.
+    for ipopt the friction LCP's M, scaled, and q. Setup: for ipopt M's conversion to compressed columns. Solve: the call, from
+    0, of CasADi's solver object, which is made once for each tolerance and size, for ipopt for each tolerance and sparsity.
 Clock: CasADi's, around the solver, for qpoases.
 Settings: their defaults, without output, and for ipopt that derivatives are constant. Ipopt relaxes bounds by
     bound_relax_factor = 1e-8; tuned is 0, `frictionbench solve 'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]'
@@ -76,6 +76,10 @@ class CasADi:
     def form(self, problem: FrictionProblem) -> DualProgram | DenseLCP:
         return dense_lcp(problem) if self.method == "ipopt" else dual_program(problem, _DEFINITE[self.method])
 
+    def setup(self, given: DualProgram | DenseLCP) -> DualProgram | DenseLCP:
+        """For ipopt M in compressed columns."""
+        return given._replace(M=sparse.csc_matrix(given.M)) if isinstance(given, DenseLCP) else given
+
     def solve(self, given: DualProgram | DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         if isinstance(given, DenseLCP):
             return _by_ipopt(given, tol * given.share / MARGIN, limit or 3000, self.settings == "tuned")
@@ -98,11 +102,12 @@ def _quadratic(method: str, n: int, eps: float, limit: int) -> Any:
 
 
 def _by_ipopt(given: DenseLCP, eps: float, limit: int, tuned: bool) -> Answer:
-    n, M = len(given.q), sparse.csc_matrix(given.M)
+    n = len(given.q)
+    M: Any = given.M  # in compressed columns
     made = _complementarity(n, M.indptr.tobytes(), M.indices.tobytes(), max(eps**2, 1e-15), limit, tuned)
     found = made(x0=0.0, lbx=0.0, lbg=0.0, ubg=0.0, p=np.concatenate([M.data, given.q]))
     y, stats = np.array(found["x"]).ravel()[:n], made.stats()
-    accurate = np.abs(np.minimum(y, given.M @ y + given.q)).max() <= eps
+    accurate = np.abs(np.minimum(y, M @ y + given.q)).max() <= eps
     status = Status.SOLVED if stats["success"] and accurate else Status.FAILED
     return given.scaled.answer(y, status, stats["return_status"], iterations=int(stats["iter_count"]))
 

@@ -15,7 +15,7 @@ Its contact rows are J^ on velocities of unit mass: with M = L L', w = L'v / the
     J^ = E J L^-T,      w* = L'v* / theta,      b^ = E b / theta,      W^ = J^ J^',      q^ = J^ w* + b^.
 
 Licence: Apache-2.0.
-Form: dimensionless contact rows, three a contact, on velocities of unit mass. Setup: MuJoCo's
+Form: dimensionless contact rows, three a contact, on velocities of unit mass. Setup: their compression, and MuJoCo's
     template, once per size. Solve: the transfer of the rows into it, and mj_fwdConstraint.
 Clock: around mj_fwdConstraint.
 Charged: some 50 µs more than a call by hand at 2 contacts: the dimensionless form.
@@ -34,6 +34,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
@@ -49,6 +50,8 @@ _CALLS = 20
 
 # The scaling; rows J^ (3 nc, nv), three a contact, normal first; w* (nv,) and b^ (3 nc,).
 Whitened = tuple[ScaledDelassus, Array, Array, Array]
+# These; of J^, the number of each row's entries, their beginnings, columns and values; MuJoCo's model and data.
+Prepared = tuple[Whitened, tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], Array], Any, Any]
 
 
 @solver(
@@ -75,21 +78,22 @@ class MuJoCo:
         motion = problem.free_velocity, problem.offset
         return given, *_whiten(*problem.contact_rows, *problem.mass_rows, *motion, given.E, given.theta)
 
-    def setup(self, form: Whitened) -> tuple[Whitened, Any, Any, Any]:
+    def setup(self, form: Whitened) -> Prepared:
         given, J, v, _ = form
         filled = np.repeat(J.reshape(-1, 3, len(v)).any(axis=1), 3, axis=0)  # alike in a contact's rows
-        return form, filled, *_template(len(v), len(given.friction), max(1, int(filled.sum(axis=1).max())))
+        counts, at = np.count_nonzero(filled, axis=1), np.flatnonzero(filled)
+        compressed = counts, np.cumsum(counts) - counts, at % len(v), J.ravel()[at]
+        return form, compressed, *_template(len(v), len(given.friction), max(1, int(counts.max())))
 
-    def solve(self, prepared: tuple[Whitened, Any, Any, Any], tol: float, limit: int | None, start: Any = None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         mujoco: Any = import_module("mujoco")
-        (given, J, v, b), filled, model, data = prepared
+        (given, J, v, b), (counts, begins, columns, values), model, data = prepared
         R, mu = max(tol, _LEAST), np.maximum(given.friction, 1e-8)  # its elliptic cone needs friction
         model.opt.solver = getattr(mujoco.mjtSolver, f"mjSOL_{self.method.upper()}")
         model.opt.iterations = limit or _ITERATIONS[self.method]
         model.opt.ls_tolerance, model.opt.ls_iterations = _SEARCH[self.settings]
-        counts, values = filled.sum(axis=1), J[filled]
-        data.efc_J_rownnz[:], data.efc_J_rowadr[:], data.efc_J_rowsuper[:] = counts, np.cumsum(counts) - counts, 0
-        data.efc_J_colind[: len(values)], data.efc_J[: len(values)] = filled.nonzero()[1], values
+        data.efc_J_rownnz[:], data.efc_J_rowadr[:], data.efc_J_rowsuper[:] = counts, begins, 0
+        data.efc_J_colind[: len(values)], data.efc_J[: len(values)] = columns, values
         data.efc_aref[:], data.efc_R[:], data.efc_D[:] = -b, R, 1 / R
         data.efc_margin[:] = data.efc_pos[:] = 0
         data.contact.mu[:], data.contact.friction[:, :2] = mu, mu[:, None]

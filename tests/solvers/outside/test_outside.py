@@ -155,6 +155,18 @@ def test_whitened_rows_make_the_scaled_delassus_form() -> None:
         assert J @ v + b == pytest.approx(dense.q, abs=1e-12)
 
 
+@pytest.mark.parametrize("spec", ["mujoco", "casadi[method=ipopt]"])
+def test_matrices_are_compressed_in_setup(spec) -> None:
+    """What `solve` is given is complete: the dense matrix is overwritten after setup."""
+    (info, solver), problem = find(spec), scene("stack", blocks=2, push=1.0).problem()
+    if info.missing:
+        pytest.skip(info.missing)
+    expected, formed = solve(problem, spec), solver.form(problem)
+    prepared = solver.setup(formed)
+    formed[1][:] = 0.0
+    assert solver.solve(prepared, 1e-8, None).impulse == pytest.approx(expected.impulse)
+
+
 @pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)
 def test_treatment_is_documented(info) -> None:
     told = facts(info).keys()
