@@ -66,7 +66,8 @@ class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
     In space the first is Newton's method on dense rows, for few contacts or none; it counts newton sweeps and steps.
-    Where the first fails, a linear program looks for contacts that contradict each other, with which no member is of use.
+    Where the first member fails, and Newton's method too, a linear program looks for contacts that contradict each other, with
+    which no member is of use.
     Impulses whose residual rounding alone explains are an answer where no member finds smaller ones.
     The limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
@@ -116,7 +117,7 @@ class Hybrid:
             if found < least:
                 impulse, least, found_by = answer.impulse, found, name
             late = late or answer.status is Status.TIME_LIMIT
-            if tried == 1 and (proof := contradiction(problem)) and proof.least_residual > tol:
+            if name == members[0] and (proof := contradiction(problem)) and proof.least_residual > tol:
                 return Answer(impulse, Status.INFEASIBLE, work, detail=str(proof))
             if is_over():
                 break

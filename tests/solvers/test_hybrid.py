@@ -102,6 +102,17 @@ def test_proximal_points_solve_a_wall_that_stops_the_interior_point(monkeypatch:
     assert solve(problem, "hybrid").detail == "answered by proximal_newton"
 
 
+def test_contradictions_are_looked_for_after_newtons_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A point between two walls that ask it to leave in opposite directions; no third member is tried."""
+    walls = FrictionProblem(
+        dimension=3, mass=np.eye(3), normal=[[1, 0, 0], [-1, 0, 0]], tangent=np.eye(3)[[1, 2, 1, 2]],
+        friction=[0.5, 0.5], free_velocity=[0, 1, 0], bias=[-1, -0.5],
+    )  # fmt: skip
+    monkeypatch.setattr(type(find("interior_point")[1]), "solve", lambda *_: Answer(np.zeros((2, 3)), Status.STALLED))
+    answer = solve(walls, "hybrid")
+    assert (answer.status, answer.work["members"]) == (Status.INFEASIBLE, 2)
+
+
 def test_nothing_is_formed_without_contacts() -> None:
     v, row = np.arange(3.0), np.zeros((0, 3))
     law = {"friction": row[:, 0], "bias": row[:, 0], "normal": row, "tangent": row, "dimension": 3}
