@@ -62,7 +62,8 @@ def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, wi
 
 def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
     """Save the figures of a chart, one of all panels or one for each map; the captions by the names of the files."""
-    found, caption = chart.panels(run), _caption(chart, run)
+    title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
+    found, caption = chart.panels(run), f"{title}. {_plain(chart.caption)}".removeprefix(". ")
     panels = [one for one in found if isinstance(one, Panel)]
     captions = _save(chart.name, caption, panels, NOTHING, run, paper, width, font)
     for one in found:
@@ -94,12 +95,6 @@ def _save(
         save_sheet(panels[k : k + most], run.looks, paper / name, columns, size, FONT, font, handles=handles)
         captions[name] = (f"{title} (continued)." if k else caption) + asterisk
     return captions
-
-
-def _caption(chart: Chart, run: Run) -> str:
-    """The caption in print: the title, and what the chart shows."""
-    title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
-    return f"{title}. {_plain(chart.caption)}".removeprefix(". ")
 
 
 def _plain(caption: str) -> str:

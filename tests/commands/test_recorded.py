@@ -127,15 +127,10 @@ def sequence(folder, names, problems):
     return folder
 
 
-def steps_of_a_stack(count):
-    """A pushed stack, of which each step is a little faster."""
-    problem = make_scene("stack", blocks=3, push=1.0).problem()
-    return [problem.replace(free_velocity=problem.free_velocity * (1 + 0.01 * step)) for step in range(count)]
-
-
 def test_files_in_order_are_a_sequence(tmp_path) -> None:
     """Every step but the first, and one after a step with another number of contacts, is started from the step before."""
-    *steps, last = steps_of_a_stack(4)
+    pushed = make_scene("stack", blocks=3, push=1.0).problem()
+    *steps, last = (pushed.replace(free_velocity=pushed.free_velocity * faster) for faster in (1, 1.01, 1.02, 1.03))
     problems = [*steps, make_scene("stack", blocks=2, push=1.0).problem(), last]
     names = ["step_1.npz", "step_2.npz", "step_3.npz", "step_9.npz", "step_10.npz"]
     data, out = sequence(tmp_path / "set", names, problems), tmp_path / "out"

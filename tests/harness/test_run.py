@@ -2,7 +2,6 @@
 
 import json
 from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
 
@@ -101,16 +100,12 @@ def test_replayed_starts(tmp_path) -> None:
     assert max(work["sweeps"] for work in sweeps["warm"]) < max(work["sweeps"] for work in sweeps["cold"])
 
 
-def row_text(folder: Path, **changes) -> str:
-    """The first row of the run's solves as a line of a shard, with changes."""
-    shard = max((folder / "shards").glob("solves-*.jsonl"), key=lambda path: path.stat().st_size)
-    return json.dumps(json.loads(shard.read_text(encoding="utf-8").splitlines()[0]) | changes) + "\n"
-
-
 def test_rows_that_another_process_writes_do_not_count(tmp_path, monkeypatch) -> None:
     plan = small_plan(simulations=())
     run(plan, tmp_path / "honest", 1, quiet())
-    honest, forged = verdicts(tmp_path / "honest"), row_text(tmp_path / "honest", verdict="wrong", residual=9.0)
+    shard = max((tmp_path / "honest" / "shards").glob("solves-*.jsonl"), key=lambda path: path.stat().st_size)
+    row = json.loads(shard.read_text(encoding="utf-8").splitlines()[0])
+    honest, forged = verdicts(tmp_path / "honest"), json.dumps(row | {"verdict": "wrong", "residual": 9.0}) + "\n"
 
     @contextmanager
     def forging(folder, table, writer):

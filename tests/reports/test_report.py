@@ -40,10 +40,6 @@ def run_of(*rows):
     return Run({}, annotated(*rows), annotate_simulations(table("simulations", [])))
 
 
-def profiles_of(run):
-    return accuracy.profiles(accuracy.overall(run.times[1e-8])[PLANE])
-
-
 def by_label(table, problem_class="bar"):
     return table[table["problem_class"] == problem_class].set_index("label")
 
@@ -318,7 +314,8 @@ def test_common_denominator():
     rows += [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in names[:3]]
     run = run_of(*rows)
     shares = by_label(run.summaries[1e-8], PLANE)["share"]
-    reached = {label: profile.share(np.array([1e9]))[0] for label, profile in profiles_of(run).items()}
+    profiles = accuracy.profiles(accuracy.overall(run.times[1e-8])[PLANE])
+    reached = {label: profile.share(np.array([1e9]))[0] for label, profile in profiles.items()}
     assert reached == pytest.approx(shares.to_dict())
     assert reached == pytest.approx({"a": 1.0, "b": 0.5, "a, warm": 1.0})  # each scene has half of the weight
     assert by_label(run.summaries[1e-8], PLANE)["problems"].to_dict() == {"a": 10, "b": 10, "a, warm": 3}

@@ -199,7 +199,8 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
     begun, waited = perf_counter(), process.waited()
     if not reason:
         try:
-            with _worker.deadline.within(limit, *_compiling(variant)):
+            compiling, ours = (FOREIGN_LOADING, True) if _foreign(variant) else (COMPILE_SECONDS, False)
+            with _worker.deadline.within(limit, compiling, ours):
                 found = measure()
             found = _machine_columns(waited, perf_counter() - begun) | found
         except BaseException as error:
@@ -254,11 +255,6 @@ def _foreign(variant: str) -> bool:
     return plugin_of(variant, _worker.plugins) is not None
 
 
-def _compiling(variant: str) -> tuple[float, bool]:
-    """The seconds of a cell in which numba may compile or read its cache that do not count, and whether only our kernels do."""
-    return (FOREIGN_LOADING, True) if _foreign(variant) else (COMPILE_SECONDS, False)
-
-
 def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:
     """The problem's dimension, 0 for an LCP, and whether it has joints."""
     return (0, False) if isinstance(problem, LCP) else (problem.dimension, problem.joints.shape[0] > 0)
@@ -267,8 +263,8 @@ def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:
 def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
     """Load and compile what the solver needs, once per worker, by solving _smallest.
 
-    Where a plug-in's first call fails and its second does not, its answers depend on what the process did before: the verdict
-    on the first, with the reason, is returned for all cells of this worker. Another error occurs again, in the cell.
+    Where a first call fails and a second does not, the solver's answers depend on what the process did before: the verdict on
+    the first, with the reason, is returned for all cells of this worker. Another error occurs again, in the cell.
     """
     kind = (variant, dimension, jointed)
     if kind not in _worker.warm:
@@ -280,7 +276,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
         compiling = FOREIGN_COMPILING if _foreign(variant) else COMPILE_SECONDS
         with suppress(BaseException), _worker.deadline.within(seconds, compiling), process.no_forked_child():
             first = _failure(info, solver, dimension, jointed)
-            if first and _foreign(variant) and not _failure(info, solver, dimension, jointed):
+            if first and not _failure(info, solver, dimension, jointed):
                 _worker.warm[kind] = first
         _worker.tell()
         gc.enable()

@@ -108,7 +108,8 @@ def supervise(channel: Connection, confined: str, scratch: Path) -> None:
                     channel.send_bytes(_reply(unusable=str(error)))
                     break
             reply, reusable = child.run(task, channel)
-            if process.end_descendants(spare=_spared(child, task, reply) if reusable else ()) or not reusable:
+            helpers = [] if task.owner or not reusable else json.loads(reply)["helpers"]  # of our own code alone
+            if process.end_descendants(spare=[*child.processes, *helpers] if reusable else ()) or not reusable:
                 _end(child)
                 child = None
             channel.send_bytes(reply)
@@ -123,11 +124,6 @@ def _end(child: "_Worker | None") -> None:
             with suppress(OSError):
                 os.chmod(folder, 0o700)
         shutil.rmtree(child.scratch, ignore_errors=True)
-
-
-def _spared(child: "_Worker", task: Task, reply: bytes) -> list[int]:
-    """The processes that are not ended after a task: the worker, and its helper processes where it ran only our own code."""
-    return [*child.processes, *([] if task.owner else json.loads(reply)["helpers"])]
 
 
 class _Worker:

@@ -125,21 +125,16 @@ def _field(
     return Field(title, [tile for tile in every if tile.colour and (tile.width < 1 or tile.colour != ground)], ground)
 
 
-def _at(cells: MapCells, rows: pd.DataFrame) -> "pd.Series[Any]":
-    """The parameters of each cell as text."""
-    x, y = cells.spec.x, cells.spec.y
-    return rows.apply(lambda row: f"{x.parameter} {x.value(row['i']):.4g}, {y.parameter} {y.value(row['j']):.4g}", axis=1)
-
-
 def _verdicts(cells: MapCells) -> dict[str, Field]:
     """By label."""
-    fields = {}
+    fields, x, y = {}, cells.spec.x, cells.spec.y
     for label in cells.labels:
         rows = cells.rows[cells.rows["label"] == label]
         known = rows[rows["known"]]
         share = f" {percent((known['verdict'] == Verdict.SOLVED).mean(), 1)}" if len(known) else ""
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
-        tooltips = _at(cells, rows) + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
+        at = rows.apply(lambda row: f"{x.parameter} {x.value(row['i']):.4g}, {y.parameter} {y.value(row['j']):.4g}", axis=1)
+        tooltips = at + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
         tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "") + " · " + rows["key"]
         tooltips = tooltips.where(rows["verdict"] != Verdict.RELAXED, "")  # no failure: the model is solved
         ended = pd.Series(endings(rows), index=rows.index)

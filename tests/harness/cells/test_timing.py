@@ -1,5 +1,6 @@
 """Form, setup and solve are timed separately, without calls that compile or load code; the clock is simulated."""
 
+import gc
 import sys
 from types import ModuleType
 
@@ -7,7 +8,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from frictionbench.harness.cells import simulation, timing
+from frictionbench.harness.cells import simulation, timing, worker
+from frictionbench.harness.deadline import Deadline
 from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.problems.catalogue import scene
 from frictionbench.solvers import Answer, SolverInfo, Status, find, solve
@@ -165,3 +167,12 @@ def test_default_steps():
     assert (form.form(1), form.setup(1), form.prepare(1)) == (("formed", 1), 1, ("formed", 1))
     with pytest.raises(ValueError, match="Prepares defines prepare"):
         with_all_steps(type("Prepares", (), {"prepare": lambda self, problem: problem}))
+
+
+def test_a_first_call_that_alone_fails_counts_for_every_solver(monkeypatch, tmp_path) -> None:
+    solve, failing = type(find("nsgs")[1]).solve, [True]
+    monkeypatch.setattr(type(find("nsgs")[1]), "solve", lambda *given: 0 / 0 if failing and failing.pop() else solve(*given))
+    monkeypatch.setattr(worker, "_worker", worker._Worker(Deadline(), None, tmp_path, (), 0, lambda: None), raising=False)
+    found = [worker._warm_up("nsgs", dimension, False, 60.0).get("verdict") for dimension in (2, 3)]
+    gc.unfreeze()
+    assert found == ["crashed", None]

@@ -47,10 +47,6 @@ def unit(problem: FrictionProblem) -> Array:
     return np.repeat(problem.scale, 2) / (np.abs(problem.q).max() or 1.0)
 
 
-def rescaled(problem: FrictionProblem, piece: Polyhedron) -> Polyhedron:
-    return Polyhedron(piece.vertices * unit(problem), piece.rays * unit(problem), piece.mode)
-
-
 def test_no_contact_has_one_empty_solution() -> None:
     found = census(nothing())
     assert found.shape is Shape.ONE
@@ -92,7 +88,7 @@ def test_agreement_with_lcp_census(seed: int) -> None:
             assert residual(problem, vertex.reshape(nc, 2)) <= 1e-10
             for ray in piece.rays:
                 assert residual(problem, (vertex + ray).reshape(nc, 2)) <= 1e-10
-    pieces = [rescaled(problem, piece) for piece in found.pieces]
+    pieces = [Polyhedron(piece.vertices * unit(problem), piece.rays * unit(problem), piece.mode) for piece in found.pieces]
     if nc <= 2:
         lcp = problem.lcp()
         impulses = [lcp.impulse(z).ravel() * unit(problem) for piece in lcp_census(lcp).pieces for z in piece.vertices]

@@ -158,7 +158,7 @@ def test_whitened_rows_make_the_scaled_delassus_form() -> None:
 @pytest.mark.parametrize("spec", ["mujoco", "casadi[method=ipopt]"])
 def test_matrices_are_compressed_in_setup(spec) -> None:
     """What `solve` is given is complete: the dense matrix is overwritten after setup."""
-    (info, solver), problem = find(spec), scene("stack", blocks=2, push=1.0).problem()
+    (info, solver), problem = find(spec), EASY["two boxes"]
     if info.missing:
         pytest.skip(info.missing)
     expected, formed = solve(problem, spec), solver.form(problem)
