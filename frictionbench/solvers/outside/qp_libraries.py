@@ -148,8 +148,8 @@ class ProxSuite:
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
         solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=20,mass_ratio=100000]' --solver
         'proxsuite' --solver 'proxsuite[settings=tuned]'`.
-    Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-14, which is tested only on request; eps_rel = 0,
-        4.4e-16 for the gap, for rounding; eps stands for tol.
+    Tolerance: eps_abs = eps/100 for both residuals, as with eps it calls answers solved that are off by 10 tol; gap eps^2, no
+        less than 1e-14, which is tested only on request; eps_rel = 0, 4.4e-16 for the gap, for rounding; eps stands for tol.
     Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
     """
 
@@ -172,7 +172,7 @@ class ProxSuite:
         proxqp: Any = import_module("proxsuite").proxqp
         scaled, qp = prepared
         (eps, gap), settings = scaled.tolerances(tol, LEAST_GAP["proxsuite"]), qp.settings
-        settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 10_000
+        settings.eps_abs, settings.eps_rel, settings.max_iter = eps / MARGIN**2, 0.0, limit or 10_000
         settings.check_duality_gap, settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = True, gap, _ROUNDING
         if self.settings == "tuned":
             settings.eps_primal_inf = settings.eps_dual_inf = _INFEASIBILITY
