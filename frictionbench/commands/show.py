@@ -31,9 +31,9 @@ def told(motion: Motion) -> str:
 
 
 def _percent(share: float) -> str:
-    """Two digits of a share, all of a hundred and more."""
-    percent = 100 * share
-    return f"{percent:+.0f} %" if abs(percent) >= 99.5 else f"{percent:+.2g} %"
+    """Two digits of a share, all of a hundred and more, and no more than two decimals."""
+    percent = round(100 * share, 2)
+    return f"{percent:+z.0f} %" if abs(percent) >= 99.5 else f"{percent:+z.2g} %"
 
 
 def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int | None) -> Motion:

@@ -263,12 +263,9 @@ def test_which_solver_by_hand():
     assert small.lead == pytest.approx((2e-3 + 1e-5 - 1e-5) / (1.001e-3), rel=1e-12)
 
 
-def test_pareto_front():
+def test_pareto_front_and_the_means_in_it_of_solvers_of_all_problems():
     time, residual = np.array([1.0, 2.0, 3.0, 2.0]), np.array([1e-2, 1e-6, 1e-6, 1e-8])
     assert pareto.front(time, residual).tolist() == [0, 3]
-
-
-def test_pareto_requires_all_problems():
     rows = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), unanswered_row("b", "q", "skipped")]
     assert pareto.means(run_of(*rows).ranked)["label"].tolist() == ["a"]
 

@@ -37,10 +37,7 @@ def test_threshold(label) -> None:
     assert label not in labels(outside)
 
 
-def test_without_measurements_there_is_no_label() -> None:
+def test_what_was_not_measured_gives_no_label_and_a_rank_is_bounded_by_the_velocities() -> None:
     assert labels({}) == []
-
-
-def test_rank_unknown_is_bounded_by_the_velocities() -> None:
     assert labels({"contacts": 80, "dimension": 2, "velocities": 120}) == ["hyperstatic"]
     assert labels({"contacts": 80, "dimension": 2, "velocities": 121}) == []

@@ -91,7 +91,7 @@ def friction_bias(subject: Subject) -> Violations:
             sliding = contact(d, speed=2.0, falling=falling).replace(friction_bias=np.ones(1))
             yield from _claimed(subject, sliding, f"with a friction_bias of 1 N s, {name}")
     for problem in ordinary():
-        more = np.linspace(0.5, 1, problem.contacts) * _impulse(problem)
+        more = np.linspace(0.5, 1, problem.contacts) * problem.velocity_scale / problem.scale.mean()  # as large as impulses
         yield from _claimed(subject, problem.replace(friction_bias=more), "with friction_bias")
 
 
@@ -136,11 +136,6 @@ def _claimed(subject: Subject, problem: FrictionProblem, name: str, tol: float =
         _, finding = subject.solve(given, tol)
         if finding.verdict == Verdict.WRONG:
             yield f"{given.contacts} contacts of dimension {given.dimension} {name}: {finding.reason}"
-
-
-def _impulse(problem: FrictionProblem) -> float:
-    """The size of the problem's impulses, N s."""
-    return float(problem.velocity_scale / problem.scale.mean())
 
 
 @check("W is singular here and impulses are not unique: regularise, or solve for velocities, and verify the residual.")

@@ -71,7 +71,7 @@ class EngineStep(ReadOnly):
             require(self.step > 0, "step", f"must be positive, got {self.step:g}")
 
     def __repr__(self) -> str:
-        noted = "".join(f", {name} {100 * share:.2g} %" for name, share in self.notes.items())
+        noted = "".join(f", {name} {100 * share:.2f} %" for name, share in self.notes.items())
         return f"EngineStep({self.problem.summary}{noted})"
 
     def save(self, folder: str | Path) -> Path:
