@@ -89,7 +89,7 @@ def loaded() -> Loaded:
         module = sys.modules.get(top)
         if top in sys.stdlib_module_names or top == PACKAGE.name or module is None:
             continue
-        if top in _watch.known:
+        if top in _watch.known and getattr(module, "__file__", None):  # no namespace that others share
             found[top] = f"{VERSION}{getattr(module, '__version__', '')}"
             continue
         for part, place in enumerate(getattr(module, "__path__", None) or [getattr(module, "__file__", None)], 1):
@@ -101,7 +101,8 @@ def loaded() -> Loaded:
     _watch.add_forked()
     read = {*_mapped(), *_watch.read} - _watch.libraries - _watch.written
     others = {_source(Path(path)).resolve() for path in read}
-    others -= {Path(file).resolve() for module in list(sys.modules.values()) if (file := getattr(module, "__file__", None))}
+    ours = [module for name, module in list(sys.modules.items()) if name.partition(".")[0] in _watch.known]
+    others -= {Path(file).resolve() for module in ours if (file := getattr(module, "__file__", None))}
     for path in sorted(others):
         metadata = path.parent.suffix in (".dist-info", ".egg-info")
         if path.is_file() and path.suffix not in COMPILED and not metadata and not any(map(path.is_relative_to, places)):

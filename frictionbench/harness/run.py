@@ -61,6 +61,8 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
                 record_histories(plan, folder, records.values(), rows["solves"].values(), pool, progress)
         if distant:  # after the pool has released its cores, which workers on this machine need
             _run(cells, records, plan, folder, distant, progress, rows)
+    if changed := dependencies.differing(plan, store.read_manifest(folder).get("content", {})):
+        raise ResultsError(f"{folder}: {changed[0]}: has another content than when the run began; begin another run")
     for table, found in rows.items():
         store.write_table(folder, table, [found[cell.key] for cell in cells if cell.table == table])
     names = sorted({record["problem"] for record in records.values()} - {""})

@@ -138,7 +138,9 @@ def replaced(path: Path) -> Iterator[Path]:
     partial = Path(name)
     try:
         yield partial
-        partial.chmod(0o666 & ~_umask())
+        mask = os.umask(0)
+        os.umask(mask)
+        partial.chmod(0o666 & ~mask)
         partial.replace(path)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
@@ -151,9 +153,3 @@ def write_text(path: Path, text: str) -> None:
     """Write a text file atomically as UTF-8; what cannot be encoded is replaced by a question mark."""
     with replaced(path) as partial:
         partial.write_text(text, encoding="utf-8", errors="replace")
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

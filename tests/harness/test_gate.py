@@ -180,13 +180,13 @@ import wrapped, spread.first, spread.second
 READS = (
     "import numpy, runpy; numpy.load({home!r} + '/gains.npy'); runpy.run_path({home!r} + '/run.py'); "
     "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close(); import os, subprocess; "
-    "subprocess.run([{home!r} + '/started.sh']); subprocess.run({home!r} + '/in_shell.sh', shell=True); "
+    "subprocess.run([{home!r} + '/started.sh']); subprocess.run({home!r} + '/shell.sh', shell=True); "
     "os.system({home!r} + '/by_os.sh 1'); import multiprocessing; fork = multiprocessing.get_context('fork'); "
-    "opened = (numpy.load, 'by_child.npy'), (open, 'made.txt', 'w'), (open, 'made.txt'); "
+    "opened = (numpy.load, 'child.npy'), (open, 'made.txt', 'w'), (open, 'made.txt'); "
     "children = [fork.Process(target=call, args=({home!r} + '/' + name, *mode)) for call, name, *mode in opened]; "
     "[child.start() or child.join() for child in children]"
 )
-READ = ("gains.npy", "by_child.npy", "run.py", "named.txt", "both.txt", "started.sh", "in_shell.sh", "by_os.sh")
+READ = ("gains.npy", "child.npy", "two/one.py", "run.py", "named.txt", "both.txt", "started.sh", "shell.sh", "by_os.sh")
 SPREAD = {"spread": "one/spread", "spread 2": "two/spread"}  # a package of two folders
 
 
@@ -197,10 +197,11 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
         (tmp_path / folder / "spread").mkdir(parents=True)
         (tmp_path / folder / "spread" / f"{module}.py").write_text("GAIN = 1.0", encoding="utf-8")
     (tmp_path / "wrapped").mkdir()
-    (tmp_path / "wrapped" / "__init__.py").write_text("from wrapped import core", encoding="utf-8")
+    (tmp_path / "wrapped" / "linked").symlink_to(tmp_path / "two")
+    (tmp_path / "wrapped" / "__init__.py").write_text("import wrapped.core, wrapped.linked.one", encoding="utf-8")
     (tmp_path / "wrapped" / "core.py").write_text("GAIN = 1.0", encoding="utf-8")
     np.save(tmp_path / "gains.npy", np.ones(3))
-    np.save(tmp_path / "by_child.npy", np.ones(3))
+    np.save(tmp_path / "child.npy", np.ones(3))
     for name in READ[2:]:
         (tmp_path / name).write_text("#!/bin/sh" if name.endswith(".sh") else "1", encoding="utf-8")
         (tmp_path / name).chmod(0o755)
@@ -220,8 +221,20 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     }
     again()
     (tmp_path / changed).write_bytes((tmp_path / changed).read_bytes() + b" ")
-    with pytest.raises(ResultsError, match=f"{tmp_path / (changed.rpartition('/')[0] or changed)}: has another content"):
+    place = changed if changed in (*READ, "problem.npz") else changed.rpartition("/")[0]
+    with pytest.raises(ResultsError, match=f"{tmp_path / place}: has another content"):
         again()
+
+
+def test_a_run_does_not_finish_with_inputs_that_changed(tmp_path: Path) -> None:
+    """As where a package is installed anew while a run that needs it goes on."""
+    home, wrapped = str(tmp_path), tmp_path / "wrapped.py"
+    wrapped.touch()
+    changes = f"open({str(wrapped)!r}, 'a').write('#')"
+    plugin = write(tmp_path / "guest.py", first=f"import sys; sys.path.insert(0, {home!r}); import wrapped", body=changes)
+    with pytest.raises(ResultsError, match=f"{wrapped}: has another content than when the run began"):
+        run_of(tmp_path / "run", plugin, tolerances=(1e-4, 1e-6))
+    assert "finished" not in store.read_manifest(tmp_path / "run")
 
 
 def test_command_of_an_executable_is_recorded(tmp_path: Path) -> None:

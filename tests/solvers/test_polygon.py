@@ -10,13 +10,9 @@ from frictionbench.solvers import find, solve
 LCP_SOLVERS = ("lemke", "path_search", "dantzig", "fischer_newton", "minmap_newton", "murty")
 
 
-def sliding():
-    return make_instance("cubes", boxes=1, friction=0.3, push=0.3)
-
-
 @pytest.mark.parametrize("name", LCP_SOLVERS)
 def test_polygon_error_is_model_error(name) -> None:
-    problem = sliding()
+    problem = make_instance("cubes", boxes=1, friction=0.3, push=0.3)
     spec = f"{name}[facets=12]"
     finding = verify(problem, solve(problem, spec, tol=1e-8), find(spec)[0].model, 1e-8)
     if name != "murty":  # sure for P-matrices only, and this is none
