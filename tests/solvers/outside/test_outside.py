@@ -89,6 +89,7 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
     ("spec", "what"),
     [
         ("piqp", "chain[links=20,fall=1]"),
+        ("clarabel[settings=tuned]", "stack[blocks=20,push=1]"),
         ("ccp[backend=highs]", "chain[links=20,fall=1]"),
         ("proxsuite[matrices=sparse,settings=tuned]", "wall[rows=6,columns=6,friction=0.05]"),
         ("siconos[method=friction_3d_prox]", "sphere_pyramid[levels=3,noise=0.3]"),
@@ -96,9 +97,9 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
     ],
 )
 def test_answers_are_accurate_and_accepted(spec, what) -> None:
-    """By PIQP where a gap of 1e-15 is below the rounding of objectives, by HiGHS where the natural order of unknowns ends at a
-    wrong point, by ProxQP where residuals of eps leave a larger error, by Siconos where its error is small enough at once, by
-    Pinocchio's ADMM on a sparse matrix where accelerated steps stall if rho may change in each."""
+    """By PIQP and Clarabel where a gap of 1e-15 is below the rounding of objectives, by HiGHS where the natural order of
+    columns ends at a wrong point, by ProxQP where residuals of eps leave larger errors, by Siconos where its error is small
+    at once, by Pinocchio's ADMM on a sparse matrix where accelerated steps stall if rho may change in each."""
     if reason := find(spec)[0].missing:
         pytest.skip(reason)
     name, settings = parse("scene", what)
