@@ -84,7 +84,7 @@ def confirmed(
             pairs.append((base.table, found[id(now)].table))
             equal |= equal_loads(stored, base, found[id(now)]) if before else {}
             if timed and PAIRS_UNTIMED <= i + 1 < most and not may_be_slower(pairs, most, limits.slowdown):
-                tell(f"confirm: after {i + 1} pairs no solver can be found slower by the others")
+                tell(f"confirm: ended after {i + 1} of {most} pairs: whatever the others show, no solver is found slower")
                 break
     if before:
         require_whole(f"code: {code}", stored.table, [table for table, _ in pairs])

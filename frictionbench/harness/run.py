@@ -5,6 +5,7 @@ run of another plan, machine or code is refused with a list of the differences.
 """
 
 import os
+import re
 import secrets
 import sys
 from collections.abc import Callable
@@ -145,13 +146,21 @@ def _differences(stored: Row, wanted: Row) -> list[str]:
     for part, values in cleaned(wanted).items():  # as what is stored
         old = stored.get(part, {})
         names = (name for name in sorted(values.keys() | old.keys()) if old.get(name) != values.get(name))
-        found += [f"{part}.{name}: {_brief(old.get(name))} in the folder, {_brief(values.get(name))} now" for name in names]
+        for name in names:
+            there, here = old.get(name), values.get(name)
+            if isinstance(there, list) and isinstance(here, list):  # only what the other one does not have
+                there, here = [entry for entry in there if entry not in here], [entry for entry in here if entry not in there]
+            found.append(f"{part}.{name}: {_words(there):.150} in the folder, {_words(here):.150} now")
     return found
 
 
-def _brief(value: object) -> str:
-    text = str(value)
-    return text if len(text) <= 80 else f"{text[:60]}... ({len(text)} characters)"
+def _words(value: object) -> str:
+    """A value of JSON without its marks and what is empty; of a hash its beginning."""
+    if isinstance(value, dict):
+        return " ".join(f"{name} {_words(entry)}" for name, entry in value.items() if entry not in ("", None, [], {}))
+    if isinstance(value, list):
+        return ", ".join(map(_words, value)) or "nothing else"
+    return re.sub("([0-9a-f]{12})[0-9a-f]{52}", r"\1", str(value))
 
 
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:

@@ -232,6 +232,9 @@ def test_slowdown_is_detected_through_noise(runs, tmp_path, solve, worse, better
     assert {time.n for time in result.times} == {8}
     assert all(may_be_slower(pairs[:k], 8, 1.1) for k in range(3, 8)) is bool(worse)  # else it ends early
     assert ("**×1.3" in markdown(result)) is bool(worse)
+    few = markdown(confirm(seen, pairs[:5], both=True, limits=Limits()))
+    assert "| ~ |  | 5 | 4 |" in few
+    assert "Fewer than six pairs give no interval" in few
     assert confirm(seen, pairs, both=True, limits=Limits(slowdown=1.5)).exit_code == 0
     assert confirm(seen, pairs, both=False, limits=Limits()).times == seen.times
 

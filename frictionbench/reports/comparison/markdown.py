@@ -95,9 +95,9 @@ def _times(comparison: Comparison) -> Iterator[str]:
             "The ratio is estimated from the n pairs of processes, one of each code, that ran one after the other (Hodges and "
             "Lehmann 1963). Before and after are medians over the processes of each code, whose quotient is as a rule another."
         )
-    if any(time.n == 1 for time in comparison.times):
-        yield "`~`: not significant. One process per code (n = 1) gives no interval, because its repeats are not independent."
-        yield "`--confirm --code` runs several processes of both versions alternately."
+    if not all(time.significant for time in comparison.times):
+        yield "`~`: not significant. Fewer than six pairs give no interval: the repeats of one process are not independent."
+        yield "`--confirm --code` runs up to eight pairs, and ends once those to come cannot show a regression any more."
 
 
 def _time(time: Time) -> list[str]:
