@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
+from unicodedata import category
 
 T = TypeVar("T")
 
@@ -102,9 +103,10 @@ def read_parsed(path: Path, kind: type[T], missing: T | None = None) -> T:
 
 def cleaned(value: Any) -> Any:
     """A text, or a value of JSON with all its texts, without characters that control a terminal, the direction of writing or
-    lines, except for tabs and line ends."""
-    if isinstance(value, str):
-        return value if value.isprintable() else "".join(c if c.isprintable() or c in "\t\n" else "?" for c in value)
+    lines, except for tabs and line ends. Spaces of all kinds stay: paths hold them."""
+    if isinstance(value, str) and not value.isprintable():
+        kept = {c for c in set(value) if c.isprintable() or c in "\t\n" or category(c) == "Zs"}
+        return "".join(c if c in kept else "?" for c in value)
     if isinstance(value, list):
         return [cleaned(entry) for entry in value]
     return {cleaned(name): cleaned(entry) for name, entry in value.items()} if isinstance(value, dict) else value

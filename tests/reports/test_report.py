@@ -273,18 +273,22 @@ def test_pareto_front_and_the_means_in_it_of_solvers_of_all_problems():
 HANDS = """
 const seen = [];
 const faint = () => document.querySelectorAll("g.faint").length;
-const first = (table) => table.querySelector("td").textContent.trim();
 const [chip] = document.querySelectorAll("button[data-label]");
 seen.push(chip.disabled, document.getElementById("rest") !== null, faint());
 chip.click(); seen.push(chip.getAttribute("aria-pressed"), document.getElementById("rest") !== null, faint() > 0);
 chip.click(); seen.push(chip.getAttribute("aria-pressed"), faint());
 const table = [...document.querySelectorAll("table.sorts")].find((each) => each.rows[0].cells[1].textContent === "cells");
 const claimed = table.rows[0].cells[1];
-claimed.click(); seen.push(claimed.getAttribute("aria-sort"), first(table));
-claimed.click(); seen.push(claimed.getAttribute("aria-sort"), first(table));
+for (const way of ["up", "down"]) {
+  claimed.click(); seen.push(claimed.getAttribute("aria-sort"), table.querySelector("td").textContent.trim());
+}
 const dot = document.querySelector("g[data-dots] use");
 dot.dispatchEvent(new PointerEvent("pointerenter")); seen.push(note.hidden, note.textContent.includes("frictionbench rerun"));
 dot.dispatchEvent(new PointerEvent("pointerleave")); seen.push(note.hidden);
+const shut = () => document.querySelectorAll("details:not([open])").length;
+const before = shut();
+dispatchEvent(new Event("beforeprint")); seen.push(before > 0, shut());
+dispatchEvent(new Event("afterprint")); seen.push(shut() === before);
 document.documentElement.dataset.seen = seen.join(" ");
 """
 
@@ -296,7 +300,7 @@ def test_page_controls(tmp_path):
     path = write_report(write_folder(tmp_path / "run", [*rows, *(solve_row("s0", f"p{k}") for k in range(2, 9))]))
     with_more_script(path, HANDS)
     (opening,) = re.findall(r"<html[^>]*>", browse(path, "--dump-dom"))
-    wanted = "false true 0 true false true false 0 ascending s1 descending s0 false true true"
+    wanted = "false true 0 true false true false 0 ascending s1 descending s0 false true true true 0 true"
     assert f'data-seen="{wanted}"' in opening
 
 

@@ -187,12 +187,12 @@ def test_control_characters_reach_no_reader(tmp_path, monkeypatch) -> None:
 
 
 def test_control_characters_of_a_worker(tmp_path) -> None:
-    evil = "x\x1b[31m\u202e\u2028"
+    evil = "x\x1b[31m\u202e\u2028\u00a0y"
     answer = "Answer(np.zeros((problem.contacts, 2)), Status.STALLED, {evil: 3}, detail=evil)"
     plugin = write(tmp_path / f"{evil}.py", first=f"evil = {evil!r}", body=f"if problem.contacts > 1: return {answer}")
     for _ in ("run", "resumed"):
         (row,) = run_of(tmp_path / "run", plugin).to_dict("records")
-        assert (row["reason"], counts(row["work"])) == ("x?[31m??", {"x?[31m??": 3})
+        assert (row["reason"], counts(row["work"])) == ("x?[31m??\u00a0y", {"x?[31m??\u00a0y": 3})
     for options in ((), ("--json",)):
         done = frictionbench("solve", "stack[blocks=2]", "--solver", str(plugin), *options)
         assert "[31m" in done.stdout

@@ -30,17 +30,12 @@ def test_redundant_feet_have_one_motion() -> None:
     assert certify(problem, np.array([[0.2, -0.1], [0.0, 0.0], [0.0, 0.0]])) < 1e-15
 
 
-@pytest.mark.parametrize("scene", ["stack[blocks=4,push=1]", "pyramid[rows=3,push=1]", "chain[links=3]"])
-def test_scenes(scene) -> None:
-    name, settings = scene[:-1].split("[")
-    given = {key: int(value) for key, value in (one.split("=") for one in settings.split(","))}
-    problem = fb.scene(name, **given).problem()
+@pytest.mark.parametrize(
+    "name", ["stack[blocks=4,push=1]", "pyramid[rows=3,push=1]", "chain[links=3]", "random_bodies[contacts=8,seed=2]"]
+)
+def test_problems_in_the_plane_and_in_space(name) -> None:
+    problem = fb.problem(name)
     assert certify(problem, fb.solve(problem, "hybrid", tol=1e-10).impulse) < 1e-9
-
-
-def test_contacts_in_space() -> None:
-    problem = fb.instance("random_bodies", contacts=8, seed=2)
-    assert certify(problem, fb.solve(problem, "interior_point", tol=1e-10).impulse) < 1e-9
 
 
 def test_friction_that_just_stops_the_block_is_not_certified() -> None:

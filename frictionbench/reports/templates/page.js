@@ -79,6 +79,16 @@ for (const list of document.querySelectorAll("script[type='application/json']"))
   }
 }
 
+// In print every folded part is open.
+const folded = [];
+addEventListener("beforeprint", () => {
+  folded.push(...document.querySelectorAll("details:not([open])"));
+  for (const part of folded) part.open = true;
+});
+addEventListener("afterprint", () => {
+  for (const part of folded.splice(0)) part.open = false;
+});
+
 // Panels of charts: a button enlarges one to the width of the page.
 for (const title of document.querySelectorAll(".panels:not(.whole) > figure > h3")) {
   const button = Object.assign(document.createElement("button"), { className: "enlarge", title: "enlarge", textContent: "⤢" });
