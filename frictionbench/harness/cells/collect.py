@@ -184,6 +184,12 @@ def _starts_file(folder: Path, problem: str, source_origin: str) -> Path:
     return folder / "problems" / f"{problem}.{sha256(source_origin.encode()).hexdigest()[:8]}.starts.npz"
 
 
+def files_of(folder: Path, problem: str, source_origin: str) -> list[Path]:
+    """The files of a stored problem that exist; the folder, which may hold very many, is not listed."""
+    own, answer = folder / "problems" / f"{problem}.npz", _answer_file(folder, problem)
+    return [path for path in (own, answer, _starts_file(folder, problem, source_origin)) if path.exists()]
+
+
 def _recorded(source: Source) -> list[tuple[Collected | LCP, dict[str, Array]]]:
     """The problem in the source's file; its warm start is the file's initial guess, or else the answer of the step before."""
     problem, guesses = read_recording(Path(source.file))

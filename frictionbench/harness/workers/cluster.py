@@ -22,6 +22,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from frictionbench.harness import machine
+from frictionbench.harness.cells.collect import files_of
 from frictionbench.harness.plans.plan import Plugin, SolveCell
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
 from frictionbench.problems import InputError
@@ -122,7 +123,7 @@ class Cluster:
         cell = task.arguments[0]
         if not isinstance(cell, SolveCell) or not cell.problem:
             return {}
-        return {path.name: path.read_bytes() for path in (self._folder / "problems").glob(f"{cell.problem}*.npz")}
+        return {path.name: path.read_bytes() for path in files_of(self._folder, cell.problem, cell.origin)}
 
 
 def _files_of(plugin: Plugin) -> Files:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells import reference
-from frictionbench.harness.cells.collect import collect, stored_start
+from frictionbench.harness.cells.collect import collect, files_of, stored_start
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.harness.run import run
@@ -85,6 +85,7 @@ def test_equal_problems_of_two_sources(tmp_path):
     first = collect(tmp_path / "starts", MOTION)[-1]
     path = next((tmp_path / "starts" / "problems").glob(f"{first['problem']}.*.starts.npz"))
     assert stored_start(tmp_path / "starts", first["problem"], origin(first), "warm") is not None
-    assert path.name.count(".") == 3
+    names = [file.name for file in files_of(tmp_path / "starts", first["problem"], origin(first))]
+    assert names == [f"{first['problem']}.npz", f"{first['problem']}.answer.npz", path.name]
     with pytest.raises(InputError, match="the start warm cannot be read"):
         stored_start(tmp_path / "starts", first["problem"], "another motion", "warm")
