@@ -102,8 +102,7 @@ def test_proximal_points_solve_a_wall_that_stops_the_interior_point(monkeypatch:
     assert solve(problem, "hybrid").detail == "answered by proximal_newton"
 
 
-def test_contradictions_are_looked_for_after_newtons_method() -> None:
-    """A point between two walls that ask it to leave in opposite directions; no third member is tried."""
+def test_walls_on_both_sides_contradict_each_other_after_newtons_method() -> None:
     x, law = np.eye(3), {"friction": [0.5, 0.5], "free_velocity": [0, 1, 0], "bias": [-1, -0.5]}
     answer = solve(FrictionProblem(dimension=3, mass=x, normal=[x[0], -x[0]], tangent=x[[1, 2, 1, 2]], **law), "hybrid")
     assert (answer.status, answer.work["members"]) == (Status.INFEASIBLE, 2)

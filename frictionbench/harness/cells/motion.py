@@ -50,6 +50,7 @@ def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps
         ended = str(finding)
     parts = [_balance(stage, before, after) for before, after in pairwise(taken)]
     work = np.cumsum([np.zeros(3), *(work for _, work, _ in parts)], axis=0)
+    general = stage if isinstance(stage, GeneralisedScene) else None
     usual = scenes()[stage.name].parameters if stage.name in scenes() else {}
     return Motion(
         scene=stage.name,
@@ -64,7 +65,7 @@ def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps
         outlines=_outlines(stage),
         hinges=_pins(stage),
         times=np.array([step.time for step in taken]),
-        poses=np.array([_poses(stage, step.q) for step in taken]),
+        poses=np.array([general.poses(step.q) if general else step.q.reshape(len(stage.bodies), -1) for step in taken]),
         contacts=(*(contacts for contacts, _, _ in parts), np.zeros((0, 3 * stage.dimension))),
         energy=np.array([stage.energy(step.q, step.v) for step in taken]),
         kinetic=np.array([stage.kinetic(step.q, step.v) for step in taken]),
@@ -111,10 +112,6 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
         contacts.append(_placed(found, total))
         v = after_phase
     return _merged(np.vstack(contacts)), work, worst
-
-
-def _poses(stage: Scene, q: Array) -> Array:
-    return stage.poses(q) if isinstance(stage, GeneralisedScene) else q.reshape(len(stage.bodies), -1)
 
 
 def _placed(contacts: Contacts, impulse: Array) -> Array:

@@ -51,7 +51,9 @@ class Cluster:
         except (OSError, ValueError, TypeError) as error:  # TypeError: TLS without certificates
             raise InputError(f"cluster: no scheduler answers at {address} ({error})") from None
         self._folder = folder
-        self._settings = tuple((plugin, _files_of(plugin)) for plugin in plugins), memory_limit
+        # A dask worker must have an installed distribution with the same content; a file is sent.
+        files = [{Path(each.source).name: Path(each.source).read_bytes()} if is_file(each.source) else {} for each in plugins]
+        self._settings = tuple(zip(plugins, files, strict=True)), memory_limit
         codes = self._client.run(machine.content)
         if not codes or set(codes.values()) != {machine.content()}:
             self._client.close()
@@ -124,11 +126,6 @@ class Cluster:
         if not isinstance(cell, SolveCell) or not cell.problem:
             return {}
         return {path.name: path.read_bytes() for path in files_of(self._folder, cell.problem, cell.origin)}
-
-
-def _files_of(plugin: Plugin) -> Files:
-    """The plug-in's file; none for an installed distribution, which the dask worker must have with the same content."""
-    return {Path(plugin.source).name: Path(plugin.source).read_bytes()} if is_file(plugin.source) else {}
 
 
 def _isolated(task: Task, files: Files, settings: Settings) -> tuple[str, str, Outcome]:

@@ -123,7 +123,11 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
 
 def on_page(drawing: Drawing) -> Markup:
     """The legend, the note and the panels as HTML. The script of the page enlarges panels and tells what a tile stands for."""
-    entries = "".join(map(_swatch, drawing.legend))
+    entries = "".join(
+        f'<span><i class="{"dot" if entry.dots else "area"}" style="color:{entry.colour};background:{entry.colour}"></i>'
+        f"{escape(entry.name)}</span>"
+        for entry in drawing.legend
+    )
     note = f'<p class="soft">{escape(drawing.note)}</p>' if drawing.note else ""
     enlarge = '<button class="enlarge" hidden title="enlarge" aria-label="enlarge">⤢</button>'
     shown = "".join(f'<div class="map">{enlarge}{markup(field, drawing.grid)}</div>\n' for field in drawing.fields)
@@ -131,11 +135,6 @@ def on_page(drawing: Drawing) -> Markup:
     data = f'<script type="application/json" class="facts">{facts}</script>' if drawing.facts else ""
     tiles = f'<div class="tiles{" few" * (len(drawing.fields) <= FEW)}">{shown}</div><div class="tile" hidden></div>'
     return Markup(f'<p class="entries">{entries}</p>{note}{tiles}{data}')
-
-
-def _swatch(entry: Entry) -> str:
-    kind = "dot" if entry.dots else "area"
-    return f'<span><i class="{kind}" style="color:{entry.colour};background:{entry.colour}"></i>{escape(entry.name)}</span>'
 
 
 def markup(field: Field, grid: Grid) -> str:

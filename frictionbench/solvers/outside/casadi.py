@@ -77,7 +77,6 @@ class CasADi:
         return dense_lcp(problem) if self.method == "ipopt" else dual_program(problem, _DEFINITE[self.method])
 
     def setup(self, given: DualProgram | DenseLCP) -> DualProgram | DenseLCP:
-        """For ipopt M in compressed columns."""
         return given._replace(M=sparse.csc_matrix(given.M)) if isinstance(given, DenseLCP) else given
 
     def solve(self, given: DualProgram | DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:

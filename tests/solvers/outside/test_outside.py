@@ -163,7 +163,6 @@ def test_whitened_rows_make_the_scaled_delassus_form() -> None:
 
 @pytest.mark.parametrize("spec", ["mujoco", "casadi[method=ipopt]"])
 def test_matrices_are_compressed_in_setup(spec) -> None:
-    """What `solve` is given is complete: the dense matrix is overwritten after setup."""
     (info, solver), problem = find(spec), EASY["two boxes"]
     if info.missing:
         pytest.skip(info.missing)
@@ -171,6 +170,14 @@ def test_matrices_are_compressed_in_setup(spec) -> None:
     prepared = solver.setup(formed)
     formed[1][:] = 0.0
     assert solver.solve(prepared, 1e-8, None).impulse == pytest.approx(expected.impulse)
+
+
+def test_the_mixed_problem_without_its_free_unknowns_is_the_lcp() -> None:
+    for problem in (EASY["two boxes"], EASY["jointed"]):
+        lcp, M, q = find("path[settings=velocities]")[1].form(problem)
+        whole, n = np.column_stack([M, q]), len(lcp.q)
+        left = np.delete(whole[:n] - M[:n, n:] @ np.linalg.solve(M[n:, n:], whole[n:]), np.s_[n:-1], axis=1)
+        assert left == pytest.approx(np.column_stack([lcp.M, lcp.q]), abs=1e-12)
 
 
 @pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)
