@@ -19,7 +19,7 @@ PROBLEM = random_problem(1, contacts=2)
 
 def run(folder: Path, processor: str = "some", **manifest) -> Path:
     """A run of two solvers, one with a name that is no HTML, on a problem that the folder holds."""
-    rows = [solve_row(solver, PROBLEM.hash) for solver in ("lemke", "<nsgs>")]
+    rows = [solve_row(solver, PROBLEM.hash, solve_time=1.234567e-3) for solver in ("lemke", "<nsgs>")]
     facts = {"machine": {"host": "here", "processor": processor, "cores": 2}, "finished": "2026-01-02T03:04:05"}
     write_folder(folder, rows, **facts | {"versions": {"frictionbench": "1.0"}} | manifest)
     (folder / "problems").mkdir()
@@ -54,6 +54,7 @@ def test_site_of_summaries_alone(site: Path, tmp_path: Path) -> None:
     assert len(found) == 2
     assert all(holds for one in found for _, holds, _ in one["checks"])
     assert "host" not in found[0]["machine"]
+    assert {place["mean"] for place in found[0]["rankings"]} == {0.00223457, 0.00173457}  # with form and setup
     (index,) = publish([summaries], tmp_path / "site", None)
     assert index.read_text(encoding="utf-8") == site.read_text(encoding="utf-8")
 

@@ -38,7 +38,8 @@ FORMAT = 1
 LARGEST = 4 * 2**20  # bytes of a summary
 Summary = dict[str, Any]
 MACHINE = ("processor", "cores", "memory", "system", "python")
-DIGITS, SHORT = 4, 12  # digits of times; characters of a problem's hash, enough to tell some thousands apart
+DIGITS = 6  # of times: pages show three, which rounding first to four can change
+SHORT = 12  # characters of a problem's hash, enough to tell some thousands apart
 
 
 def _text(value: Any) -> bool:
