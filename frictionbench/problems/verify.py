@@ -7,14 +7,15 @@ The answer's claim decides only between verdicts on an answer that is not accura
 The residuals of the exact problem and of the model are computed separately: the first contains model error and solver error,
 the second only the solver's. Verdicts are no finer than floating-point arithmetic: see residual_floor in problems.residual.
 
-Contacts are judged one by one, each in its own unit and with its own floor (problems.residual). A contact is unjudgeable
-where its floor is above the tolerance and its residual is within the floor, and where the residual is above LEAST_GAIN of that
-of no impulses in its island, because there being within the tolerance says little; the verdict is that on all other contacts
-if they are not solved, otherwise `unjudgeable`. The floor of a solver of the relaxation is that of its model where the verdict
-is `relaxed`, elsewhere the larger one of both laws. So neither the speed nor the rounding errors of one part excuse
-another. A solver that stops by the norm of the whole problem leaves the slow islands of a problem less accurate by the ratio
-of the speeds, and its answer is a `near_miss` or `wrong` as for any other difference of norms: it must ask for tol times the
-smallest unit, or solve the balanced problem, as the solvers and adapters of this package do (solvers.balanced).
+Contacts are judged one by one, each in its own unit and with its own floor (problems.residual). A contact is unjudgeable where
+its floor is above the tolerance and its residual is within the floor, and where the residual is above LEAST_GAIN of that of no
+impulses in its island, because there being within the tolerance says little; the verdict is that on all other contacts if they
+are not solved, otherwise `unjudgeable`. So is a claim within NEAR times what rounding in a file makes W unsymmetric by
+(DIGITS). The floor of a solver of the relaxation is that of its model where the verdict is `relaxed`, elsewhere the larger one
+of both laws. So neither the speed nor the rounding errors of one part excuse another. A solver that stops by the norm of the
+whole problem leaves the slow islands of a problem less accurate by the ratio of the speeds, and its answer is a `near_miss` or
+`wrong` as for any other difference of norms: it must ask for tol times the smallest unit, or solve the balanced problem, as the
+solvers and adapters of this package do (solvers.balanced).
 
 The tolerance, and the margins of solvers. tol bounds the residual of the solver's own model in the measure of
 problems.residual, the maximum over contacts. A solver that computes this residual stops at tol. One that stops by another
@@ -33,6 +34,7 @@ import numpy as np
 
 from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.check import Array
+from frictionbench.problems.forms.definite import DIGITS
 from frictionbench.problems.forms.islands import NOISE
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
@@ -101,6 +103,8 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
         larger = np.maximum(parts[2], contact_floors(problem, impulse))
         verdict, why = _verdict([*parts[:2], larger, of_island], claimed, reported, tol)
         floor = largest(larger)
+    if verdict in (Verdict.NEAR_MISS, Verdict.WRONG) and min(exact, of_model) < NEAR * problem.asymmetry <= NEAR * DIGITS:
+        verdict, why = Verdict.UNJUDGEABLE, f"{why}, but W is unsymmetric by {problem.asymmetry:.1g}"
     accepted = claimed and verdict in ACCEPTED
     with np.errstate(over="ignore", invalid="ignore"):
         defect = ledger_defect(problem, impulse)

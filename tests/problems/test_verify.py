@@ -54,8 +54,7 @@ def test_claim_within_a_factor_of_ten_is_near_miss(excess, status, verdict):
 
 def test_relaxation_verdict_uses_model_residual():
     problem = random_problem(3, contacts=4, friction=1.0)
-    r = solve(problem, "relaxation_ip", tol=1e-12).impulse
-    moved = r * (1 + 2e-5)
+    moved = solve(problem, "relaxation_ip", tol=1e-12).impulse * (1 + 2e-5)
     tol = relaxation_residual(problem, moved) / 3
     assert NEAR * tol < residual(problem, moved)
     finding = verify(problem, claim(moved), RELAXATION, tol)
@@ -69,7 +68,6 @@ def test_relaxation_verdict_uses_model_residual():
     [
         (1e-6, "relaxed", "verified with contacts regularised by 1e-06 of W's diagonal"),
         (2e-6, "wrong", "softness of 2e-06 of W's diagonal is above the 1e-06 allowed: verified without it"),
-        (1.0, "wrong", "is above the 1e-06 allowed: verified without it"),
         (-0.5, "wrong", "numbers of at least 0: verified without it"),
         (np.nan, "wrong", "numbers of at least 0: verified without it"),
     ],
@@ -77,10 +75,9 @@ def test_relaxation_verdict_uses_model_residual():
 def test_regularised_contacts(share, verdict, said):
     """r (1 + share) = r_hard solves the block's problem with R = share s, whatever share is."""
     problem = block(speed=0.0, friction=0.0)
-    soft = "regularised"
     answer = claim(solve(problem, "lemke", tol=1e-14).impulse / (1 + np.nan_to_num(share, nan=1.0)))
     answer.softness = np.full((1, 2), share * problem.scale[0])
-    finding = verify(problem, answer, soft, 5e-8)
+    finding = verify(problem, answer, "regularised", 5e-8)
     assert finding.verdict == verdict
     assert said in finding.reason
     assert verify(problem, answer, RELAXATION, 5e-8).verdict == "wrong", "a hard model's answer may not be soft"
@@ -108,15 +105,12 @@ def test_moderate_internal_impulses_are_judged():
     finding = verify(problem, claim(squeeze), LEMKE, 1e-8)
     assert finding.floor < 1e-10
     assert finding.verdict == "wrong"
-    held = claim([[4.0, -0.5], [3.0, -0.5]])
-    assert verify(problem, held, LEMKE, 1e-12).verdict == "solved"
-    assert "look" not in verify(problem, held, LEMKE, 1e-12).reason
+    assert verify(problem, claim([[4.0, -0.5], [3.0, -0.5]]), LEMKE, 1e-12).verdict == "solved"
 
 
 def test_floor_includes_friction_times_slip():
     assert residual_floor(block(friction=1e6), np.zeros((1, 2))) > 1e5 * residual_floor(block(friction=0.1), np.zeros((1, 2)))
-    problem = block(friction=1e6)
-    stuck = solve(problem, "lemke").impulse
+    stuck = solve(problem := block(friction=1e6), "lemke").impulse
     assert residual_floor(problem, stuck) > 1e-11
     assert verify(problem, claim(stuck), LEMKE, 1e-8).verdict == "solved"
     assert verify(problem, claim(stuck), LEMKE, 1e-12).verdict == "unjudgeable"
@@ -257,3 +251,11 @@ def test_bare_lcp_verdicts():
     assert verify(lcp, answer, LEMKE, 1e-8).verdict == "near_miss"
     assert verify(lcp, answer, LEMKE, 1e-9).verdict == "wrong"
     assert verify(lcp, answer, LEMKE, 1e-7).verdict == "solved"
+
+
+def test_a_claim_within_the_rounding_of_an_unsymmetric_matrix_is_not_judged() -> None:
+    W, q = np.eye(4) + 0.1, np.array([-1.0, 0.0, -1.0, 0.0])
+    sticking = np.linalg.solve(W, -q).reshape(2, 2)  # the answer of a method that reads the lower triangle
+    for off, share, verdict in ((3e-7, 1.0, "unjudgeable"), (3e-5, 1.0, "wrong"), (3e-7, 1.001, "wrong")):
+        problem = FrictionProblem.from_delassus(W + off * np.triu(np.ones((4, 4)), 1), q, [0.9, 0.9], 2)
+        assert verify(problem, Answer(share * sticking, Status.SOLVED), "coulomb", 1e-8).verdict == verdict

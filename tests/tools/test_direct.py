@@ -14,9 +14,8 @@ from tools.direct.__main__ import BLOCKS, BODIES, FAIR, TOL, charged_tables, rec
 from tools.direct.calls import CALLS
 from tools.direct.given import arrays
 
-UNABLE = {  # within their limits of iterations, by hand or as adapters
-    *((f"siconos[method=friction_{d}d_nsgs]", "sparse") for d in (2, 3))
-}
+# Within their limits of iterations, by hand or as adapters.
+UNABLE = {(f"siconos[method=friction_{d}d_nsgs]", "sparse") for d in (2, 3)}
 SAMPLES = {
     "plane": scene("stack", blocks=5, push=1.0).problem(),
     "sparse": scene("stack", blocks=40, push=1.0).problem(),

@@ -26,8 +26,7 @@ from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxati
 class Backend(NamedTuple):
     """A backend's distribution, and the name and default of its limit on iterations.
 
-    definite: whether it is given dense matrices and requires a definite P, which excludes friction_bias, whose variable has no
-    weight.
+    definite: whether it is given dense matrices and requires a definite P, so that it takes no friction_bias.
     """
 
     distribution: str
@@ -41,7 +40,6 @@ BACKENDS = {
     "ecos": Backend("ecos", "max_iters", 200, definite=True),
     "qpalm": Backend("qpalm", "max_iter", 10_000),
 }
-_LEAST_GAP = 1e-14  # that ECOS reaches
 _TUNED: dict[str, dict[str, float]] = {"highs": {"qp_regularization_value": 0.0}}
 _VARIANTS = (*(f"backend={name}" for name in BACKENDS), *(f"backend={name},settings=tuned" for name in _TUNED))
 
@@ -91,7 +89,7 @@ class CCP:
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         qpsolvers: Any = import_module("qpsolvers")
         (scaled, given), backend = prepared, BACKENDS[self.backend]
-        eps, gap = scaled.tolerances(tol, _LEAST_GAP)
+        eps, gap = scaled.tolerances(tol, 1e-14)  # the least gap that ECOS reaches
         accuracy = eps / MARGIN
         settings: dict[str, Any] = {
             "highs": dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(accuracy, 1e-10)),

@@ -19,8 +19,7 @@ from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxati
 Prepared = tuple[ScaledProgram, Any]  # and what the library is given: its arguments, after setup its object
 
 LEAST_GAP: dict[str, Any] = {
-    # In space half of its accurate answers are reported as failures with 1e-16, and a fifth is off by up to 1.4e-8
-    # with 3e-15. In the plane, with 1e-15, 8 of 130 accurate answers, tuned 15, are reported as failures, as it is rounding.
+    # By dimension: docs/fairness.md has the results with others.
     "clarabel": {2: 1e-14, 3: 1e-15},
     "proxsuite": 1e-14,
     "piqp": 1e-15,  # with 3e-16 it takes five times as many iterations on pyramids, with 1e-14 errors of 1e-7 remain on stacks
@@ -32,7 +31,6 @@ _CLARABEL_TUNED = {
     "iterative_refinement_abstol": 1e-16,
     "iterative_refinement_reltol": 1e-16,
 }
-_INFEASIBILITY = 1e-14  # of ProxQP, tuned
 
 
 @relaxation_library(
@@ -56,7 +54,7 @@ class Clarabel:
         that it calls Solved are off by a few times 1e-8. Or it stays above eps^2, and it reports failure although the answer
         is accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`. By default it also calls
         answers Solved that are off by 1e-5, `frictionbench solve 'robot_step[case=adroit_hammer-harsh-099]' --solver
-        clarabel`: with linear cones for limits and dry friction still by 7e-6, with a static regularisation of 1e-12 not.
+        clarabel`, but not with a static regularisation of 1e-12.
     Reference: Goulart and Chen 2024.
     """
 
@@ -175,7 +173,7 @@ class ProxSuite:
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps / MARGIN**2, 0.0, limit or 10_000
         settings.check_duality_gap, settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = True, gap, _ROUNDING
         if self.settings == "tuned":
-            settings.eps_primal_inf = settings.eps_dual_inf = _INFEASIBILITY
+            settings.eps_primal_inf = settings.eps_dual_inf = 1e-14
         if start is None:
             settings.initial_guess = proxqp.InitialGuess.NO_INITIAL_GUESS
             qp.solve()

@@ -97,9 +97,8 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
     ],
 )
 def test_answers_are_accurate_and_accepted(spec, what) -> None:
-    """By PIQP and Clarabel where a gap of 1e-15 is below the rounding of objectives, by HiGHS where the natural order of
-    columns ends at a wrong point, by ProxQP where residuals of eps leave larger errors, by Siconos where its error is small
-    at once, by Pinocchio's ADMM on a sparse matrix where accelerated steps stall if rho may change in each."""
+    """Where other settings leave errors, or claim failure: see docs/fairness.md. Pinocchio's ADMM is on a sparse matrix, where
+    accelerated steps stall if rho may change in each."""
     if reason := find(spec)[0].missing:
         pytest.skip(reason)
     name, settings = parse("scene", what)
