@@ -299,14 +299,17 @@ def judge(
     Its impulses are measured by Coulomb's law, and exact solvers answer the same steps.
     """
     from frictionbench.commands.judge import as_data, told
-    from frictionbench.harness.judge import judge as judge_folder
+    from frictionbench.harness.judge import prepared
     from frictionbench.harness.progress import Progress
+    from frictionbench.harness.run import run as run_plan
     from frictionbench.harness.workers.inputs import load_plugins
     from frictionbench.reports.judgement import write_judgement
 
     variants, plugins = load_plugins(against or [])
     progress = Progress(quiet=quiet)
-    written = judge_folder(folder, variants, plugins, tol, time_limit, _jobs(jobs, progress), out, progress)
+    plan, written = prepared(folder, variants, plugins, tol, time_limit, workers := _jobs(jobs, progress), out, progress)
+    with _resumable(written, progress):
+        run_plan(plan, written, workers, progress)
     report_of_it = write_judgement(written)
     typer.echo(json.dumps(as_data(written), indent=1) if as_json else f"{told(written)}\nreport: {report_of_it}")
 

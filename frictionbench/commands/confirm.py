@@ -7,18 +7,21 @@ on verdicts and counters that do not recur are dropped, and times are not compar
 
 import io
 import json
+import os
 import subprocess
 import sys
 import tarfile
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
 
 from frictionbench.commands.stored_cell import trusted
+from frictionbench.harness import process
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE
@@ -127,7 +130,11 @@ def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cel
     """Run with these options and a version of the code. Errors: ResultsError with the last line of its error output."""
     given = [part for spec in code.solvers for part in ("--solver", spec)]
     done = subprocess.run(
-        [*code.command, "run", *options, *given, "--out", folder], capture_output=True, text=True, check=False
+        [*code.command, "run", *options, *given, "--out", folder],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=partial(process.die_with_parent, os.getpid()),  # it would run on, and disturb what is timed next
     )
     if done.returncode:
         last_line = (done.stderr.strip().splitlines() or ["no error output"])[-1]

@@ -21,7 +21,7 @@ from frictionbench.harness.cells.reference import reference_answer
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import natural
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.run import COLLECT_SECONDS, open_folder, run as run_plan
+from frictionbench.harness.run import COLLECT_SECONDS, open_folder
 from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.contradiction import contradiction
@@ -129,7 +129,7 @@ def judge_step(path: str) -> dict[str, Any]:
     return judge_file(worker.folder(), Path(path))._asdict()
 
 
-def judge(
+def prepared(
     folder: Path,
     against: tuple[str, ...],
     plugins: tuple[Plugin, ...],
@@ -138,11 +138,11 @@ def judge(
     jobs: int,
     out: Path | None,
     progress: Progress,
-) -> Path:
-    """Judge the steps in folder/*.npz and run EXACT and the solvers `against` on them; the results folder.
+) -> tuple[Plan, Path]:
+    """Judge the steps in folder/*.npz; the plan of EXACT and the solvers `against` on them, and its results folder.
 
     out: by default one below runs/ that is named by what is judged. Errors: InputError naming the folder or the file that
-    cannot be used, and as of harness.run.run.
+    cannot be used, ResultsError where out holds another run.
     """
     require(folder.is_dir(), "folder", f"{folder} is no folder")
     paths = sorted(folder.glob("*.npz"), key=natural)
@@ -158,8 +158,7 @@ def judge(
         for path in (Path(name) / FOLDER).iterdir():
             move(path, subfolder(out, FOLDER) / path.name)
     write_judgements(out, found)
-    run_plan(plan, out, jobs, progress)
-    return out
+    return plan, out
 
 
 def _judgements(paths: list[Path], scratch: Path, jobs: int, progress: Progress) -> list[Judgement]:

@@ -9,7 +9,6 @@ import os
 import signal
 import socket
 import sys
-import tempfile
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -164,11 +163,6 @@ def close_all_but(*kept: int) -> None:
         if int(name) > 2 and int(name) not in kept:
             with suppress(OSError):  # that of the list itself
                 os.close(int(name))
-
-
-def use_temporary(folder: Path) -> None:
-    """Have this process and its children create temporary files in this folder."""
-    os.environ["TMPDIR"] = tempfile.tempdir = str(folder)
 
 
 @contextmanager

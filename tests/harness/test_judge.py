@@ -9,7 +9,8 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.commands.judge import told
-from frictionbench.harness.judge import judge, judge_file
+from frictionbench.harness.judge import judge_file, prepared
+from frictionbench.harness.run import run
 from frictionbench.problems.measures import judged, violations
 from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
@@ -46,7 +47,9 @@ def write_steps(folder: Path) -> None:
 def folder(tmp_path_factory) -> Path:
     home = tmp_path_factory.mktemp("judged")
     write_steps(home / "steps")
-    return judge(home / "steps", ("nsgs",), (), 1e-8, 10.0, 1, home / "out", quiet())
+    plan, folder = prepared(home / "steps", ("nsgs",), (), 1e-8, 10.0, 1, home / "out", quiet())
+    run(plan, folder, 1, quiet())
+    return folder
 
 
 def test_judgements(folder) -> None:

@@ -73,16 +73,11 @@ def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], owner: str) -
     own = caches / "plugins" / sha256(owner.encode()).hexdigest()[:16]
     own.mkdir(parents=True, exist_ok=True)
     named = [file for plugin in plugins for file in files(plugin.source)]
-    protected = _outermost([folder, folder / "problems", caches, *_code(), *named])
+    code: list[str | Path] = [PACKAGE.parent, sys.prefix, sys.base_prefix, site.getusersitepackages(), *filter(None, sys.path)]
+    protected = _outermost([folder, folder / "problems", caches, *map(Path, code), *named])
     (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, own.resolve())
     config.CACHE_DIR = str(own)
     _tolerate_read_only_caches()
-
-
-def _code() -> list[Path]:
-    """Where Python finds code."""
-    places: list[str | Path] = [PACKAGE.parent, sys.prefix, sys.base_prefix, site.getusersitepackages(), *sys.path]
-    return [Path(place) for place in places if place]
 
 
 def _outermost(paths: list[Path]) -> list[Path]:

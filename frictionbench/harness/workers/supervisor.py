@@ -14,12 +14,12 @@ import shutil
 import signal
 import socket
 import sys
+import tempfile
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from tempfile import TemporaryDirectory, mkdtemp
 from typing import Any
 
 from numba.core.registry import cpu_target
@@ -46,7 +46,7 @@ def serve(control_fd: int) -> None:
     ended = _signalled(signal.SIGCHLD)
     supervisors: set[int] = set()
     confined = sandbox.best()
-    with socket.socket(fileno=control_fd) as control, TemporaryDirectory(prefix="frictionbench-") as scratch:
+    with socket.socket(fileno=control_fd) as control, tempfile.TemporaryDirectory(prefix="frictionbench-") as scratch:
         control.sendall(json.dumps({"code": machine.code(), "sandbox": confined}).encode() + b"\n")
         for context in (cpu_target.typing_context, cpu_target.target_context):
             context.refresh()  # imports what numba needs for its first kernel, once for all workers
@@ -103,7 +103,7 @@ def supervise(channel: Connection, confined: str, scratch: Path) -> None:
                 _end(child)
                 core = process.hold_core() if core is None else core
                 try:
-                    child = _Worker(channel, core, settings, Path(mkdtemp(dir=scratch)), task.owner, confined)
+                    child = _Worker(channel, core, settings, Path(tempfile.mkdtemp(dir=scratch)), task.owner, confined)
                 except (OSError, ValueError) as error:
                     channel.send_bytes(_reply(unusable=str(error)))
                     break
@@ -224,7 +224,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
             sandbox.confine(confined, folder, plugin_files, child.owner)
             sandbox.use_scratch(child.scratch)
             dependencies.watch(folder)
-        process.use_temporary(child.scratch)
+        os.environ["TMPDIR"] = tempfile.tempdir = str(child.scratch)
         worker.start(child.deadline, core, settings, lambda: _write(replies, loaded=dependencies.loaded()))
     except (OSError, ValueError) as error:
         _write(replies, reason=str(error) if isinstance(error, InputError) else f"workers: {error}")

@@ -9,10 +9,12 @@ from dataclasses import replace
 
 import pytest
 
+import frictionbench as fb
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import drop_disturbed, run
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
+from tests.helpers.friction_problems import block
 from tests.helpers.runs import MARK, marked, quiet, soon
 
 pytestmark = pytest.mark.slow  # the quick tests do not look for processes left behind
@@ -38,29 +40,25 @@ class BlocksSignals:
 """
 
 
+CONFIRM = """import sys; from pathlib import Path; from frictionbench.commands import confirm
+confirm._cells(confirm.Code([sys.executable, "-m", "frictionbench"], []), sys.argv[1:-2], Path(sys.argv[-1]), "bodies")"""
+SMOKE = ("smoke", "--scene", "stack", "--solver")
+WAYS = {"run": ("-m", "frictionbench", "run", *SMOKE), "confirm": ("-c", CONFIRM, *SMOKE)}
+WAYS["judge"] = ("-m", "frictionbench", "judge", ".", "--against")
+
+
 @pytest.mark.parametrize(
-    ("number", "times"),
-    [(signal.SIGKILL, 1), (signal.SIGTERM, 1), (signal.SIGHUP, 1), (signal.SIGINT, 2)],
-    ids=["killed", "terminated", "hung up", "interrupted twice"],
+    ("way", "name", "times"),
+    [("run", "KILL", 1), ("run", "TERM", 1), ("run", "HUP", 1), ("run", "INT", 2), ("judge", "INT", 1), ("confirm", "KILL", 1)],
 )
-def test_ended_run_leaves_no_process(tmp_path, number, times) -> None:
-    plugin = tmp_path / "blocks_signals.py"
+def test_ended_run_leaves_no_process(tmp_path, way, name, times) -> None:
+    number, plugin = signal.Signals[f"SIG{name}"], tmp_path / "blocks_signals.py"
     plugin.write_text(BLOCKS_SIGNALS, encoding="utf-8")
-    options = [
-        "run",
-        "smoke",
-        "--scene",
-        "stack",
-        "--solver",
-        str(plugin),
-        "--time-limit",
-        "300",
-        "--out",
-        str(tmp_path / "run"),
-    ]
+    fb.save(block(), tmp_path / "step.npz", impulse=[[1.0, 0.0]], step=0.01)
     begun = subprocess.Popen(
-        [sys.executable, "-m", "frictionbench", *options],
+        [sys.executable, *WAYS[way], str(plugin), "--time-limit", "300", "--out", str(tmp_path / "run")],
         env=os.environ | {MARK: str(tmp_path)},
+        cwd=tmp_path,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
@@ -70,11 +68,8 @@ def test_ended_run_leaves_no_process(tmp_path, number, times) -> None:
         begun.send_signal(number)
     _, told = begun.communicate(timeout=60)
     assert soon(lambda: not marked(str(tmp_path)))
-    if number == signal.SIGKILL:
-        assert begun.returncode == -number
-    else:
-        assert begun.returncode == 128 + number
-        assert f"interrupted by {number.name}; run the same command again to resume" in told
+    assert begun.returncode == (-number if name == "KILL" else 128 + number)
+    assert name == "KILL" or f"interrupted by SIG{name}; run the same command again to resume" in told
     assert store.read_manifest(tmp_path / "run")["settings"]["time_limit"] == 300.0
 
 
