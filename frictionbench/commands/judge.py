@@ -7,8 +7,9 @@ from typing import Any
 
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.reports.drawing.text import residual, seconds
+from frictionbench.results.conventions import rough_percent
 from frictionbench.results.files import printable
-from frictionbench.results.judgement import percent, read_judged, steps
+from frictionbench.results.judgement import read_judged, steps
 
 
 def as_data(folder: Path) -> dict[str, Any]:
@@ -30,7 +31,7 @@ def told(folder: Path) -> str:
     for one in found.worst(1):
         lines += [f"worst step: {printable(one.file)}, residual {residual(one.residual, 1)}, {one.law}"]
     if noted := found.notes:
-        means = "; ".join(f"{printable(name)} {percent(share)} in {steps(count)}" for name, (share, count) in noted.items())
+        means = "; ".join(f"{printable(name)} {rough_percent(mean)} in {steps(n)}" for name, (mean, n) in noted.items())
         lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")
     header = ("", "solved", "residual p50", "residual worst", "time p50", "time p99", "time worst")
     digits = partial(residual, decimals=1)

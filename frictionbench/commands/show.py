@@ -14,6 +14,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import instances, scene, scenes
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
+from frictionbench.results.conventions import rough_percent
 from frictionbench.results.motion import Motion, decoded
 
 EXACT = {2: "lemke", 3: "interior_point"}
@@ -24,16 +25,11 @@ def told(motion: Motion) -> str:
     """The energy balance in a line, relative to the largest kinetic energy, or to a thousandth of all where nothing moves."""
     energy = motion.energy
     scale = max(motion.kinetic.max(), 1e-3 * np.abs(energy).max(), np.finfo(float).tiny)
-    end, rise = (energy[-1] - energy[0]) / scale, np.diff(energy, prepend=energy[0]).max() / scale
+    shares = (energy[-1] - energy[0]) / scale, np.diff(energy, prepend=energy[0]).max() / scale
+    end, rise = (rough_percent(share, "+") for share in shares)
     worst = motion.residual.max(initial=0.0, where=np.isfinite(motion.residual))
-    changes = f"energy: {_percent(end)} at the end, at most {_percent(rise)} in a step, of the largest kinetic energy"
+    changes = f"energy: {end} at the end, at most {rise} in a step, of the largest kinetic energy"
     return f"{changes}; worst residual {worst:.0e}"
-
-
-def _percent(share: float) -> str:
-    """Two digits of a share, all of a hundred and more, and no more than two decimals."""
-    percent = round(100 * share, 2)
-    return f"{percent:+z.0f} %" if abs(percent) >= 99.5 else f"{percent:+z.2g} %"
 
 
 def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int | None) -> Motion:

@@ -106,6 +106,13 @@ def scene_title(scene: Any, parameters: Any) -> str:
     return f"{scene}[{given}]" if given else str(scene)
 
 
+def rough_percent(share: float, sign: str = "-") -> str:
+    """Two digits of a share in percent, all of a hundred and more; sign: "+" where gains have one."""
+    if 0 < abs(share) < 1e-4:
+        return "<0.01 %"
+    return f"{100 * share:{sign}.{'2g' if abs(share) < 0.995 else '0f'}} %"
+
+
 def json_object(text: Any) -> dict[str, Any]:
     """The object in a text of JSON; empty where there is none."""
     try:

@@ -16,6 +16,7 @@ import pandas as pd
 from pydantic import Field, FiniteFloat
 
 from frictionbench.problems.verdicts import Verdict
+from frictionbench.results.conventions import rough_percent
 from frictionbench.results.files import ResultsError, read_parsed, write_text
 from frictionbench.results.store import read_table
 
@@ -107,11 +108,6 @@ def steps(count: int) -> str:
     return f"{count} step{'' if count == 1 else 's'}"
 
 
-def percent(share: float) -> str:
-    """Two digits of a share."""
-    return f"{100 * share:.2g} %" if share >= 1e-4 or share == 0 else "less than 0.01 %"
-
-
 @dataclass(frozen=True)
 class Judged:
     """A judged folder: its steps, and the rows of solves with the time, s, of form, setup and solve."""
@@ -161,10 +157,10 @@ class Judged:
         if speed <= NO_CREEP * free:
             return f"Contacts that should stick do not creep, in {steps(len(held))}."
         told = f"Contacts that should stick creep at up to {1e3 * speed:.2g} mm/s ({fastest.file}), "
-        told += f"{percent(speed / free)} of the velocity that they would have without impulses. "
+        told += f"{rough_percent(speed / free)} of the velocity that they would have without impulses. "
         soft, _ = self.notes.get("softness of contacts", (0.0, 0))
         if soft > SOFT:
-            return told + f"{percent(soft)} of the impulse is the softness of the engine's contacts. {HARDER}"
+            return told + f"{rough_percent(soft)} of the impulse is the softness of the engine's contacts. {HARDER}"
         return told + TIGHTER
 
     @property
@@ -179,8 +175,8 @@ class Judged:
         if determined:
             near = sum(net[3] <= NEAR for _, _, net in determined)
             one, name, net = max(determined, key=lambda each: each[2][3])
-            told += f"{near} of {len(determined)} net impulses between bodies are within {percent(NEAR)} of the exact "
-            told += f"answer's; farthest, by {percent(net[3])}, are those on the velocities {name} in {one.file}. "
+            told += f"{near} of {len(determined)} net impulses between bodies are within {rough_percent(NEAR)} of the exact "
+            told += f"answer's; farthest, by {rough_percent(net[3])}, are those on the velocities {name} in {one.file}. "
         if hyperstatic := sum(not net[2] for _, _, net in nets):
             told += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
         return told.strip()

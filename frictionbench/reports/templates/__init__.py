@@ -16,7 +16,7 @@ from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
 from frictionbench.reports.drawing.tiles import Drawing, on_page
 from frictionbench.results.commands import rerun
-from frictionbench.results.conventions import ENDINGS, ending, scene_title
+from frictionbench.results.conventions import ENDINGS, ending, rough_percent, scene_title
 from frictionbench.results.hardness import HARDNESS
 
 
@@ -39,7 +39,7 @@ def environment(*folders: Path) -> Environment:
         "count": count,
         "levels": shown_levels,
         "share": lambda value: "–" if _absent(value) else percent(value),
-        "percent": lambda value: "–" if _absent(value) else f"{100 * value:.{'2g' if abs(value) < 0.995 else '0f'}} %",
+        "percent": lambda value: "–" if _absent(value) else rough_percent(value),
         "permille": lambda value: "–" if _absent(value) else percent(value, 1),
         "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
         "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),

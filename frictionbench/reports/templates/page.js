@@ -26,7 +26,7 @@ for (const chip of chips) {
 const UNITS = { "µs": 1e-6, ms: 1e-3, s: 1, "%": 1e-2 };
 function sortKey(cell) {
   const text = cell ? cell.textContent.trim() : "";
-  const found = /^×?(-?[\d.]+(?:e[-+]?\d+)?)(?:\/[\d.]+)?\s*(µs|ms|s|%)?/.exec(text);
+  const found = /^[×<]?(-?[\d.]+(?:e[-+]?\d+)?)(?:\/[\d.]+)?\s*(µs|ms|s|%)?/.exec(text);
   if (text === "–" || text === "") return Infinity;
   return found ? Number(found[1]) * (UNITS[found[2]] || 1) : text;
 }
