@@ -107,6 +107,7 @@ def run(
     The same command resumes an interrupted run.
     """
     from frictionbench.commands.summary import folder_for, summary
+    from frictionbench.harness.maps import run_maps
     from frictionbench.harness.plans.choose import RunOptions, choose, read_options
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.run import drop_disturbed, run as run_plan
@@ -127,12 +128,8 @@ def run(
     with _resumable(folder, progress):
         if retake:
             drop_disturbed(plan, folder)
-        if plan.maps:
-            from frictionbench.harness.maps import run_maps
-
-            run_maps(plan, folder, _jobs(jobs, progress), progress, cluster)
-        else:
-            run_plan(plan, folder, _jobs(jobs, progress), progress, cluster)
+        begin = run_maps if plan.maps else run_plan
+        begin(plan, folder, _jobs(jobs, progress), progress, cluster)
     typer.echo(summary(folder))
 
 
@@ -152,7 +149,10 @@ def report(
     width: Annotated[
         float,
         typer.Option(
-            "--width", metavar="85mm|3.35in|241pt", parser=options.parse_length, help="For the paper: the width of figures."
+            "--width",
+            metavar="85mm|3.35in|241pt",
+            parser=options.parse_length,
+            help="For the paper: the width of figures.",
         ),
     ] = 3.35,
     font: Annotated[
