@@ -23,7 +23,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from frictionbench.harness import Progress, content, run_plan
+from frictionbench.harness import Progress, content, die_with_parent, run_plan
 from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.drawing.text import escaped
 from frictionbench.results import read_table, subfolder, write_text
@@ -55,7 +55,7 @@ def compute(names: Sequence[str], out: Path, jobs: int) -> None:
     """Compute what is missing. Errors: as of harness.run."""
     missing = [(name, rows.__name__) for name in names for rows in study(name).rows if not _kept(out, name, rows.__name__)]
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # a core for each table
-    with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
+    with ProcessPoolExecutor(jobs, get_context("spawn"), die_with_parent, (os.getpid(),)) as pool:
         for done in as_completed([pool.submit(write_rows, out, *table) for table in missing]):
             print(done.result(), file=sys.stderr)
     for name in names:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from frictionbench.harness.machine import content as content
     from frictionbench.harness.plans import families as families, hard as hard, robots as robots
     from frictionbench.harness.plans.plan import Plan as Plan, Source as Source
-    from frictionbench.harness.process import cores as cores
+    from frictionbench.harness.process import cores as cores, die_with_parent as die_with_parent
     from frictionbench.harness.progress import Progress as Progress
     from frictionbench.harness.run import run as run_plan
 

@@ -153,16 +153,13 @@ def test_what_both_versions_load_dismisses_nothing(tmp_path: Path) -> None:
     assert equal_loads(cells.read(before), cells.read(same), cells.read(same)) == {}
 
 
-ENDS = {"timeout": "time.sleep(99)", "crashed": "os._exit(3)"}
-
-
 @pytest.mark.parametrize(("place", "verdict"), [("first", "timeout"), ("body", "crashed")])
 def test_what_ends_each_cell_is_known(place: str, verdict: str, tmp_path: Path) -> None:
     """A wrapped package, imported at once or within the call, is changed, and the worker is ended in its first call."""
     imports = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import frictionbench as fb, wrapped"
     parts = {"first": "", "body": "wrapped.solve(); return fb.solve(problem, 'lemke', tol=tol)"}
     plugin = write(tmp_path / "guest.py", **parts | {place: f"{imports}; {parts[place]}"})
-    for name, body in ("before", "pass"), ("after", ENDS[verdict]):
+    for name, body in ("before", "pass"), ("after", "time.sleep(99)" if verdict == "timeout" else "os._exit(3)"):
         (tmp_path / "wrapped.py").write_text(f"import os, time\ndef solve():\n    {body}", encoding="utf-8")
         assert set(run_of(tmp_path / name, plugin, time_limit=0.5)["verdict"]) == {"solved" if body == "pass" else verdict}
     now, limits = cells.read(tmp_path / "after"), Limits(times=False)

@@ -1,6 +1,9 @@
 """Studies are computed once, anew where their code has changed, and written as a page."""
 
+import os
 import re
+import subprocess
+import sys
 
 import pandas as pd
 import pytest
@@ -8,6 +11,7 @@ import pytest
 from studies import running
 from studies.study import Summary
 from tests.helpers.paths import ROOT
+from tests.helpers.runs import MARK, marked, soon
 
 
 def test_every_study_is_documented() -> None:
@@ -27,6 +31,16 @@ def test_a_table_is_kept_until_its_code_changes(tmp_path, monkeypatch) -> None:
     assert path.stat().st_mtime_ns == before
     monkeypatch.setattr(running, "code", lambda name: "other")
     assert not running._kept(tmp_path, "convexity", "jam")
+
+
+@pytest.mark.slow  # the quick tests kill no process
+def test_a_killed_study_leaves_no_process(tmp_path) -> None:
+    command = [sys.executable, "-m", "studies", "convexity", "--jobs", "1", "--out", str(tmp_path)]
+    begun = subprocess.Popen(command, env=os.environ | {MARK: str(tmp_path)}, cwd=ROOT)
+    assert soon(lambda: len(marked(str(tmp_path))) > 2, seconds=300.0)  # with the process of a table
+    begun.kill()
+    begun.wait()
+    assert soon(lambda: not marked(str(tmp_path)))
 
 
 def test_what_draws_and_writes_is_no_code_of_a_table(tmp_path, monkeypatch) -> None:

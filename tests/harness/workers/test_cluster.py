@@ -29,18 +29,9 @@ def dask_cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
     environment = os.environ | {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}
     dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", address, "--no-dashboard"]
     processes = [subprocess.Popen(dask, env=environment, **quietly)]
-    for _ in range(2):
-        command = [
-            sys.executable,
-            "-m",
-            "distributed.cli.dask_worker",
-            address,
-            "--nthreads",
-            "1",
-            "--no-dashboard",
-            "--no-nanny",
-        ]
-        processes.append(subprocess.Popen([*command, "--local-directory", str(folder)], env=environment, **quietly))
+    worker = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+    worker += ["--local-directory", str(folder)]
+    processes += [subprocess.Popen(worker, env=environment, **quietly) for _ in range(2)]
     try:
         yield address, processes
     finally:
