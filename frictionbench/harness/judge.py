@@ -10,7 +10,7 @@ import tempfile
 from hashlib import sha256
 from itertools import groupby
 from pathlib import Path
-from shutil import move
+from shutil import copyfile
 from typing import Any
 
 import numpy as np
@@ -156,7 +156,8 @@ def prepared(
         plan = Plan("judge", _sources(folder, found, out), solvers, (tol,), time_limit=time_limit, plugins=plugins)
         open_folder(plan, out)
         for path in (Path(name) / FOLDER).iterdir():
-            move(path, subfolder(out, FOLDER) / path.name)
+            with replaced(subfolder(out, FOLDER) / path.name) as file:  # shutil.move writes through a link
+                copyfile(path, file)
     write_judgements(out, found)
     return plan, out
 

@@ -154,6 +154,8 @@ def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
         yield f"Not counted as changes: {timeouts} cells whose timeout the speed of the machine may explain."
     if old.code and new.code and old.code != new.code:
         yield f"Code: {old.code} (baseline), {new.code} (current)."
+    elif old.made and old.made == new.made:
+        yield "The baseline is this very run, which cannot be worse than itself."
 
 
 def equal_loads(recorded: Cells, before: Cells, after: Cells) -> dict[str, list[str]]:

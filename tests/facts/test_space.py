@@ -12,12 +12,8 @@ from frictionbench.solvers import solve
 RADIUS, MU, SPEED = 0.1, 0.3, 2.0  # of the scene sliding_ball
 
 
-def by(spec: str):
-    return lambda problem: solve(problem, spec, tol=1e-10).impulse
-
-
 def moved(made: Scene, spec: str = "interior_point", scheme: str = "anitescu_potra") -> list[Step]:
-    return list(simulate(made, by(spec), SCHEMES[scheme]))
+    return list(simulate(made, lambda problem: solve(problem, spec, tol=1e-10).impulse, SCHEMES[scheme]))
 
 
 def worst(made: Scene, scheme: str = "anitescu_potra") -> float:

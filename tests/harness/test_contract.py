@@ -94,7 +94,6 @@ def test_a_fault_of_the_first_call_is_reported(tmp_path: Path) -> None:
     lies = "return Answer(answer.impulse + (len(calls) == 1), Status.SOLVED, answer.work)"
     plugin = write(tmp_path / "one.py", first="import frictionbench as fb; calls = []", body=f"{first}; {lies}")
     result = CliRunner().invoke(app, ["check-solver", str(plugin), "--jobs", "1"])
-    assert result.exit_code == 1
     assert "failed  first calls: Answer the first call of a process" in result.output
     assert "the first call in its process, on a problem of one contact, is wrong, and the second is not" in result.output
 

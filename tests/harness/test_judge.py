@@ -1,6 +1,7 @@
 """The steps of an engine are judged: what its impulses violate, what exact solvers answer beside it, and unusable folders."""
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -104,6 +105,16 @@ def test_edited_judgements_are_refused(folder, tmp_path) -> None:
         (tmp_path / NAME).write_text(json.dumps([row | change]))
         with pytest.raises(ResultsError, match=NAME):
             read_judgements(tmp_path)
+
+
+def test_a_link_is_replaced_by_what_is_judged(folder, tmp_path, monkeypatch) -> None:
+    """Also where the folder is not on the file system of temporary files, so that these cannot be renamed."""
+    stored, other = next((folder / "judged").iterdir()), tmp_path / "other"
+    stored.unlink()
+    stored.symlink_to(other)
+    monkeypatch.setattr(os, "rename", lambda *_: os.stat(""))
+    prepared(folder.parent / "steps", ("nsgs",), (), 1e-8, 10.0, 1, folder, quiet())
+    assert not other.exists()
 
 
 def test_a_step_without_solution_is_named(tmp_path) -> None:

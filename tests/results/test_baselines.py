@@ -39,8 +39,9 @@ def test_baseline_equals_its_run(tmp_path):
         "a\tsolve\tbar[friction=0.2]\t0\tstep\tcold\t1e-08\tsolved\t1.0e-09\tpivots 10, restarts 0\t3e-03\t10\ta-p0-1e-08"
         in lines
     )
-    same, worse = compare(path, made), compare(path, run(tmp_path / "after", pivots=11, verdict="wrong"))
+    same, worse = compare(path, made), compare(path, run(tmp_path / "after", 11, "wrong", finished="later"))
     assert (same.exit_code, same.counts["same"]) == (0, 5)
+    assert (same.notes, worse.notes) == (("The baseline is this very run, which cannot be worse than itself.",), ())
     assert [found.name for found in worse.worse] == ["bar[friction=0.2] step 0 to 1e-08 (b-p-1e-08)", "pivots"]
     before, _ = accept(tmp_path / "after", path)
     assert before.worse == worse.worse

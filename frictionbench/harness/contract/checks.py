@@ -159,11 +159,10 @@ def duplicated_contacts(subject: Subject) -> Violations:
 def frictionless(subject: Subject) -> Violations:
     for problem in subject.takes(*(each.replace(friction=np.zeros(each.contacts)) for each in ordinary())):
         answer, finding = subject.solve(problem)
+        most = 1e-6 * np.abs(answer.impulse).max(initial=1.0)
         if finding.verdict == Verdict.WRONG or not np.isfinite(answer.impulse).all():
             yield f"{problem.contacts} contacts of dimension {problem.dimension}: {finding.verdict}, {finding.reason}"
-        elif finding.verdict in ACCEPTED and np.abs(answer.impulse[:, 1:]).max(initial=0.0) > 1e-6 * np.abs(answer.impulse).max(
-            initial=1.0
-        ):
+        elif finding.verdict in ACCEPTED and np.abs(answer.impulse[:, 1:]).max(initial=0.0) > most:
             yield "tangential impulses without friction"
 
 
