@@ -8,7 +8,7 @@ for (const svg of document.querySelectorAll("svg")) {
   const frame = svg.getBoundingClientRect();
   const texts = [...svg.querySelectorAll("text")].map((text) => [text.textContent, text.getBoundingClientRect()]);
   texts.forEach(([text, box], at) => {
-    const letters = parseFloat(getComputedStyle(svg).fontSize) * svg.getScreenCTM().a;
+    const letters = parseFloat(getComputedStyle(svg).fontSize) * svg.getScreenCTM()?.a;  // none of a hidden drawing
     if (svg.closest(".map") && (letters < 9 || letters > 18)) faults.push(`letters of ${letters.toFixed(1)} px: ${text}`);
     if (box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1) {
       faults.push(`outside its drawing: ${text}`);
