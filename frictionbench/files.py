@@ -46,7 +46,7 @@ def load_step(path: str | Path) -> EngineStep:
     >>> problem = fb.scene("stack", blocks=1).problem()
     >>> fb.save(problem, "step.npz", impulse=np.zeros((2, 2)), notes={"soft contacts": 0.01})
     >>> load_step("step.npz")
-    EngineStep(2 contacts in the plane, 3 velocities, soft contacts 1 %)
+    EngineStep(2 contacts in the plane, 3 velocities, soft contacts 1.00 %)
     """
     return own.load_step(check.path("path", path))
 

@@ -33,7 +33,8 @@ law, warm-started. The other columns are calls of `fb.solve(problem, "hybrid")` 
 steps, form, setup and residual included: the median over the steps of µs, and of the ratio to MuJoCo; *worst*: the 99th
 percentile of the call at 1e-8 from a cold start over its median. Cold from no impulses, warm from those of the step before.
 *problem*: to make the FrictionProblem of dense arrays, checks and inverse mass included, which is before the call. Each time
-is the median of {ROUNDS} in turn. *pinocchio*: `{OTHER}`, of Coulomb's law and limits of joints, cold at 1e-6: the
+is the median of {ROUNDS} after {ROUNDS} that are not counted. *pinocchio*: `{OTHER}`, of
+Coulomb's law and limits of joints, cold at 1e-6: the
 median over those steps that it solves, and their number where it is not all; a dash where it takes none, as it has no form for
 dry friction of joints. Drake's SAP has no column: pydrake solves by it only whole models of its own, by a soft and convex law.
 A model's steps are of two motions, the first and the last of its behaviours, in closed loop with our steps.
@@ -149,15 +150,14 @@ def _other(problem: FrictionProblem) -> float:
 
 
 def _median(call: Callable[[Any], Any], given: Callable[[], Any] = lambda: None) -> float:
-    """Of ROUNDS calls on what is given anew each time, in µs; the first call, which may compile, is not counted."""
-    call(given())
+    """Of ROUNDS calls on what is given anew each time, in µs, after as many uncounted ones, which compile and fill caches."""
     times = []
-    for _ in range(ROUNDS):
+    for _ in range(2 * ROUNDS):
         one = given()
         begun = perf_counter_ns()
         call(one)
         times.append(perf_counter_ns() - begun)
-    return float(np.median(times)) / 1e3
+    return float(np.median(times[ROUNDS:])) / 1e3
 
 
 if __name__ == "__main__":
