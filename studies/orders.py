@@ -16,6 +16,7 @@ from studies.study import Row, Slope, Study, Summary, Tables, curve, finish, lis
 
 ROUNDING = 1e-10  # m: errors and drifts below it have no order
 HIGHER = "trapezoid"
+WIDE = 0.5  # half an interval: an order known less well is neither that of first nor that of second order
 MOTIONS: dict[str, tuple[str, dict[str, Any], float]] = {
     # kind: scene, settings and duration; no event falls on a step of all grids
     "pendulum": ("pendulum", {}, 0.4),
@@ -92,8 +93,9 @@ def errors(
 
 def summary(found: Tables) -> Summary:
     errors = found["errors"]
-    slopes = {key: order(own["step"], own["error"]) for key, own in errors.groupby(["kind", "scheme"]) if _moves(own["error"])}
-    drifts = {key: order(own["step"], own["drift"]) for key, own in errors.groupby(["kind", "scheme"]) if _moves(own["drift"])}
+    cases = errors.groupby(["kind", "scheme"])
+    slopes = {key: order(own["step"], own["error"]) for key, own in cases if (own["error"] > ROUNDING).all()}
+    drifts = {key: order(own["step"], own["drift"]) for key, own in cases if (own["drift"] > ROUNDING).all()}
     kinds = list(dict.fromkeys(errors["kind"]))
     high = {kind: slopes[kind, HIGHER] for kind in kinds if (kind, HIGHER) in slopes}
     lower = {kind: [slope.value for (k, s), slope in slopes.items() if k == kind and s != HIGHER] for kind in kinds}
@@ -101,6 +103,10 @@ def summary(found: Tables) -> Summary:
         "kept": listing([f"{kind} ({slope})" for kind, slope in high.items() if slope.value - slope.half > 1.5]),
         "lost": listing([f"{kind} ({slope})" for kind, slope in high.items() if slope.value + slope.half < 1.5]),
         "open": listing([f"{kind} ({slope})" for kind, slope in high.items() if abs(slope.value - 1.5) <= slope.half]),
+        "above": listing(
+            [f"{s} in {k} ({slope})" for (k, s), slope in slopes.items() if s != HIGHER and slope.value - slope.half > 1.5]
+        ),
+        "wide": listing([f"{s} in {k}" for (k, s), slope in slopes.items() if slope.half > WIDE]),
         "lowest": f"{min(lower['smooth sliding']):.2f}",
         "highest": f"{max(lower['smooth sliding']):.2f}",
         "by_kind": "; ".join(
@@ -117,10 +123,6 @@ def summary(found: Tables) -> Summary:
         ),
     }
     return Summary(numbers, figures)
-
-
-def _moves(values: pd.Series) -> bool:
-    return bool((values > ROUNDING).all())
 
 
 def _drift(kind: str, drifts: dict[tuple[str, str], Slope], errors: pd.DataFrame) -> str:
