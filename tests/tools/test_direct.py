@@ -51,7 +51,7 @@ def test_the_documents_say_why_an_adapter_is_charged_more() -> None:
 
 
 def test_every_library_has_a_call_by_hand() -> None:
-    """But CVXPY's models, whose solver is clarabel's, and Kamino, which takes no matrices: by hand it is called as here."""
+    """But CVXPY's models, whose solver is clarabel's, and Kamino, whose dual problem can only be overwritten as here."""
     called = {spec.partition("[")[0] for spec in CALLS} | {"ccp_cone", "kamino"}
     assert {name for name, info in available().items() if info.needs and info.ours} == called
 

@@ -89,7 +89,7 @@ class Woodpecker(GeneralisedScene):
 
 @generator(friction=0.3, restitution=0.5, step=1e-4, duration=0.6)
 def woodpecker() -> Woodpecker:
-    """A toy woodpecker pecks its way down a pole (Glocker 1995), in three generalised coordinates.
+    """A toy woodpecker pecks its way down a pole, in three generalised coordinates (Glocker 1995; Leine and others 2003).
 
     The sleeve jams and holds the swinging woodpecker by friction; it comes free, falls, and the beak's hit jams it again. A
     cycle takes 0.146 s and 19 mm of the pole. restitution: of the beak; the sleeve has none.

@@ -1,8 +1,8 @@
 """Kamino's proximal ADMM and accelerated projected gradients: Newton's solvers of articulated bodies, on the processor.
 
-They solve Coulomb's law by de Saxcé's shift of the velocity, in single precision. They take no matrices: a template of their
-own has one body and nc contacts, and its dense dual problem's Delassus matrix, free velocities and friction are overwritten,
-then preconditioned as Kamino does.
+They solve Coulomb's law by de Saxcé's shift of the velocity, in single precision. Their public calls take models. Here a
+template has one body and nc contacts, and its dense dual problem's Delassus matrix, free velocities and friction are
+overwritten, then preconditioned as Kamino does.
 
 Licence: Apache-2.0 (Newton and Warp).
 Form: the dimensionless Delassus matrix, dense, with three rows a contact, (t1, t2, n); the second tangent of a planar one is
