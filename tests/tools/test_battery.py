@@ -11,7 +11,7 @@ BY_NAME = {one.name: one for one in PHENOMENA}
 
 
 # How near our own contacts come with steps of 10 ms, in units of the phenomenon.
-NEAR = {"stopping distance": 0.02, "rebound, e = 0.5": 0.15}
+NEAR = {"stopping distance": 0.011, "rebound, e = 0.5": 0.15}
 NEAR |= dict.fromkeys(("direction of sliding", "sliding ball that rolls", "1000 kg on 1 kg, sinking"), 1e-7)
 
 
@@ -47,9 +47,9 @@ def test_page_says_what_is_skipped_and_what_failed(monkeypatch) -> None:
 
 
 def test_orders_are_those_of_successive_steps() -> None:
-    cells = "4.0e-03 ± 1e-03 / 1.0e-03 ± 1e-03 / -5.0e-04 | – | -8.0e-03 / -4.0e-03 / -2.0e-03 | 1.0e-03 / failed: X / 1.0e-03"
+    cells = "4.0e-03 ± 1e-03 / 1.0e-03 / -5.0e-04 | – | -8.0e-03 / -4.0e-03 / -2.0e-03 ± 3e-03 | 1.0e-03 / failed: X / 1.0e-03"
     made = table.orders(f"| phenomenon |\n| --- |\n| stopping distance | v²/2 = 4 | m | {cells} |\n| stack | 0 | m | 1 |\n")
-    ends = "2.0, – | – | 1.0, 1.0 | 1.0e-03 / failed: X / 1.0e-03 |"
+    ends = "2.0, – | – | 1.0, – | 1.0e-03 / failed: X / 1.0e-03 |"
     assert made.splitlines()[-1] == f"| stopping distance | v²/2 = 4 | m | {ends}"
 
 
@@ -66,7 +66,7 @@ def test_orders_are_those_of_successive_steps() -> None:
 def test_installed_engines_stop_where_the_closed_form_says(engine, package) -> None:
     pytest.importorskip(package, reason=f"{package} is not installed")
     one = BY_NAME["sliding ball that rolls" if package == "mujoco" else "stopping distance"]
-    assert one.measure(engine, 0.001) == pytest.approx(one.exact, rel=0.05)
+    assert np.array(one.measure(engine, 0.001)) == pytest.approx(one.exact, rel=0.05)
 
 
 def test_the_document_has_every_phenomenon() -> None:

@@ -18,7 +18,7 @@ from tools.battery.world import Make, Unsupported
 
 STEPS = (0.004, 0.002, 0.001)  # s
 MOVING = tuple(f"| {name}" for name in ("stopping", "direction", "rebound, e = 0.5", "rebound, e = 1", "sliding", "box in"))
-ERRORS = re.compile(" / ".join([r"(-?[\d.]+e[-+]\d+)(?: ± \S+)?"] * len(STEPS)))  # of a cell
+ERRORS = re.compile(" / ".join([r"(-?[\d.]+e[-+]\d+)(?: ± (\S+))?"] * len(STEPS)))  # of a cell
 ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, and the engine
     "frictionbench": ("frictionbench", own.Exact),
     "MuJoCo": ("mujoco", mujoco.MuJoCo),
@@ -29,7 +29,7 @@ ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, a
     "Drake, margin": ("drake", drake.margin),
     "Drake, softer": ("drake", drake.softer),
     "Drake, stiff": ("drake", drake.stiff),
-    "PyBullet": ("pybullet", bullet.Bullet),
+    "PyBullet, two settings changed": ("pybullet", bullet.Bullet),
     "PyBullet, stiff": ("pybullet", bullet.stiff),
     "Rapier": ("rapier3d", rapier.Rapier),
     "Rapier, stiff": ("rapier3d", rapier.stiff),
@@ -44,25 +44,25 @@ def table() -> str:
     for name, (package, make) in ENGINES.items():
         try:
             engine, comma, settings = name.partition(",")
-            usable[name] = (f"{engine} {version(package)}{comma}{settings}", make)
+            usable[f"{engine} {version(package)}{comma}{settings}"] = make
         except PackageNotFoundError:
             remarks.append(f"\n{name}: skipped, it is not installed (`pip install {package}`).\n")
-    heads = ["phenomenon", "closed form", "", *(title for title, _ in usable.values())]
-    rows = [heads, ["---"] * 3 + ["--:"] * len(usable)]
+    rows = [["phenomenon", "closed form", "", *usable], ["---"] * 3 + ["--:"] * len(usable)]
     for one in PHENOMENA:
         closed = f"{one.formula}{f' = {one.exact:.4g}' if not one.formula.endswith('0') else ''}"
-        rows.append([one.name, closed, one.unit, *(_errors(one, make) for _, make in usable.values())])
+        rows.append([one.name, closed, one.unit, *(_errors(one, make) for make in usable.values())])
     return "".join([*(f"| {' | '.join(row)} |\n" for row in rows), *remarks])
 
 
 def orders(made: str) -> str:
-    """The rows of MOVING in `made` with log2 of the ratio of errors at successive steps, a dash where signs are unlike."""
+    """The rows of MOVING in `made` with log2 of the ratio of successive errors, a dash if signs differ or bars reach 0."""
     kept = [line for line in made.splitlines() if line.startswith(("| phenomenon", "| ---", *MOVING))]
     return "\n" + "".join(f"{ERRORS.sub(_orders, line)}\n" for line in kept)
 
 
 def _orders(cell: re.Match[str]) -> str:
-    pairs = pairwise(map(float, cell.groups()))
+    means, bars = (np.array(cell.groups("0")[k::2], dtype=float) for k in (0, 1))
+    pairs = pairwise(np.where(abs(means) > bars, means, 0.0))
     return ", ".join(f"{np.log2(a / b):.1f}" if a * b > 0 else "–" for a, b in pairs)
 
 

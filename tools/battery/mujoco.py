@@ -53,7 +53,7 @@ class MuJoCo:
 def _bouncing(e: float) -> str:
     """The solref of a spring and damper that let go with e times the speed: with the default time constant of 20 ms and the
     damping ratio for which they do, or without damping for e = 1, as soft as contacts of several steps need. A spring that
-    does not pull lets go at some speed however much it is damped, 2 % with a ratio of 10 for e = 0."""
+    does not pull lets go at some speed however much it is damped, 0.24 % with a ratio of 10 for e = 0."""
     if e in (0, 1):
         return 'solref="-5000 0"' if e else 'solref="0.02 10"'
     return f'solref="0.02 {brentq(lambda ratio: _rebound(ratio) - e, 1e-9, 0.7)}"'
@@ -73,10 +73,8 @@ def _floors(setting: Setting) -> str:
 def _bodies(setting: Setting) -> str:
     text = ""
     for body in setting.bodies:
-        kind, size, at = (
-            "sphere" if len(body.size) == 1 else "box",
-            *(" ".join(map(str, v)) for v in (body.size, body.position)),
-        )
+        kind = "sphere" if len(body.size) == 1 else "box"
+        size, at = (" ".join(map(str, v)) for v in (body.size, body.position))
         geom = f'<geom type="{kind}" size="{size}" mass="{body.mass}"/>'
         text += f'<body pos="{at}" euler="{body.turn} 0 0"><freejoint/>{geom}</body>'
     return text

@@ -3,23 +3,23 @@
 Each is a problem of rigid bodies with Coulomb friction, in SI units; what an engine gives differs by its model and its step.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from time import process_time
 from typing import NamedTuple
 
 import numpy as np
 
-from tools.battery.world import GRAVITY, Body, Make, Setting
+from tools.battery.world import GRAVITY, Array, Body, Make, Setting
 
 CUBE, SETTLED = (0.1, 0.1, 0.1), 0.5  # half sizes, m; s until a body that is put down rests
-PHASES = np.arange(8) / 8  # of a step, by which a fall begins later
+PHASES = np.arange(8) / 8  # of a step, by which a fall or a slide begins later
 TILTING = 0.6  # s: 12 ms between two slopes, steps of any size in the table
 
 
 class Phenomenon(NamedTuple):
     """exact: the closed form, in unit. formula: the closed form in words. measure: (engine, step) to what is measured, one
-    number or, where it depends on when within a step the bodies meet, one for each of PHASES."""
+    number or, where it depends on when within a step the bodies meet or stop, one for each of PHASES."""
 
     name: str
     formula: str
@@ -37,20 +37,23 @@ def creep(make: Make, step: float) -> float:
     return float(np.linalg.norm(world.position(0) - before))
 
 
-def stopping(make: Make, step: float) -> float:
+def stopping(make: Make, step: float) -> list[float]:
     """The way of a box that slides at 2 m/s on friction 0.5 until it rests."""
-    world = make(Setting((Body(CUBE, 1.0, (0, 0, 0.1), (2, 0, 0)),), 0.5), step)
-    world.run(1.0)
-    return float(world.position(0)[0])
+    return [float(way[0] + (2.0**2 - speed**2) / GRAVITY) for speed, way in _slides(make, step, 0.0)]
 
 
-def direction(make: Make, step: float) -> float:
+def direction(make: Make, step: float) -> list[float]:
     """The direction, in degrees, in which a box thrown at 30 degrees to its sides has moved when it has lost its speed."""
-    angle = np.radians(30)
-    world = make(Setting((Body(CUBE, 1.0, (0, 0, 0.1), (2 * np.cos(angle), 2 * np.sin(angle), 0)),), 0.5), step)
-    world.run(1.0)
-    x, y, _ = world.position(0)
-    return float(np.degrees(np.arctan2(y, x)))
+    return [float(np.degrees(np.arctan2(way[1], way[0]))) for _, way in _slides(make, step, np.radians(30))]
+
+
+def _slides(make: Make, step: float, angle: float) -> Iterator[tuple[float, Array]]:
+    """2 m/s and the speeds that friction 0.5 leaves of them after each of PHASES, and the way (3,), m, of a box so thrown."""
+    for speed in 2.0 - 0.5 * GRAVITY * step * PHASES:
+        velocity = speed * np.array([np.cos(angle), np.sin(angle), 0.0])
+        world = make(Setting((Body(CUBE, 1.0, (0, 0, 0.1), velocity),), 0.5), step)
+        world.run(1.0)
+        yield speed, world.position(0)
 
 
 def heavy_on_light(make: Make, step: float) -> float:
