@@ -231,7 +231,7 @@ def draw_problems(problem: pd.DataFrame, random: np.random.Generator) -> Array:
     clusters, weight = list(problem["cluster"].unique()), problem["weight"].to_numpy()
     copies = random.multinomial(len(clusters), np.full(len(clusters), 1 / len(clusters)), size=DRAWS)
     found = np.zeros((DRAWS, len(problem)))
-    for (cluster, _), at in problem.groupby(["cluster", "stratum"], sort=False).indices.items():
+    for (cluster, _), at in sorted(problem.groupby(["cluster", "stratum"]).indices.items()):  # pandas gives them in any order
         drawn = random.multinomial(len(at) * copies[:, clusters.index(cluster)], np.full(len(at), 1 / len(at)))
         found[:, at] = drawn * weight[at].sum() / len(at)
     weighted: Array = found / found.sum(axis=1, keepdims=True)
