@@ -49,7 +49,7 @@ STANDS_FOR = {
     "FILE|NAME": "mine.py",
     "SCENE[...]": "stack[blocks=2]",
     "SCENE": "stack",
-    "[--scenes A,B]": "",
+    "[--solvers A,B] [--scenes A,B]": "",
     "[--figures A,B]": "--figures profiles",
     "DIR": "runs/now",
     "--solver NAME": "--solver lemke",
