@@ -307,7 +307,8 @@ def judge(
 
     variants, plugins = load_plugins(against or [])
     progress = Progress(quiet=quiet)
-    plan, written = prepared(folder, variants, plugins, tol, time_limit, workers := _jobs(jobs, progress), out, progress)
+    workers = _jobs(jobs, progress)
+    plan, written = prepared(folder, variants, plugins, tol, time_limit, workers, out, progress)
     with _resumable(written, progress):
         run_plan(plan, written, workers, progress)
     report_of_it = write_judgement(written)

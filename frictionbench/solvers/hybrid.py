@@ -66,8 +66,7 @@ class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
     In space the first is Newton's method on dense rows, for few contacts or none; it counts newton sweeps and steps.
-    Where the first member fails, and Newton's method too, a linear program looks for contacts that contradict each other, with
-    which no member is of use.
+    Where the first member fails, and Newton's method too, a linear program looks for contacts that contradict each other.
     Impulses whose residual rounding alone explains are an answer where no member finds smaller ones.
     The limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
