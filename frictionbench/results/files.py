@@ -9,8 +9,8 @@ those of files, and of what workers reply, pass through `cleaned` once, where th
 
 import json
 import os
+import secrets
 import stat
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -132,22 +132,15 @@ def replaced(path: Path) -> Iterator[Path]:
 
     Errors: OSError naming the path, if the disk is full or the folder is not writable.
     """
+    partial = path.with_name(f".{path.stem}-{secrets.token_hex(8)}{path.suffix}")
     try:
-        descriptor, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(path)) from None
-    os.close(descriptor)
-    partial = Path(name)
-    try:
+        partial.touch(exist_ok=False)
         yield partial
-        mask = os.umask(0)
-        os.umask(mask)
-        partial.chmod(0o666 & ~mask)
         partial.replace(path)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
     finally:
-        with suppress(FileNotFoundError):
+        with suppress(OSError):  # it was renamed, or never made
             partial.unlink()
 
 
