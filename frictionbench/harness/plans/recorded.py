@@ -62,7 +62,6 @@ def recorded() -> Plan:
         spatial_solvers=SPATIAL_WINNERS,
         tolerances=LADDER,
         starts=(COLD, WARM),  # warm: from the initial guess of a file that has one
-        time_limit=10.0,
     )
 
 

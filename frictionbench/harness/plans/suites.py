@@ -89,7 +89,6 @@ def standard() -> Plan:
         simulations=STEPS,
         simulation_solvers=(*EXACT, *RELAXED),
         time_limit=2.0,
-        simulation_limit=60.0,
         expects="four minutes",
     )
 
@@ -189,7 +188,6 @@ def scaling() -> Plan:
         solvers=(*EXACT, "apgd_coulomb", RELAXED[0]),
         spatial_solvers=SPATIAL,
         tolerances=(1e-4, 1e-8),
-        time_limit=10.0,
         expects="twenty minutes",
     )
 

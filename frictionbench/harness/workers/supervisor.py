@@ -13,7 +13,6 @@ import os
 import shutil
 import signal
 import socket
-import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
@@ -298,7 +297,3 @@ def _detach() -> None:
     null = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(null, stream)
-
-
-if __name__ == "__main__":
-    serve(int(sys.argv[1]))
