@@ -12,7 +12,6 @@ import numpy as np
 from frictionbench.commands.stored_cell import stored_cell, trusted
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SimulationCell, SolveCell, Source, origin
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, cell_task, row_of
@@ -26,6 +25,7 @@ from frictionbench.reports.drawing.text import seconds
 from frictionbench.results.cells import counts
 from frictionbench.results.conventions import RankBy, ending
 from frictionbench.results.files import printable
+from frictionbench.results.schema import PROBLEM_FACTS
 from frictionbench.results.store import Row
 from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import installed

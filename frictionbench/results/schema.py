@@ -46,7 +46,7 @@ wall_time          real  s   duration of the cell including verification and rep
 overhead           real  s   part of wall_time outside form, setup and solve; of a simulation, verification and recording
 peak_memory        real  B   largest resident memory of the process during the cell
 """
-_SOLVES = """
+_PROBLEM = """
 problem            text      content hash of the problem
 step               whole     number of the time step in which the problem occurs
 phase              text      step, compression or decompression, with the scheme unless it is the default
@@ -79,6 +79,8 @@ proved_infeasible  flag      contacts or joints contradict each other, proved (F
                              looked for where there is no reference answer
 sensitivity        real  1   relative change of the solution's velocities over that of q; large for ill-posed problems
 mode_distance      real  1   distance of a solution from the nearest change of mode, as a relative velocity; 0 on a tie
+"""
+_SOLVES = """
 start              text      cold (zero), warm (impulses of the previous problem), shuffled (those of another step of the
                              motion)
 status             text      status reported by the solver
@@ -162,7 +164,8 @@ def _columns(*texts: str) -> tuple[Column, ...]:
     return tuple(Column(name, TYPES[kind], unit, meaning) for name, kind, unit, meaning in lines)
 
 
-SOLVES = _columns(_CELL, _SOLVES)
+SOLVES = _columns(_CELL, _PROBLEM, _SOLVES)
+PROBLEM_FACTS = ("scene", "parameters", *(column.name for column in _columns(_PROBLEM)))  # the columns that describe a problem
 TABLES = {"solves": SOLVES, "simulations": _columns(_CELL, _SIMULATIONS), "batches": _columns(_CELL, _BATCHES)}
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field, Json
 
 from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference, reference_answer, unless_unsolved
-from frictionbench.harness.cells.rows import PROBLEM_FACTS, blank_facts
+from frictionbench.harness.cells.rows import blank_facts
 from frictionbench.harness.plans import robots
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import LCP, FrictionProblem, InputError
@@ -44,6 +44,7 @@ from frictionbench.problems.scene import Scene
 from frictionbench.problems.simulate import first_problem_of, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
 from frictionbench.results.files import ResultsError, parsed, read_json, replaced, subfolder, write_text
+from frictionbench.results.schema import PROBLEM_FACTS
 
 Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, its starts and repeats
 
@@ -280,7 +281,7 @@ def _transferred(known: Collected, wanted: Collected) -> Array:
 
 def facts(source: Source, collected: Collected) -> Record:
     """The columns of a row that describe a problem, with its reference answer if there is one:
-    harness.cells.rows.PROBLEM_FACTS."""
+    results.schema.PROBLEM_FACTS."""
     problem, answer = collected.problem, collected.impulse
     nc, planar, found = problem.contacts, problem.dimension == 2, labels(problem)
     proof = contradiction(problem) if answer is None else None

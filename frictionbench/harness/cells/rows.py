@@ -17,16 +17,9 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import Finding, verify
 from frictionbench.results.conventions import APART, COLD
+from frictionbench.results.schema import PROBLEM_FACTS
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, SolverInfo, Status, find
-
-PROBLEM_FACTS = (
-    *("problem", "scene", "parameters", "step", "phase", "reference"),
-    *("contacts", "dimension", "velocities", "size"),
-    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "largest_friction"),
-    *("asymmetry", "indefiniteness", "islands", "island_ratio", "limits", "dry_friction", "trivial", "idle"),
-    *("solutions", "outcomes", "existence", "proved_infeasible", "sensitivity", "mode_distance"),
-)
 
 
 def known_row(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Row | None = None) -> Row:
