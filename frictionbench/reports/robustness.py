@@ -23,10 +23,10 @@ class MapCells:
     rows: pd.DataFrame
 
     @property
-    def labels(self) -> list[str]:
-        """The labels of the solvers that ran, in the order of the plan."""
-        ran = self.rows.loc[measured(self.rows), "label"]
-        return list(dict.fromkeys(ran))
+    def by_label(self) -> dict[str, pd.DataFrame]:
+        """The rows of each solver that ran, in the order of the plan."""
+        ran = self.rows.loc[measured(self.rows), "label"].unique()
+        return {label: self.rows[self.rows["label"] == label] for label in ran}
 
     @property
     def problems(self) -> pd.DataFrame:

@@ -128,8 +128,7 @@ def _field(
 def _verdicts(cells: MapCells) -> dict[str, Field]:
     """By label."""
     fields, x, y = {}, cells.spec.x, cells.spec.y
-    for label in cells.labels:
-        rows = cells.rows[cells.rows["label"] == label]
+    for label, rows in cells.by_label.items():
         known = rows[rows["known"]]
         share = f" {percent((known['verdict'] == Verdict.SOLVED).mean(), 1)}" if len(known) else ""
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
@@ -185,16 +184,14 @@ def _type(mode: object) -> str | None:
 def _types(cells: MapCells) -> list[tuple[str, Field]]:
     if "mode" not in cells.rows or len(set(cells.rows["mode"].map(_type).dropna())) < 2:
         return []
-    solved = cells.rows[cells.rows["verdict"] == Verdict.SOLVED]
-    own = [(label, solved[solved["label"] == label]) for label in cells.labels]
-    return [(label, _field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))) for label, rows in own]
+    solved = {label: rows[rows["verdict"] == Verdict.SOLVED] for label, rows in cells.by_label.items()}
+    return [(label, _field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))) for label, rows in solved.items()]
 
 
 def _each(cells: MapCells, column: str, write: Callable[[float], str]) -> list[tuple[str, Field]]:
     """A scale of the column for each label; of counters their sum."""
     values = cells.rows[column].map(_count) if column == "work" else cells.rows[column]
-    own = [(label, cells.rows[cells.rows["label"] == label]) for label in cells.labels]
-    return [(label, _scale("", rows, values[rows.index], write)) for label, rows in own]
+    return [(label, _scale("", rows, values[rows.index], write)) for label, rows in cells.by_label.items()]
 
 
 def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
@@ -226,8 +223,7 @@ def _loop(cells: MapCells) -> list[tuple[str, Field]]:
         ("worst_penetration", "overlap, m"),
         ("contact_free_steps", "contact-free"),
     ):
-        for label in cells.labels:
-            own = cells.rows[cells.rows["label"] == label]
+        for label, own in cells.by_label.items():
             if own[column].max() > own[column].min():
                 fields.append((label, _scale(title, own, own[column])))
     return fields
