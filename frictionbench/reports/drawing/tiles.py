@@ -5,7 +5,6 @@ the upper left; its field of tiles is ACROSS x UP of them. It is written here an
 thousands of tiles, each with its tooltip: those of one colour and tooltip are one path. A threshold is drawn as its points.
 """
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import cycle, groupby
@@ -28,7 +27,6 @@ LEFT, TOP, ACROSS, UP = 30.0, 22.0, 120.0, 96.0  # of the field of tiles
 BAR = 153.0  # left end of the scale of colours, which is as high as the field
 LETTERS = 7.2  # font size
 LONGEST = 38  # letters of a title; a longer one is cut
-FEW = 6  # panels of a map that are drawn large
 SEAM = 0.05  # points, the outline of a tile, which closes the gap that a viewer may show between neighbours
 CORNERS = (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)  # of a tile
 TICK = 0.5  # width of a tick on the page
@@ -121,23 +119,7 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
         ax.figure.colorbar(ScalarMappable(cmap=ListedColormap(field.scale)), ax=ax, ticks=[])
 
 
-def on_page(drawing: Drawing) -> Markup:
-    """The legend, the note and the panels as HTML. The script of the page enlarges panels and tells what a tile stands for."""
-    entries = "".join(
-        f'<span><i class="{"dot" if entry.dots else "area"}" style="color:{entry.colour};background:{entry.colour}"></i>'
-        f"{escape(entry.name)}</span>"
-        for entry in drawing.legend
-    )
-    note = f'<p class="soft">{escape(drawing.note)}</p>' if drawing.note else ""
-    enlarge = '<button class="enlarge" hidden title="enlarge" aria-label="enlarge">⤢</button>'
-    shown = "".join(f'<div class="map">{enlarge}{markup(field, drawing.grid)}</div>\n' for field in drawing.fields)
-    facts = json.dumps(drawing.facts).replace("<", "\\u003c")
-    data = f'<script type="application/json" class="facts">{facts}</script>' if drawing.facts else ""
-    tiles = f'<div class="tiles{" few" * (len(drawing.fields) <= FEW)}">{shown}</div><div class="tile" hidden></div>'
-    return Markup(f'<p class="entries">{entries}</p>{note}{tiles}{data}')
-
-
-def markup(field: Field, grid: Grid) -> str:
+def markup(field: Field, grid: Grid) -> Markup:
     """A panel as an SVG element; text is escaped. The group with a transform counts in grid lines, upwards."""
     across, up, bottom = ACROSS / grid.x.grid_lines, UP / grid.y.grid_lines, TOP + UP
     parts = [_text(1, 8, plain(field.title, LONGEST)), _text(1, TOP - 3, plain(grid.y.name, LONGEST))]
@@ -164,7 +146,7 @@ def markup(field: Field, grid: Grid) -> str:
     parts.append(_text(LEFT + ACROSS, bottom + 19, plain(grid.x.name, LONGEST), "end"))
     label = f'role="img" aria-label="{escape(field.title)} over {escape(grid.x.name)} and {escape(grid.y.name)}"'
     font = f'font-family="sans-serif" font-size="{LETTERS:g}" fill="currentColor" stroke-width=".5"'
-    return f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" {label} {font}>{"".join(parts)}</svg>'
+    return Markup(f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" {label} {font}>{"".join(parts)}</svg>')
 
 
 def _text(x: float, y: float, text: str, anchor: str = "start") -> str:

@@ -7,14 +7,15 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from frictionbench.reports.accuracy import shown_levels
-from frictionbench.reports.drawing.figures import Panel, inline_svg, swatch
+from frictionbench.reports.drawing.figures import inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
-from frictionbench.reports.drawing.tiles import Drawing, on_page
+from frictionbench.reports.drawing.tiles import markup
 from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import ENDINGS, ending, rough_percent, scene_title
 from frictionbench.results.hardness import HARDNESS
@@ -31,23 +32,24 @@ def environment(*folders: Path) -> Environment:
     loader = FileSystemLoader([Path(__file__).parent, *folders])
     made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     made.filters |= {
-        "seconds3": lambda value: "–" if _absent(value) else "∞" if math.isinf(value) else seconds(value, 3),
-        "seconds": lambda value: "–" if _absent(value) else seconds(value),
-        "residual": lambda value: "–" if _absent(value) else residual(value),
-        "digits": lambda value: "–" if _absent(value) else residual(value, 1),
+        "seconds3": lambda value: "–" if pd.isna(value) else "∞" if math.isinf(value) else seconds(value, 3),
+        "seconds": lambda value: "–" if pd.isna(value) else seconds(value),
+        "residual": lambda value: "–" if pd.isna(value) else residual(value),
+        "digits": lambda value: "–" if pd.isna(value) else residual(value, 1),
         "power": power,
         "count": count,
         "levels": shown_levels,
-        "share": lambda value: "–" if _absent(value) else percent(value),
-        "percent": lambda value: "–" if _absent(value) else rough_percent(value),
-        "permille": lambda value: "–" if _absent(value) else percent(value, 1),
-        "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
+        "share": lambda value: "–" if pd.isna(value) else percent(value),
+        "percent": lambda value: "–" if pd.isna(value) else rough_percent(value),
+        "permille": lambda value: "–" if pd.isna(value) else percent(value, 1),
+        "whole": lambda value: "–" if pd.isna(value) else f"{value:.0f}",
         "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),
         "records": lambda table: table.to_dict("records"),
         "rerun": lambda row, run: rerun(run.folder, row["key"], row["variant"], run.plugins),
         "scene": lambda row: scene_title(row["scene"], row["parameters"]),
         "ending": ending,
-        "svg": _svg,
+        "svg": lambda drawn: Markup(swatch(drawn) if isinstance(drawn, Look) else inline_svg(drawn)),
+        "tiles": markup,
         "json": as_json,
     }
 
@@ -58,13 +60,3 @@ def environment(*folders: Path) -> Environment:
 
     made.globals |= {"endings": ENDINGS, "hardness": HARDNESS, "script": script}
     return made
-
-
-def _svg(drawn: Panel | Drawing | Look) -> Markup:
-    if isinstance(drawn, Look):
-        return Markup(swatch(drawn))
-    return Markup(inline_svg(drawn) if isinstance(drawn, Panel) else on_page(drawn))
-
-
-def _absent(value: Any) -> bool:
-    return value is None or (isinstance(value, float) and math.isnan(value))
