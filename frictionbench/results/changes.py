@@ -11,6 +11,7 @@ times      per solver, over the same cells: see results.times
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
@@ -99,6 +100,7 @@ class Time:
     n: int
     cells: int
     limit: float
+    name: ClassVar[str] = "time"
 
     @property
     def worse(self) -> bool:
@@ -113,10 +115,6 @@ class Time:
     def significant(self) -> bool:
         """Whether the interval excludes 1."""
         return not self.low <= 1 <= self.high
-
-    @property
-    def name(self) -> str:
-        return "time"
 
 
 Change = Flip | Growth | Time  # each has a name, which identifies it among those of its solver, and is worse or not

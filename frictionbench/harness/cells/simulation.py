@@ -116,9 +116,7 @@ def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver
         "worst_penetration": max(penetrations),
         "path_error": max(errors, default=None),
         "contact_free_steps": contact_free,
-        "solver_time": loop.solver_time
-        if np.isfinite(loop.solver_time)
-        else None,  # not finite where a call loaded something each time
+        "solver_time": loop.solver_time if np.isfinite(loop.solver_time) else None,  # not where every call loaded something
         "overhead": loop.overhead,
         "times": times,
         "energies": energies,

@@ -26,9 +26,7 @@ def panels(run: Run) -> list[Panel]:
     """One panel: the answers at the tightest tolerance to problems whose sensitivity is known."""
     rows = run.tightest
     rows = rows[rows["answered"] & rows["sensitivity"].notna() & rows["backward_error"].notna()]
-    if rows.empty:
-        return []
-    return [Panel("all problems", partial(_draw, rows=rows, looks=run.looks))]
+    return [Panel("all problems", partial(_draw, rows=rows, looks=run.looks))] if len(rows) else []
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
