@@ -122,26 +122,21 @@ class Mechanics(ReadOnly):
     @cached_property
     def W(self) -> sparse.csr_array:
         """The Delassus matrix J P J' (nc*d, nc*d)."""
-        if self._has_joints:
-            full, (_, locked, lost) = self._free_blocks().matrix().toarray(), self._joint_diagonal
-            full -= self._held.coupled()
-            for k in np.flatnonzero(lost & ~locked).tolist():
-                full[k] = full[:, k] = self.jacobian @ self._held_response(k)
-            full[locked.ravel()] = full[:, locked.ravel()] = 0.0
-            W = sparse.csr_array(full)
-        else:
-            W = self.blocks.matrix()
+        W = self.blocks.matrix()
         check.set_read_only(W)
         return W
 
     @cached_property
     def blocks(self) -> Blocks:
         """W by blocks of contacts (problems.forms.delassus)."""
-        return delassus.blocks(self.W, self.dimension) if self._has_joints else self._free_blocks()
-
-    def _free_blocks(self) -> Blocks:
-        """J M^-1 J': W without the joints."""
-        return Blocks(*delassus.delassus(*self.contact_rows, *self.inverse_rows))
+        free = Blocks(*delassus.delassus(*self.contact_rows, *self.inverse_rows))
+        if not self._has_joints:
+            return free
+        W, (_, locked, lost) = delassus.array_of_blocks(*free) - self._held.coupled(), self._joint_diagonal
+        for k in np.flatnonzero(lost & ~locked).tolist():
+            W[k] = W[:, k] = self.jacobian @ self._held_response(k)
+        W[locked.ravel()] = W[:, locked.ravel()] = 0.0
+        return Blocks(*delassus.blocks_of_array(W, self.dimension))
 
     def dense(self) -> Dense:
         """W and q as dense C-contiguous arrays, for code in C or Fortran: formed once and read-only.
@@ -282,11 +277,10 @@ class Mechanics(ReadOnly):
 
     def velocity_size(self, impulse: Array) -> Array:
         """(nc, d): the sum of the absolute values of the terms of contact_velocity; its rounding error is some eps of this."""
-        r = self._by_contact(impulse)
-        size: Array = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, self.free_velocity, r, self.bias)
+        r, free = self._by_contact(impulse), self.free_velocity
         if self._has_joints:
-            size += (abs(self.jacobian) @ self._held.rounding(self._pushed(r))).reshape(size.shape)
-        return size
+            free = np.abs(free) + self._held.rounding(self._pushed(r))
+        return delassus.velocity_size(*self.contact_rows, *self.inverse_rows, free, r, self.bias)
 
     def _by_contact(self, impulse: Array) -> Array:
         shape = self.contacts, self.dimension

@@ -1,6 +1,6 @@
 """The time that `solve` may take, which compiled loops look at between their steps.
 
-    with within(seconds):                # holds for all solvers that are called inside, as by a portfolio
+    with TimeLimit(seconds):             # holds for all solvers that are called inside, as by a portfolio
         until = deadline()               # s on the system's monotonic clock; infinity without a limit
         ...                              # in a kernel: stop with the best answer so far if late(until)
 
@@ -12,8 +12,6 @@ kernels run on to their limit of work.
 """
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from contextvars import ContextVar
 
 import numpy as np
@@ -32,14 +30,22 @@ def _now() -> float:
     return time.clock_gettime(_MONOTONIC) if _HAS_CLOCK else time.monotonic()
 
 
-@contextmanager
-def within(seconds: float) -> Iterator[None]:
-    """The block's solvers may take so many seconds, infinity for no limit, and never more than a block around it leaves."""
-    token = _deadline.set(min(_deadline.get(), _now() + seconds))
-    try:
-        yield
-    finally:
-        _deadline.reset(token)
+class TimeLimit:
+    """A block whose solvers may take so many seconds, infinity for no limit, and never more than a block around it leaves.
+
+    A portfolio enters one for each member; a generator's context manager would take several times as long.
+    """
+
+    __slots__ = ("seconds", "token")
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds
+
+    def __enter__(self) -> None:
+        self.token = _deadline.set(min(_deadline.get(), _now() + self.seconds))
+
+    def __exit__(self, *_: object) -> None:
+        _deadline.reset(self.token)
 
 
 def deadline(operations: float = 0.0) -> float:

@@ -31,7 +31,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.packed import COLUMN, Packed, Q, mechanical, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.problems.rows import Index32
-from frictionbench.solvers.clock import is_over, left, within
+from frictionbench.solvers.clock import TimeLimit, is_over, left
 from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_each, few_each, few_steps
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import first_phase_of
@@ -106,7 +106,7 @@ class Hybrid:
             tried += 1
             own_limit = min(SWEEPS, limit or SWEEPS) if name == "nsgs" else limit
             guess = (impulse if least <= CLOSE and not rounded else start) if info.warm_start else None
-            with within(left() if name == members[-1] else SHARE * left()):
+            with TimeLimit(left() if name == members[-1] else SHARE * left()):
                 answer = member.solve(stage, tol, own_limit, guess)
             work |= {f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             found, floor = residual_with_floor(problem, answer.impulse)

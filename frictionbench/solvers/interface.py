@@ -59,7 +59,7 @@ from frictionbench.problems.rows import Index64
 from frictionbench.problems.spec import split
 from frictionbench.problems.verdicts import SINGLE
 from frictionbench.solvers.balanced import with_balance
-from frictionbench.solvers.clock import is_over, within
+from frictionbench.solvers.clock import TimeLimit, is_over
 from frictionbench.solvers.needs import installed_version
 
 __all__ = ["Answer", "Solved", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]
@@ -374,7 +374,7 @@ def solve(
         raise InputError(f"solver: {reason}")
     shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)
     guess = None if start is None else impulses(start, shape)
-    with nullcontext() if time_limit is None else within(_positive("time_limit", time_limit, "number of seconds")):
+    with nullcontext() if time_limit is None else TimeLimit(_positive("time_limit", time_limit, "number of seconds")):
         answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
         late = is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING)
     if time_limit is not None and (late or answer.status is Status.TIME_LIMIT):

@@ -7,7 +7,7 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import make_instance
 from frictionbench.solvers import clock, merit_newton
-from frictionbench.solvers.clock import deadline, is_over, is_past, left, within
+from frictionbench.solvers.clock import TimeLimit, deadline, is_over, is_past, left
 from frictionbench.solvers.interface import find
 
 METHODS = ("lemke", "dantzig", "murty", "path_search", "fischer_newton", "nsgs", "admm_coulomb", "interior_point", "hybrid")
@@ -51,7 +51,7 @@ def test_admm_keeps_its_penalty_where_there_is_no_time_for_another(
     prepared = method.prepare(problem)
     free = method.solve(prepared, 1e-8, 40)
     monkeypatch.setattr(clock, "SPEED", 1e-9)
-    with within(1e6):
+    with TimeLimit(1e6):
         held = method.solve(prepared, 1e-8, 40)
     assert held.work["iterations"] == free.work["iterations"] == 40
     assert held.work["factorisations"] == 1 < free.work["factorisations"]
@@ -83,13 +83,13 @@ def test_invalid(seconds: object, problem: FrictionProblem) -> None:
 
 def test_limits_nest() -> None:
     assert (deadline(), deadline(1e9), left(), is_over()) == (np.inf, np.inf, np.inf, False)
-    with within(1e6):
+    with TimeLimit(1e6):
         outer = deadline()
         assert deadline(clock.SPEED) == pytest.approx(outer - 1.0)
         assert not is_past(outer)
-        with within(1e9):
+        with TimeLimit(1e9):
             assert deadline() == outer
-        with within(-1.0):
+        with TimeLimit(-1.0):
             assert is_over()
             assert is_past(deadline())
         assert not is_over()

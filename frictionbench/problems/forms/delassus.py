@@ -11,7 +11,7 @@ from scipy import sparse
 from frictionbench.problems.check import set_read_only
 from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.islands import length, mechanical_units, spread
-from frictionbench.problems.rows import Array, Index32
+from frictionbench.problems.rows import Array, Index32, row_of_entry
 
 LOST = 1e-9  # of the terms whose difference is a diagonal entry of W: below this it is found from the response that joints hold
 # Of the diagonal entry of W without joints: below this they lock the direction.
@@ -58,9 +58,7 @@ class Blocks(NamedTuple):
 
     def dense(self, q: Array) -> Dense:
         """The matrix as one array, with q."""
-        nc, d = len(self.first) - 1, self.block.shape[1]
-        W = np.zeros((nc * d, nc * d))
-        W.reshape(nc, d, nc, d)[np.repeat(np.arange(nc), np.diff(self.first)), :, self.neighbours] = self.block
+        W = array_of_blocks(*self)
         set_read_only(W)
         return Dense(W, q)
 
@@ -72,15 +70,45 @@ class Blocks(NamedTuple):
 
 
 def blocks(W: sparse.csr_array, d: int) -> Blocks:
-    """A scipy matrix by blocks of d rows and columns, with a block of zeros for every block ij whose ji is missing."""
-    first, neighbours, block = _blocks(W.indptr, W.indices, W.data, d)
-    nc = len(first) - 1
-    row, column = np.repeat(np.arange(nc), np.diff(first)), neighbours.astype(np.int64)
-    if np.array_equal(row * nc + column, np.sort(column * nc + row)):
-        return Blocks(first, neighbours, block)
-    i, j = W.tocoo().coords
-    both = sparse.csr_array((np.append(W.data, 0 * W.data), (np.append(i, j), np.append(j, i))), shape=W.shape)
-    return blocks(both, d)
+    """A scipy matrix by blocks of d rows and columns: the diagonal's, and with every block ij that has entries the block ji."""
+    nc = W.shape[0] // d
+    if not nc:
+        return Blocks(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros((0, d, d)))
+    given = W.tobsr(blocksize=(d, d))
+    row, column = row_of_entry(given.indptr), given.indices.astype(np.int64)
+    at = row * nc + column
+    kept = np.unique(np.concatenate([at, column * nc + row, np.arange(nc) * (nc + 1)]))
+    first, neighbours = np.searchsorted(kept, nc * np.arange(nc + 1)), kept % nc
+    block = np.zeros((len(kept), d, d))
+    block[np.searchsorted(kept, at)] = given.data
+    return Blocks(first.astype(np.int32), neighbours.astype(np.int32), block)
+
+
+@kernel
+def array_of_blocks(first, neighbours, block):  # type: ignore[no-untyped-def]
+    """The matrix (nc*d, nc*d)."""
+    nc, d = len(first) - 1, block.shape[1]
+    W = np.zeros((nc * d, nc * d))
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            W[i * d : i * d + d, neighbours[k] * d : neighbours[k] * d + d] = block[k]
+    return W
+
+
+@kernel
+def blocks_of_array(W, d):  # type: ignore[no-untyped-def]
+    """The blocks (d, d) of a matrix (nc*d, nc*d) of which it or its transpose's is not zero, and those on the diagonal."""
+    nc, at = len(W) // d, 0
+    first, neighbours, block = np.zeros(nc + 1, np.int32), np.empty(nc * nc, np.int32), np.empty((nc * nc, d, d))
+    for i in range(nc):
+        for j in range(nc):
+            own, other = W[i * d : i * d + d, j * d : j * d + d], W[j * d : j * d + d, i * d : i * d + d]
+            if i == j or own.any() or other.any():
+                neighbours[at] = j
+                block[at] = own
+                at += 1
+        first[i + 1] = at
+    return first, neighbours[:at], block[:at]
 
 
 @kernel
@@ -294,26 +322,6 @@ def write_partners(first, neighbours, partner, following):  # type: ignore[no-un
         for k in range(first[i], first[i + 1]):
             partner[k] = following[neighbours[k]]
             following[neighbours[k]] += 1
-
-
-@kernel
-def _blocks(start, column, value, d):  # type: ignore[no-untyped-def]
-    nc = (len(start) - 1) // d
-    first, place = np.zeros(nc + 1, np.int32), np.full(nc, -1, np.int32)
-    neighbours, block = np.empty(len(column) + nc, np.int32), np.zeros((len(column) + nc, d, d))
-    for i in range(nc):
-        neighbours[first[i]], place[i] = i, first[i]  # the diagonal block is stored in any case
-        at = first[i] + 1
-        for k in range(start[i * d], start[i * d + d]):
-            j = column[k] // d
-            if place[j] < first[i]:
-                _insert(neighbours, place, j, first[i], at)
-                at += 1
-        for a in range(d):
-            for k in range(start[i * d + a], start[i * d + a + 1]):
-                block[place[column[k] // d], a, column[k] % d] = value[k]
-        first[i + 1] = at
-    return first, neighbours[: first[nc]], block[: first[nc]]
 
 
 @lean
