@@ -9,6 +9,7 @@ import os
 import signal
 import socket
 import sys
+import tempfile
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -35,6 +36,11 @@ def require_linux() -> None:
             f"platform: {sys.platform} has no parent-death signal, subreaper or core affinity, which isolation needs; "
             "solvers are run and timed on Linux only"
         )
+
+
+def pin_threads() -> None:
+    """Limit BLAS, OpenMP, numba and Rayon to one thread in every process started from now on."""
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
 
 
 def cores() -> list[int]:
@@ -163,6 +169,11 @@ def close_all_but(*kept: int) -> None:
         if int(name) > 2 and int(name) not in kept:
             with suppress(OSError):  # that of the list itself
                 os.close(int(name))
+
+
+def use_temporary(folder: Path) -> None:
+    """Have this process and its children create temporary files in this folder."""
+    os.environ["TMPDIR"] = tempfile.tempdir = str(folder)
 
 
 @contextmanager

@@ -109,8 +109,7 @@ def collect(folder: Path, source: Source, described: bool = True) -> list[Record
             with replaced(store / f"{name}.npz") as file:
                 save(problem, file)
             if isinstance(found, LCP):
-                facts = {"size": found.size, "trivial": bool((found.q >= 0).all()), "idle": False}
-                record = blank_facts(source, found.hash, 0, "lcp") | facts
+                record = lcp_facts(source, found)
             else:
                 record = _answered_facts(folder, source, found) if described else _size_facts(source, found)
             digests = {COLD: ""} | {start: _digest(impulses) for start, impulses in starts.items()}
@@ -299,8 +298,7 @@ def facts(source: Source, collected: Collected) -> Record:
     if planar and nc <= MAX_COUNTED:
         counted = census_labels(problem)
         row |= {"solutions": counted["solutions"], "outcomes": counted["velocity_count"]}
-    by_counting = {None: "", "none": "none"}.get(row["solutions"], "counted")
-    row["existence"] = "none" if infeasible else existence(problem, found.pointedness <= POINTED) or by_counting
+    row["existence"] = "none" if infeasible else _existence(problem, found.pointedness, row["solutions"])
     if nc <= MAX_PERTURBED:  # infinite where the problem, or one near it, has no answer that holds
         row["sensitivity"] = unless_unsolved(np.inf, lambda solve: sensitivity(problem, solve))
     if answer is not None and planar and 0 < nc <= MAX_PERTURBED:
@@ -313,6 +311,17 @@ def _size_facts(source: Source, collected: Collected) -> Record:
     problem = collected.problem
     sizes = {"contacts": problem.contacts, "dimension": problem.dimension, "size": lcp_size(problem)}
     return blank_facts(source, problem.hash, collected.step, collected.phase) | sizes
+
+
+def lcp_facts(source: Source, lcp: LCP) -> Record:
+    """The columns of a row that describe a bare LCP, which has no contacts."""
+    return blank_facts(source, lcp.hash, 0, "lcp") | {"size": lcp.size, "trivial": bool((lcp.q >= 0).all()), "idle": False}
+
+
+def _existence(problem: FrictionProblem, pointedness: float, solutions: str | None) -> str:
+    """Why a solution is known to exist: by theory, else by counting; "none" if counting finds none, "" if unknown."""
+    known = existence(problem, pointedness <= POINTED)
+    return known or ("" if solutions is None else "none" if solutions == "none" else "counted")
 
 
 def _idle(problem: FrictionProblem) -> bool:

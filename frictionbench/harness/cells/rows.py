@@ -117,13 +117,12 @@ def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer,
     """The columns of an answer to a friction problem beyond its residuals."""
     free = problem.free_velocity
     energy = float(free @ (problem.mass @ free)) / 2 or 1.0
-    readable = problem.dimension == 2 and problem.contacts <= MOST_IN_MODE and answer.impulse.shape == (problem.contacts, 2)
     return {
         "residual_floor": finding.floor,
         "fclib_error": finding.fclib_error,
         "backward_error": backward_error(problem, answer.impulse),
         "energy_defect": abs(finding.energy_defect) / energy,
-        "mode": mode(problem, answer.impulse) if readable and np.isfinite(answer.impulse).all() else None,
+        "mode": _mode(problem, answer.impulse),
         **_velocity_columns(problem, finding, answer, reference),
     }
 
@@ -140,6 +139,12 @@ def _velocity_columns(problem: FrictionProblem, finding: Finding, answer: Answer
         "velocity_error": found,
         "outcome_distance": None if finest is None else velocity_distance(problem, finest, reference),
     }
+
+
+def _mode(problem: FrictionProblem, impulse: Array) -> str | None:
+    """The mode of the solution, where it is short enough to be read."""
+    readable = problem.dimension == 2 and problem.contacts <= MOST_IN_MODE and impulse.shape == (problem.contacts, 2)
+    return mode(problem, impulse) if readable and np.isfinite(impulse).all() else None
 
 
 def _times(timing: Timing) -> Row:

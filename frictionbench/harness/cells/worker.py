@@ -129,11 +129,15 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
     no_start = None if takes_start else f"{info.name} takes no start"
+    reason = info.missing or info.refuses(problem) or info.too_tight(cell.tol) or _too_large(solver, problem) or no_start
+    return _row(cell.variant, _kind(problem), limit, reason, lambda: _solved(cell, record, limit, problem, info, solver))
+
+
+def _too_large(solver: Solver, problem: FrictionProblem | LCP) -> str | None:
+    """Why the solver's dense matrices do not fit into the memory, or None."""
     need = dense_storage(solver, problem)
     told = f"its dense matrices need {need / 2**30:.1f} GiB, and the memory is limited to {_worker.memory / 2**30:.1f} GiB"
-    too_large = told if need > _worker.memory else None
-    reason = info.missing or info.refuses(problem) or info.too_tight(cell.tol) or too_large or no_start
-    return _row(cell.variant, _kind(problem), limit, reason, lambda: _solved(cell, record, limit, problem, info, solver))
+    return told if need > _worker.memory else None
 
 
 def _solved(
@@ -195,7 +199,7 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
     begun, waited = perf_counter(), process.waited()
     if not reason:
         try:
-            with _worker.deadline.within(limit, *((FOREIGN_LOADING, True) if _foreign(variant) else (COMPILE_SECONDS, False))):
+            with _worker.deadline.within(limit, *_compiling(variant)):
                 found = measure()
             found = _machine_columns(waited, perf_counter() - begun) | found
         except BaseException as error:
@@ -248,6 +252,11 @@ def _machine_columns(waited: float, spent: float) -> Row:
 def _foreign(variant: str) -> bool:
     """Whether the solver is a plug-in's."""
     return plugin_of(variant, _worker.plugins) is not None
+
+
+def _compiling(variant: str) -> tuple[float, bool]:
+    """The seconds of a cell in which numba may compile or read its cache that do not count, and whether only our kernels do."""
+    return (FOREIGN_LOADING, True) if _foreign(variant) else (COMPILE_SECONDS, False)
 
 
 def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:

@@ -7,7 +7,6 @@ times in all.
 """
 
 import json
-import os
 import socket
 import subprocess
 import sys
@@ -82,7 +81,7 @@ class _Server:
     """
 
     def __init__(self) -> None:
-        os.environ.update(dict.fromkeys(process.ONE_THREAD, "1"))
+        process.pin_threads()
         self._control, far_end = socket.socketpair()
         command = [sys.executable, "-P", "-c", START, str(PACKAGE.parent), str(far_end.fileno())]
         with TemporaryFile() as errors:

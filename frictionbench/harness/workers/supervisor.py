@@ -223,7 +223,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
             sandbox.confine(confined, folder, plugin_files, child.owner)
             sandbox.use_scratch(child.scratch)
             dependencies.watch(folder)
-        os.environ["TMPDIR"] = tempfile.tempdir = str(child.scratch)
+        process.use_temporary(child.scratch)
         worker.start(child.deadline, core, settings, lambda: _write(replies, loaded=dependencies.loaded()))
     except (OSError, ValueError) as error:
         _write(replies, reason=str(error) if isinstance(error, InputError) else f"workers: {error}")
