@@ -266,9 +266,7 @@ def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
         speed = f"{_speed(first, mine)}; {second.words} the order of the first three is the same"
     else:
         speed = f"{_speed(first, mine)}; {_speed(second, theirs)}"
-    changed = [f"by PAR{charge} {', '.join(order)}" for charge, order in mine.orders.items() if order != mine.orders[1]]
-    charges = f" Other charges for what is not solved change the first three: {'; '.join(changed)}." if changed else ""
-    return f"{where}{dependable(mine)}. {speed[0].upper()}{speed[1:]}.{charges}"
+    return f"{where}{dependable(mine)}. {speed[0].upper()}{speed[1:]}.{_charges(mine)}"
 
 
 def dependable(choice: Choice) -> str:
@@ -309,3 +307,9 @@ def _speed(by: RankBy, choice: Choice) -> str:
     ahead, other = f"{choice.lead:.3g} times ahead of", choice.places[1].label
     low, high = choice.interval
     return f"{mean}, {ahead} {other} ({low:.3g} to {high:.3g})" + (f": {choice.unclear}" if choice.unclear else "")
+
+
+def _charges(choice: Choice) -> str:
+    """Which other charges for a problem not solved change the order of the first three."""
+    changed = [f"by PAR{charge} {', '.join(order)}" for charge, order in choice.orders.items() if order != choice.orders[1]]
+    return f" Other charges for what is not solved change the first three: {'; '.join(changed)}." if changed else ""

@@ -62,8 +62,7 @@ def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, wi
 
 def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
     """Save the figures of a chart, one of all panels or one for each map; the captions by the names of the files."""
-    title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
-    found, caption = chart.panels(run), f"{title}. {_plain(chart.caption)}".removeprefix(". ")
+    found, caption = chart.panels(run), _caption(chart, run)
     panels = [one for one in found if isinstance(one, Panel)]
     captions = _save(chart.name, caption, panels, NOTHING, run, paper, width, font)
     for one in found:
@@ -95,6 +94,12 @@ def _save(
         save_sheet(panels[k : k + most], run.looks, paper / name, columns, size, FONT, font, handles=handles)
         captions[name] = (f"{title} (continued)." if k else caption) + asterisk
     return captions
+
+
+def _caption(chart: Chart, run: Run) -> str:
+    """The caption in print: the title, and what the chart shows."""
+    title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
+    return f"{title}. {_plain(chart.caption)}".removeprefix(". ")
 
 
 def _plain(caption: str) -> str:
