@@ -7,9 +7,9 @@ from typing import Any
 
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.reports.drawing.text import residual, seconds
-from frictionbench.results.conventions import rough_percent
+from frictionbench.results.conventions import count, rough_percent
 from frictionbench.results.files import printable
-from frictionbench.results.judgement import read_judged, steps
+from frictionbench.results.judgement import read_judged
 
 
 def as_data(folder: Path) -> dict[str, Any]:
@@ -23,7 +23,7 @@ def told(folder: Path) -> str:
     """The summary of a judged folder: laws, notes, the worst step, and the solvers beside."""
     found = read_judged(folder)
     without = len(found.steps) - len(found.touching)
-    lines = [f"{steps(len(found.touching))} with contacts judged by Coulomb's law, {without} without contact"]
+    lines = [f"{count(len(found.touching), 'step')} with contacts judged by Coulomb's law, {without} without contact"]
     for answer in filter(None, (found.creep, found.forces, found.impossible)):
         lines += paragraph(printable(answer), screen(), "")
     most = ", ".join(f"{law} in {count}" for law, count in found.laws.items())
@@ -31,7 +31,7 @@ def told(folder: Path) -> str:
     for one in found.worst(1):
         lines += [f"worst step: {printable(one.file)}, residual {residual(one.residual, 1)}, {one.law}"]
     if noted := found.notes:
-        means = "; ".join(f"{printable(name)} {rough_percent(mean)} in {steps(n)}" for name, (mean, n) in noted.items())
+        means = "; ".join(f"{printable(name)} {rough_percent(mean)} in {count(n, 'step')}" for name, (mean, n) in noted.items())
         lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")
     header = ("", "solved", "residual p50", "residual worst", "time p50", "time p99", "time worst")
     digits = partial(residual, decimals=1)

@@ -26,6 +26,7 @@ from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import store
+from frictionbench.results.conventions import count
 from frictionbench.results.files import ResultsError, cleaned
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row, new_shard
@@ -76,7 +77,7 @@ def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str
     named = ", ".join(solvers) if len(solvers) <= 12 else f"{len(solvers)} solvers"
     least, most = (max(round(each * len(cells)), 1) for each in (SMALL_CELL, plan.time_limit))  # s
     takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in (least, most))
-    cells_of = f"{len(cells)} cell{'s' * (len(cells) != 1)} of {len(records)} problem{'s' * (len(records) != 1)}"
+    cells_of = f"{count(len(cells), 'cell')} of {count(len(records), 'problem')}"
     told = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
     return f"{told}, some {longest} where all come to their time limit of {plan.time_limit:g} s"
 

@@ -21,22 +21,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from frictionbench.reports.accuracy import (
-    HUNDRED,
-    OVERALL,
-    SHIFT,
-    effective,
-    percentiles,
-    share_of_form,
-    shifted_geometric_mean,
-    solved_words,
-    weights,
-)
-from frictionbench.reports.drawing.text import count, percent, power, seconds
+from frictionbench.reports import accuracy
+from frictionbench.reports.drawing.text import percent, power, seconds
 from frictionbench.reports.run import PORTFOLIO, Run
-from frictionbench.results.conventions import COLD, WARM, RankBy, law
+from frictionbench.results.conventions import COLD, WARM, RankBy, count, law
 from frictionbench.results.hardness import ILL
 
 SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
@@ -50,7 +39,6 @@ GLOSS = {
     "too few to rank": f"the weights leave {FEW} problems or fewer, of which resampling gives no meaningful interval",
     "no clear winner": "the 95 % interval of the lead includes 1: other scenes, problems or repeats could reverse the order",
 }
-Array = NDArray[np.float64]
 
 
 class Place(NamedTuple):
@@ -74,7 +62,7 @@ class Place(NamedTuple):
 
     @property
     def solved(self) -> str:
-        return solved_words(self.reached, self.unjudgeable)
+        return accuracy.solved_words(self.reached, self.unjudgeable)
 
 
 class Choice(NamedTuple):
@@ -105,7 +93,7 @@ class Choice(NamedTuple):
     @property
     def tail(self) -> bool:
         """Whether the problems are enough for a 99th percentile."""
-        return self.problems >= HUNDRED
+        return self.problems >= accuracy.HUNDRED
 
     @property
     def order(self) -> list[str]:
@@ -129,7 +117,7 @@ def _kinds(run: Run) -> list[tuple[str, set[int], set[str], bool]]:
     cold, warm = (set(run.rows.loc[run.rows["start"].isin(starts), "label"]) for starts in (["", COLD], [WARM]))
     started = set(run.rows.loc[run.rows["label"].isin(warm), "problem_id"])
     found = []
-    wholes = [(where, facts[facts["dimension"] == dimension]) for dimension, where in OVERALL.items()]
+    wholes = [(where, facts[facts["dimension"] == dimension]) for dimension, where in accuracy.OVERALL.items()]
     wholes.append(("robots' steps", facts[facts["robot"]]))
     for where, own in wholes:
         contacts = own["contacts"]
@@ -171,22 +159,22 @@ def choose(
         return None
     reached = _table(own, "reached").reindex(charged.index).astype(bool)
     problem = own.drop_duplicates("problem_id").set_index("problem_id").reindex(charged.index)
-    weight, groups = weights(problem), own.groupby("label")
-    facts = percentiles(own, budget).assign(reached=groups["reached"].sum(), unjudgeable=groups["unjudgeable"].sum())
+    weight, groups = accuracy.weights(problem), own.groupby("label")
+    facts = accuracy.percentiles(own, budget).assign(reached=groups["reached"].sum(), unjudgeable=groups["unjudgeable"].sum())
     models = groups[["model", "dimension"]].first().reindex(facts.index)
     facts["law"] = [law(*what) for what in models.itertuples(index=False)]
-    facts["form"] = share_of_form(own, ["label"])
+    facts["form"] = accuracy.share_of_form(own, ["label"])
     has_mean = (facts["law"] == "") | (facts["reached"] == len(charged))
-    means = {n: charged.where(reached, n * charged).apply(shifted_geometric_mean, weight=weight) for n in CHARGES}
+    means = {n: charged.where(reached, n * charged).apply(accuracy.shifted_geometric_mean, weight=weight) for n in CHARGES}
     facts["mean"] = means[1].where(has_mean)
     shared = reached[facts.index[has_mean & (facts["reached"] > 0)]].all(axis=1)
-    facts["common"] = charged[shared].apply(shifted_geometric_mean, weight=weight[shared]) if shared.any() else np.nan
+    facts["common"] = charged[shared].apply(accuracy.shifted_geometric_mean, weight=weight[shared]) if shared.any() else np.nan
     facts["common"] = facts["common"].where(has_mean & (facts["reached"] > 0))
     facts["fastest"] = (charged.where(reached, np.inf).eq(charged.where(reached).min(axis=1), axis=0)).sum()
     facts = facts.sort_values(["mean", "reached"], ascending=[True, False], kind="stable")
     ranked = [label for label in facts.index if has_mean[label]]
     interval = None
-    if effective(weight.to_numpy()) >= FEW + 0.5 and ranked:
+    if accuracy.effective(weight.to_numpy()) >= FEW + 0.5 and ranked:
         interval = lead_interval(own, charged[ranked[: 1 + RIVALS]], problem)
     return Choice(
         [Place(label=str(label), **facts.loc[label].to_dict()) for label in facts.index],
@@ -210,20 +198,20 @@ def lead_interval(times: pd.DataFrame, charged: pd.DataFrame, problem: pd.DataFr
     problem: cluster and stratum of each row.
     """
     random = np.random.default_rng(0)
-    drawn, rows = draw_problems(problem.assign(weight=weights(problem)), random), np.arange(len(charged))
+    drawn, rows = draw_problems(problem.assign(weight=accuracy.weights(problem)), random), np.arange(len(charged))
     repeats = times.set_index(["label", "problem_id"])["repeats"]
     means = np.empty((DRAWS, charged.shape[1]))
     for k, label in enumerate(charged.columns):
         medians = np.stack([_medians(one, random) for one in repeats[label].reindex(charged.index)], axis=1)
-        logs = np.log(medians * charged[label].to_numpy() + SHIFT)
+        logs = np.log(medians * charged[label].to_numpy() + accuracy.SHIFT)
         means[:, k] = (drawn * logs[random.integers(MEDIANS, size=drawn.shape), rows]).sum(axis=1)
-    means = np.exp(means) - SHIFT
+    means = np.exp(means) - accuracy.SHIFT
     leads = means[:, 1:].min(axis=1, initial=np.inf) / means[:, 0]
     low, high = np.percentile(leads, [2.5, 97.5]) if means.shape[1] > 1 else (np.inf, np.inf)
     return float(low), float(high)
 
 
-def draw_problems(problem: pd.DataFrame, random: np.random.Generator) -> Array:
+def draw_problems(problem: pd.DataFrame, random: np.random.Generator) -> accuracy.Array:
     """The weights (DRAWS, problems) of each problem in bootstrap samples of clusters and of the problems of each stratum.
 
     problem: with cluster (see reports.run), stratum and weight.
@@ -234,16 +222,16 @@ def draw_problems(problem: pd.DataFrame, random: np.random.Generator) -> Array:
     for (cluster, _), at in sorted(problem.groupby(["cluster", "stratum"]).indices.items()):  # pandas gives them in any order
         drawn = random.multinomial(len(at) * copies[:, clusters.index(cluster)], np.full(len(at), 1 / len(at)))
         found[:, at] = drawn * weight[at].sum() / len(at)
-    weighted: Array = found / found.sum(axis=1, keepdims=True)
+    weighted: accuracy.Array = found / found.sum(axis=1, keepdims=True)
     return weighted
 
 
-def _medians(repeats: object, random: np.random.Generator) -> Array:
+def _medians(repeats: object, random: np.random.Generator) -> accuracy.Array:
     """Medians of resampled repeats, over the median of the repeats; 1 where a cell was timed once or not solved."""
     if not isinstance(repeats, np.ndarray) or len(repeats) < 2:
         return np.ones(MEDIANS)
     drawn = np.median(random.choice(repeats, size=(MEDIANS, len(repeats))), axis=1)
-    ratio: Array = drawn / np.median(repeats)
+    ratio: accuracy.Array = drawn / np.median(repeats)
     return ratio
 
 

@@ -13,9 +13,9 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.accuracy import OVERALL
-from frictionbench.reports.drawing.text import count, power, residual
+from frictionbench.reports.drawing.text import power, residual
 from frictionbench.reports.run import EXCLUSIONS, Run
-from frictionbench.results.conventions import ENDINGS, endings
+from frictionbench.results.conventions import ENDINGS, count, endings
 from frictionbench.results.hardness import hardness
 
 CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call

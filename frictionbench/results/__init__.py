@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         SHUFFLED as SHUFFLED,
         WARM as WARM,
         RankBy as RankBy,
+        count as count,
         scene_title as scene_title,
     )
     from frictionbench.results.files import (

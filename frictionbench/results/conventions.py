@@ -106,6 +106,11 @@ def scene_title(scene: Any, parameters: Any) -> str:
     return f"{scene}[{given}]" if given else str(scene)
 
 
+def count(number: int, noun: str) -> str:
+    """The number with its noun: 1 problem, 12 problems."""
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
 def rough_percent(share: float, sign: str = "-") -> str:
     """Two digits of a share in percent, all of a hundred and more; sign: "+" where gains have one."""
     if 0 < abs(share) < 1e-4:

@@ -16,7 +16,7 @@ import pandas as pd
 from pydantic import Field, FiniteFloat
 
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.conventions import rough_percent
+from frictionbench.results.conventions import count, rough_percent
 from frictionbench.results.files import ResultsError, read_parsed, write_text
 from frictionbench.results.store import read_table
 
@@ -104,10 +104,6 @@ def percentiles(values: Iterable[float]) -> list[float] | None:
     return [float(np.percentile(known, p, method="higher")) for p in PERCENTILES] if known else None
 
 
-def steps(count: int) -> str:
-    return f"{count} step{'' if count == 1 else 's'}"
-
-
 @dataclass(frozen=True)
 class Judged:
     """A judged folder: its steps, and the rows of solves with the time, s, of form, setup and solve."""
@@ -155,7 +151,7 @@ class Judged:
         fastest = max(held, key=lambda one: one.creep or 0.0)
         speed, free = fastest.creep or 0.0, fastest.free_velocity
         if speed <= NO_CREEP * free:
-            return f"Contacts that should stick do not creep, in {steps(len(held))}."
+            return f"Contacts that should stick do not creep, in {count(len(held), 'step')}."
         told = f"Contacts that should stick creep at up to {1e3 * speed:.2g} mm/s ({fastest.file}), "
         told += f"{rough_percent(speed / free)} of the velocity that they would have without impulses. "
         soft, _ = self.notes.get("softness of contacts", (0.0, 0))

@@ -15,9 +15,8 @@ from matplotlib.axes import Axes
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ZERO, Look, log_ticks, name_axes, residual_axis
-from frictionbench.reports.drawing.text import count
 from frictionbench.reports.run import Run
-from frictionbench.results.conventions import scene_title
+from frictionbench.results.conventions import count, scene_title
 from frictionbench.results.histories import ConvergenceHistory
 
 WORST = 1e3  # residuals of iterations that diverge are drawn here if they are larger

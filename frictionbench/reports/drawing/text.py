@@ -49,11 +49,6 @@ def percent(share: float, decimals: int = 0) -> str:
     return f"{rounded / 10**decimals:g} %"
 
 
-def count(number: int, noun: str) -> str:
-    """The number with its noun: 1 problem, 12 problems."""
-    return f"{number} {noun}{'s' * (number != 1)}"
-
-
 def power(value: float) -> str:
     """A power of ten: 1e-8."""
     return f"1e{round(np.log10(value))}" if value > 0 else "0"

@@ -14,10 +14,10 @@ from markupsafe import Markup
 from frictionbench.reports.accuracy import shown_levels
 from frictionbench.reports.drawing.figures import inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
-from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
+from frictionbench.reports.drawing.text import percent, power, residual, seconds
 from frictionbench.reports.drawing.tiles import markup
 from frictionbench.results.commands import rerun
-from frictionbench.results.conventions import ENDINGS, ending, rough_percent, scene_title
+from frictionbench.results.conventions import ENDINGS, count, ending, rough_percent, scene_title
 from frictionbench.results.hardness import HARDNESS
 
 
