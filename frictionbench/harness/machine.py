@@ -57,7 +57,7 @@ def content(folders: tuple[str, ...] = FOLDERS) -> str:
     found = sha256()
     for folder in folders:
         for path in sorted((PACKAGE / folder).rglob("*")):
-            if path.suffix in (".py", ".html", ".js", ".tsv") and "baselines" not in path.parts:
+            if path.suffix in (".py", ".html", ".js", ".md", ".svg", ".tsv") and "baselines" not in path.parts:
                 found.update(f"{path.relative_to(PACKAGE)}\0".encode() + path.read_bytes() + b"\0")
     return found.hexdigest()
 

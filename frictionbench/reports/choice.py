@@ -222,8 +222,7 @@ def draw_problems(problem: pd.DataFrame, random: np.random.Generator) -> accurac
     for (cluster, _), at in sorted(problem.groupby(["cluster", "stratum"]).indices.items()):  # pandas gives them in any order
         drawn = random.multinomial(len(at) * copies[:, clusters.index(cluster)], np.full(len(at), 1 / len(at)))
         found[:, at] = drawn * weight[at].sum() / len(at)
-    weighted: accuracy.Array = found / found.sum(axis=1, keepdims=True)
-    return weighted
+    return found / found.sum(axis=1, keepdims=True)
 
 
 def _medians(repeats: object, random: np.random.Generator) -> accuracy.Array:
@@ -231,8 +230,7 @@ def _medians(repeats: object, random: np.random.Generator) -> accuracy.Array:
     if not isinstance(repeats, np.ndarray) or len(repeats) < 2:
         return np.ones(MEDIANS)
     drawn = np.median(random.choice(repeats, size=(MEDIANS, len(repeats))), axis=1)
-    ratio: accuracy.Array = drawn / np.median(repeats)
-    return ratio
+    return drawn / np.median(repeats)
 
 
 def headline(ranked: Mapping[RankBy, list[Kind]], target: float) -> list[str]:

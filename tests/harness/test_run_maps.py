@@ -19,11 +19,11 @@ from frictionbench.problems import InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.catalogue import scene
 from frictionbench.reports.drawing import tiles
-from frictionbench.reports.drawing.tiles import Field, Grid, Tile
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.robustness import failures, map_cells, robustness, smallest
 from frictionbench.reports.run import read_run
+from frictionbench.reports.templates import environment
 from frictionbench.results import store
 from frictionbench.results.maps import Axis, Map
 from frictionbench.solvers import find
@@ -139,9 +139,9 @@ def test_page_shows_every_map(atlas) -> None:
 
 
 def test_map_markup_is_compact_and_escaped() -> None:
-    row = [Tile(i, 0, 1.0, "red") for i in range(2)]
-    grid = Grid(tiles.Axis("a", (), 5), tiles.Axis("b", (), 2), {})
-    drawn = tiles.markup(Field("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], "green"), grid)
+    row = [*(tiles.Tile(i, 0, 1.0, "red") for i in range(2)), tiles.Tile(1.5, 0, 0.5, "blue", "<i>")]
+    grid = tiles.Grid(tiles.Axis("a", (), 5), tiles.Axis("b", (), 2), {})
+    drawn = environment().get_template("tiles.svg").module.panel(tiles.Field("<b>&", row, "green"), grid)
     assert '<path d="M-0.5 -0.5h1v1h-1zM0.5 -0.5h1v1h-1z"/>' in drawn
     assert '<path d="M1.25 -0.25h0.5v0.5h-0.5z"><title>&lt;i&gt;' in drawn
     assert "&lt;b&gt;&amp;" in drawn

@@ -1,8 +1,8 @@
 """A map: panels of coloured tiles over two parameters, as SVG for the page and on matplotlib's axes for a paper.
 
-Grid points are counted in grid lines from the lower left corner. A panel on the page is WIDTH x HEIGHT units with its origin at
-the upper left; its field of tiles is ACROSS x UP of them. It is written here and not by matplotlib, because it may hold
-thousands of tiles, each with its tooltip: those of one colour and tooltip are one path. A threshold is drawn as its points.
+Grid points are counted in grid lines from the lower left corner. A panel on the page is written by templates/tiles.svg and not
+by matplotlib, because it may hold thousands of tiles, each with its tooltip: those of one colour and tooltip are one path. A
+threshold is drawn as its points.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,7 +11,6 @@ from itertools import cycle, groupby
 from operator import attrgetter
 from typing import NamedTuple
 
-from markupsafe import Markup, escape
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
@@ -22,14 +21,9 @@ from matplotlib.patches import Patch
 from frictionbench.reports.drawing import figures
 from frictionbench.reports.drawing.text import plain
 
-WIDTH, HEIGHT = 158.0, 142.0
-LEFT, TOP, ACROSS, UP = 30.0, 22.0, 120.0, 96.0  # of the field of tiles
-BAR = 153.0  # left end of the scale of colours, which is as high as the field
-LETTERS = 7.2  # font size
 LONGEST = 38  # letters of a title; a longer one is cut
 SEAM = 0.05  # points, the outline of a tile, which closes the gap that a viewer may show between neighbours
 CORNERS = (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)  # of a tile
-TICK = 0.5  # width of a tick on the page
 DOTS = 3.2, 1.9  # diameters of a threshold's points on the page, in turn, so that two that coincide are both seen
 Point = tuple[float, float]
 
@@ -119,49 +113,16 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
         ax.figure.colorbar(ScalarMappable(cmap=ListedColormap(field.scale)), ax=ax, ticks=[])
 
 
-def markup(field: Field, grid: Grid) -> Markup:
-    """A panel as an SVG element; text is escaped. The group with a transform counts in grid lines, upwards."""
-    across, up, bottom = ACROSS / grid.x.grid_lines, UP / grid.y.grid_lines, TOP + UP
-    parts = [_text(1, 8, plain(field.title, LONGEST)), _text(1, TOP - 3, plain(grid.y.name, LONGEST))]
-    ground = field.ground or "none"
-    parts.append(f'<rect x="{LEFT:g}" y="{TOP:g}" width="{ACROSS:g}" height="{UP:g}" fill="{ground}" stroke="currentColor"/>')
-    place = f"translate({LEFT + across / 2:.5g} {bottom - up / 2:.5g}) scale({across:.5g} {-up:.5g})"
-    parts.append(f'<g transform="{place}" shape-rendering="crispEdges">{_bars(field.tiles)}</g>')
-    for size, (colour, points) in zip(cycle(DOTS), grid.points.items(), strict=False):
-        places = "".join(f"M{LEFT + (i + 0.5) * across:.1f} {bottom - (j + 0.5) * up:.1f}h0" for i, j in points)
-        parts.append(f'<path d="{places}" stroke-linecap="round" stroke="{colour}" stroke-width="{size}"/>')
-    shade = UP / max(len(field.scale), 1)
-    bar = ((bottom - (k + 1) * shade, colour) for k, colour in enumerate(field.scale))
-    parts += [f'<rect x="{BAR:g}" y="{y:.5g}" width="4" height="{shade:.5g}" fill="{colour}"/>' for y, colour in bar]
-    ticks = []
-    for i, text in grid.x.ticks:
-        x = LEFT + (i + 0.5) * across
-        ticks.append(f"M{x:.4g} {bottom:g}v2.5")
-        parts.append(_text(x, bottom + 10, text, "middle"))
-    for j, text in grid.y.ticks:
-        y = bottom - (j + 0.5) * up
-        ticks.append(f"M{LEFT:g} {y:.4g}h-2.5")
-        parts.append(_text(LEFT - 4, y + 2.5, text, "end"))
-    parts.append(f'<path d="{"".join(ticks)}" stroke="currentColor" stroke-width="{TICK}"/>')
-    parts.append(_text(LEFT + ACROSS, bottom + 19, plain(grid.x.name, LONGEST), "end"))
-    label = f'role="img" aria-label="{escape(field.title)} over {escape(grid.x.name)} and {escape(grid.y.name)}"'
-    font = f'font-family="sans-serif" font-size="{LETTERS:g}" fill="currentColor" stroke-width=".5"'
-    return Markup(f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" {label} {font}>{"".join(parts)}</svg>')
+def paths(tiles: Iterable[Tile]) -> list[tuple[str, list[tuple[str, str]]]]:
+    """For SVG, in grid lines: by colour, then by tooltip, the path of the tiles that have both."""
+    return [
+        (colour, [(tooltip, "".join(map(_square, own))) for tooltip, own in groupby(same, key=attrgetter("tooltip"))])
+        for colour, same in groupby(sorted(tiles, key=_order), key=attrgetter("colour"))
+    ]
 
 
-def _text(x: float, y: float, text: str, anchor: str = "start") -> str:
-    return f'<text x="{x:.4g}" y="{y:.4g}" text-anchor="{anchor}">{escape(text)}</text>'
-
-
-def _bars(tiles: Iterable[Tile]) -> str:
-    parts = []
-    for colour, same in groupby(sorted(tiles, key=_order), key=attrgetter("colour")):
-        parts.append(f'<g fill="{colour}" stroke="none">')
-        for tooltip, own in groupby(same, key=attrgetter("tooltip")):
-            path = "".join(f"M{t.i - t.width / 2:g} {t.j - t.width / 2:g}h{t.width:g}v{t.width:g}h-{t.width:g}z" for t in own)
-            parts.append(f'<path d="{path}"' + (f"><title>{escape(tooltip)}</title></path>" if tooltip else "/>"))
-        parts.append("</g>")
-    return "".join(parts)
+def _square(tile: Tile) -> str:
+    return f"M{tile.i - tile.width / 2:g} {tile.j - tile.width / 2:g}h{tile.width:g}v{tile.width:g}h-{tile.width:g}z"
 
 
 def _order(tile: Tile) -> tuple[float, str, str]:

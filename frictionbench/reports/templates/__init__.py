@@ -12,10 +12,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from frictionbench.reports.accuracy import shown_levels
+from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.figures import inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
-from frictionbench.reports.drawing.text import percent, power, residual, seconds
-from frictionbench.reports.drawing.tiles import markup
+from frictionbench.reports.drawing.text import percent, plain, power, residual, seconds
 from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import ENDINGS, count, ending, rough_percent, scene_title
 from frictionbench.results.hardness import HARDNESS
@@ -49,7 +49,8 @@ def environment(*folders: Path) -> Environment:
         "scene": lambda row: scene_title(row["scene"], row["parameters"]),
         "ending": ending,
         "svg": lambda drawn: Markup(swatch(drawn) if isinstance(drawn, Look) else inline_svg(drawn)),
-        "tiles": markup,
+        "paths": tiles.paths,
+        "short": lambda name: plain(name, tiles.LONGEST),
         "json": as_json,
     }
 
@@ -58,5 +59,5 @@ def environment(*folders: Path) -> Environment:
         text = "".join(loader.get_source(made, name)[0] for name in names)
         return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
 
-    made.globals |= {"endings": ENDINGS, "hardness": HARDNESS, "script": script}
+    made.globals |= {"endings": ENDINGS, "hardness": HARDNESS, "dots": tiles.DOTS, "script": script}
     return made
