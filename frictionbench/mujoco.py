@@ -28,10 +28,11 @@ that are wedged, by a compromise. The program is strictly convex, and always has
 Not in the step: torsional and rolling friction, the softness of constraints, adhesion by contacts, restitution.
 """
 
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count as numbered
 from time import thread_time
 from typing import Any
 
@@ -202,7 +203,6 @@ def _frames(mj: Any, data: Any) -> Array:
 
 def _keys(mj: Any, data: Any) -> list[Hashable]:
     """What is the same row in the next step: the geoms of a contact, the joint of a limit, and the how manieth of them."""
-    counts = Counter[Hashable]()
     bases: list[Hashable] = [
         ("contact", *contact.geom, *contact.flex, *contact.elem, *contact.vert)
         for contact in data.contact
@@ -210,11 +210,8 @@ def _keys(mj: Any, data: Any) -> list[Hashable]:
     ]
     for rows in engine.limits_and_dry_friction(mj, data):
         bases += [(int(data.efc_type[i]), int(data.efc_id[i])) for i in np.flatnonzero(rows)]
-    keys: list[Hashable] = []
-    for base in bases:
-        keys.append((base, counts[base]))
-        counts[base] += 1
-    return keys
+    numbers = defaultdict[Hashable, Iterator[int]](numbered)  # of equal ones
+    return [(base, next(numbers[base])) for base in bases]
 
 
 def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velocity: Array) -> dict[str, float]:
