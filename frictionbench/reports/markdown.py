@@ -16,10 +16,7 @@ from frictionbench.results.files import write_text
 def write_markdown(folder: Path, run: Run) -> Path:
     """Write DIR/report.md; return its path."""
     path = folder / "report.md"
-    found = tables.reasons(run)
-    found = found[(found["verdict"] == Verdict.SKIPPED) & found["reason"].str.contains("not installed")]
-    skipped = "".join(f"Skipped: {code(row['label'])}, {escaped(row['reason'])}.  \n" for _, row in found.iterrows())
-    parts = [*(f"{escaped(line)}\n" for line in _sentences(run)), *map(_table, printed(run)), skipped]
+    parts = [*(f"{escaped(line)}\n" for line in _sentences(run)), *map(_table, printed(run)), _skipped(run)]
     write_text(path, "\n".join(filter(None, parts)).replace("<", "&lt;"))  # it holds no HTML of our own
     return path
 
@@ -35,3 +32,10 @@ def _table(table: Table) -> str:
     """A table below its name and caption."""
     body = "\n".join(pipe(table.header, (list(map(escaped, row)) for row in table.rows)))
     return f"## {table.name.replace('_', ' ').capitalize()}\n\n{escaped(table.caption)}\n\n{body}\n"
+
+
+def _skipped(run: Run) -> str:
+    """The solvers of libraries that are not installed."""
+    found = tables.reasons(run)
+    found = found[(found["verdict"] == Verdict.SKIPPED) & found["reason"].str.contains("not installed")]
+    return "".join(f"Skipped: {code(row['label'])}, {escaped(row['reason'])}.  \n" for _, row in found.iterrows())

@@ -64,12 +64,11 @@ def view(run: Run) -> Values:
     scenes = set(run.rows["scene"])
     runs = [run, run.ranked_by(run.rank_by.other)]
     rankings = [_ranked(one) for one in runs]
-    simulated, table = _simulated(run), run.summaries[min(run.summaries)]
-    best = {label for where in run.overall for label in tables.best_first(table, where).index[:FEW]}
+    simulated = _simulated(run)
     return {
         "run": run,
         "head": _head(run, rankings),
-        "faded": [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > FEW + 2 else [],
+        "faded": _faded(run),
         "hard": tables.hard_shares(run),
         "charts": _charts(runs),
         "rankings": rankings,
@@ -135,6 +134,13 @@ def _scenes(run: Run) -> dict[str, list[str]]:
     """The classes of problems of each dimension."""
     where = run.ranked["dimension"].map(OVERALL)
     return {name: list(run.ranked.loc[where == name, "problem_class"].unique()) for name in run.overall}
+
+
+def _faded(run: Run) -> list[str]:
+    """The tags of all labels except the best FEW; none where there are hardly more."""
+    table = run.summaries[min(run.summaries)]
+    best = {label for where in run.overall for label in tables.best_first(table, where).index[:FEW]}
+    return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > FEW + 2 else []
 
 
 def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]]:

@@ -195,8 +195,7 @@ class _Worker:
                 if not received:
                     open_ends, poll = [channel], POLL_CLOSED
             if (ended := self._ended()) is not None:
-                how = signal.Signals(-ended).name if ended < 0 else f"exit code {ended}"  # SIGKILL comes from outside
-                return _failure(Verdict.CRASHED, f"the process ended: {how}", retry=ended == -signal.SIGKILL), False
+                return _exit_failure(ended), False
         return _failure(Verdict.CRASHED, f"the worker's reply was longer than {LONGEST_REPLY} bytes"), False
 
     def _ended(self) -> int | None:
@@ -270,6 +269,12 @@ def _checked(line: bytes) -> tuple[bytes, bool]:
         ):
             return line, True
     return _failure(Verdict.CRASHED, "the worker returned a malformed reply"), False
+
+
+def _exit_failure(code: int) -> bytes:
+    """The reply for a worker that ended. SIGKILL comes from outside (out of memory, an operator), so the task is retried."""
+    how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+    return _failure(Verdict.CRASHED, f"the process ended: {how}", retry=code == -signal.SIGKILL)
 
 
 def _failure(verdict: Verdict, reason: str, **fields: Any) -> bytes:
