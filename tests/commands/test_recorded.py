@@ -120,20 +120,16 @@ def test_unreadable_files_give_skipped_rows(tmp_path) -> None:
         rerun_row(out, torn["key"], [])
 
 
-def sequence(folder, names, problems):
-    folder.mkdir()
-    for name, problem in zip(names, problems, strict=True):
-        own.save(problem, folder / name)
-    return folder
-
-
 def test_files_in_order_are_a_sequence(tmp_path) -> None:
     """Every step but the first, and one after a step with another number of contacts, is started from the step before."""
     pushed = make_scene("stack", blocks=3, push=1.0).problem()
     *steps, last = (pushed.replace(free_velocity=pushed.free_velocity * faster) for faster in (1, 1.01, 1.02, 1.03))
     problems = [*steps, make_scene("stack", blocks=2, push=1.0).problem(), last]
     names = ["step_1.npz", "step_2.npz", "step_3.npz", "step_9.npz", "step_10.npz"]
-    data, out = sequence(tmp_path / "set", names, problems), tmp_path / "out"
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    for name, problem in zip(names, problems, strict=True):
+        own.save(problem, data / name)
     run(choose(RunOptions("replay", tol="1e-8", data=[str(data)]), ("nsgs",)), out, 1, Progress())
     rows = read_table(out, "solves")
     started = rows.groupby("step")["start"].agg(list).to_dict()

@@ -50,7 +50,6 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
 @pytest.mark.parametrize(
     ("command", "told"),
     [
-        ("run no_such_suite", "suite: unknown suite"),
         ("run smoke --solver nsgs[relaxation=much]", "takes a float"),
         ("run smoke --solver ccp[backend=abacus]", "abacus"),
         ("run smoke --solver nothing_here.py", "nothing_here.py"),

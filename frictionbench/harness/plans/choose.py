@@ -25,7 +25,6 @@ from frictionbench.problems.check import require
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
 from frictionbench.results.conventions import DRAWN
-from frictionbench.solvers import find
 from frictionbench.solvers.plugins import defines_all
 
 COUNT = 100  # problems of a batch that is named on the command line
@@ -82,10 +81,8 @@ def choose(wanted: RunOptions, variants: tuple[str, ...] = (), plugins: tuple[Pl
     `solver` names. Errors: InputError naming the field.
     """
     suite = wanted.suite or "standard"
-    if suite not in SUITES:
-        raise InputError(f"suite: unknown suite {suite!r}{near(suite, SUITES)}; known are {', '.join(SUITES)}")
-    if wanted.data and wanted.scene:
-        raise InputError("data: names the problems to run, and so does --scene; give one of the two")
+    require(suite in SUITES, "suite", f"unknown suite {suite!r}{near(suite, SUITES)}; known are {', '.join(SUITES)}")
+    require(not (wanted.data and wanted.scene), "data", "names the problems to run, and so does --scene; give one of the two")
     if wanted.all_solvers and variants:
         raise InputError("all-solvers: runs every solver, and --solver names some; give one of the two")
     plan = with_data(SUITES[suite](), tuple(wanted.data or ()))
@@ -99,9 +96,6 @@ def choose(wanted: RunOptions, variants: tuple[str, ...] = (), plugins: tuple[Pl
         plan = replace(plan, tolerances=tolerances(wanted.tol))
     if wanted.time_limit is not None:
         plan = replace(plan, time_limit=wanted.time_limit)
-    for variant in plan.variants:
-        if not plan.owner(variant):
-            find(variant)
     return replace(plan, options=replace(wanted, out=None).given())
 
 
@@ -129,11 +123,8 @@ def _new(name: str, settings: dict[str, Any], batch: bool) -> dict[str, list[Any
     """
     require_known(name, settings)
     if not batch:
-        one = name in instances()
-        return {
-            "sources": [Source(name, settings, pick=0 if one else 6)],
-            "simulations": [] if one else [Source(name, settings)],
-        }
+        motion = [] if name in instances() else [Source(name, settings)]
+        return {"sources": [Source(name, settings, pick=6 if motion else 0)], "simulations": motion}
     try:
         require_known(name, dict.fromkeys(DRAWN, 1.0) | settings)
     except InputError:

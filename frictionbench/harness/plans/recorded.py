@@ -14,6 +14,7 @@ from typing import Any
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.problems import InputError
+from frictionbench.problems.check import require
 from frictionbench.problems.recorded import collection
 from frictionbench.results.conventions import COLD, WARM
 from frictionbench.solvers import available, find
@@ -43,7 +44,12 @@ def every(dimension: int) -> tuple[str, ...]:
     """All solvers that are installed and take problems of this dimension, ours before those of outside libraries."""
     ours = (spec for _, info in sorted(available().items()) if not info.needs for spec in info.specs)
     specs = tuple(spec for spec in ours if dimension in find(spec)[0].dimension)
-    return (*specs, *(spec for spec in theirs(dimension) if not find(spec)[0].missing))
+    return (*specs, *installed(*theirs(dimension)))
+
+
+def installed(*specs: str) -> tuple[str, ...]:
+    """Those of which every required package is installed."""
+    return tuple(spec for spec in specs if not find(spec)[0].missing)
 
 
 def theirs(dimension: int) -> tuple[str, ...]:
@@ -75,15 +81,13 @@ def spatial() -> Plan:
         Source("random_bodies", {"contacts": 1000, "seed": 2}),
         Source("rod_chain", {"links": 200, "pull": 0.05, "whirl": 0.2}),
     )
-    lineup = every(3)
     return Plan(
         suite="spatial",
         sources=(*families.halves(*families.SPACE), *large),
-        solvers=lineup,
-        spatial_solvers=lineup,
+        solvers=every(3),
         tolerances=(1e-4, 1e-8),
         simulations=PHENOMENA,
-        simulation_solvers=lineup,
+        simulation_solvers=every(3),
         time_limit=2.0,
         simulation_limit=10.0,
         expects="twenty-five minutes",
@@ -103,8 +107,7 @@ def with_data(plan: Plan, locations: tuple[str, ...]) -> Plan:
     names: dict[tuple[str, str], str] = {}
     for file, source in found.items():
         other = names.setdefault((source.scene, source.parameters["file"]), file)
-        if other != file:
-            raise InputError(f"data: {other} and {file} would be one problem of {source.scene}; rename a folder or a file")
+        require(other == file, "data", f"{other} and {file} would be one problem of {source.scene}; rename a folder or a file")
     return replace(plan, sources=tuple(found.values())) if locations else plan
 
 
@@ -121,8 +124,7 @@ def located(location: str) -> list[Source]:
         files = [place] if place.is_file() else sorted(_files(folder), key=natural)
         steps = _steps(files)
         missing = f": no {', '.join(FORMATS)} file" if place.exists() else ": it is no folder"
-    if not files:
-        raise InputError(f"data: no problems in {location}{missing}")
+    require(bool(files), "data", f"no problems in {location}{missing}")
     return [Source(family, {"file": str(path.relative_to(folder))}, file=str(path), **steps.get(path, {})) for path in files]
 
 

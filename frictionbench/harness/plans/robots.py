@@ -33,9 +33,8 @@ def one_of_each() -> tuple[Source, ...]:
     at work by a few digits only."""
     models: dict[str, list[dict[str, str]]] = {}
     for row in chosen():
-        if row["behaviour"] == "settle":
-            continue
-        models.setdefault(row["model"], []).append(row)
+        if row["behaviour"] != "settle":
+            models.setdefault(row["model"], []).append(row)
     middle = [sorted(rows, key=_size)[len(rows) // 2] for rows in models.values()]
     return tuple(Source(SCENE, {"case": row["case"]}) for row in middle)
 

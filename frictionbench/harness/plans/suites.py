@@ -12,7 +12,7 @@ from frictionbench.harness.plans import families, robots as of_robots
 from frictionbench.harness.plans.atlas import atlas
 from frictionbench.harness.plans.hard import hard
 from frictionbench.harness.plans.plan import BatchSource, Plan, Source
-from frictionbench.harness.plans.recorded import LADDER, recorded, spatial, theirs
+from frictionbench.harness.plans.recorded import LADDER, installed, recorded, spatial, theirs
 from frictionbench.problems.catalogue import instances, scenes
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.conventions import COLD, SHUFFLED, WARM
@@ -26,6 +26,14 @@ OTHERS = (
     *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
 )
 SPATIAL = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "lemke[facets=16]", RELAXED[0])
+# Of outside libraries those that solve most in the suite `peers` or are the fastest of their library, in double precision: of
+# Coulomb's law in the plane and in space, and of the friction LCP in the plane, where it is the same.
+OUTSIDE = (
+    "siconos[method=friction_3d_prox,settings=tuned]",
+    "siconos[method=friction_3d_nsgs,settings=newton]",
+    "pinocchio[method=admm,settings=tuned]",
+)
+OUTSIDE_LCP = ("path[settings=tuned]", "quantecon[settings=default]")
 # The fastest of our methods for each kind of problem, and simple ones as a reference beside outside libraries.
 OURS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg", "apgd_coulomb", "relaxation_ip", "apgd")
 # Stacks of boxes by contacts, some hundredths of a second together; and of cubes.
@@ -78,18 +86,19 @@ def smoke() -> Plan:
 
 
 def standard() -> Plan:
-    """A first comparison, in the plane and in space: the main solvers on sticking, sliding and colliding contacts of all sizes,
-    in under five minutes."""
+    """A first comparison, in the plane and in space: the main solvers, and outside ones of Coulomb's law that are installed, on
+    sticking, sliding and colliding contacts of all sizes."""
+    outside = installed(*OUTSIDE)
     return Plan(
         suite="standard",
         sources=(*STEPS, *families.sources(*families.PLANE, *families.SPACE), *of_robots.one_of_each()),
-        solvers=(*EXACT, *RELAXED),
-        spatial_solvers=SPATIAL,
+        solvers=(*EXACT, *RELAXED, *outside, *installed(*OUTSIDE_LCP)),
+        spatial_solvers=(*SPATIAL, *outside),
         tolerances=LADDER,
         simulations=STEPS,
         simulation_solvers=(*EXACT, *RELAXED),
         time_limit=2.0,
-        expects="four minutes",
+        expects="up to eight minutes" if outside else "four minutes",
     )
 
 
@@ -231,7 +240,6 @@ def robots() -> Plan:
         suite="robots",
         sources=of_robots.steps(),
         solvers=SPATIAL,
-        spatial_solvers=SPATIAL,
         tolerances=LADDER,
         starts=(COLD, WARM),
         time_limit=2.0,

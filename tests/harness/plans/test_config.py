@@ -9,18 +9,15 @@ from frictionbench.problems import InputError
 TEXT = 'suite = "smoke"\nsolver = ["lemke", "nsgs[relaxation=1.3]"]\ntol = "1e-4"\ntime_limit = 2\nscene = ["stack"]\n'
 
 
-def plan_of(wanted):
-    return choose(wanted, tuple(wanted.solver or ()))
-
-
 def test_a_run_is_made_like_another(tmp_path) -> None:
     (tmp_path / "run.toml").write_text(TEXT)
     wanted = RunOptions(tol="1e-6").before(read_options(tmp_path / "run.toml"))
-    plan = plan_of(wanted)
+    plan = choose(wanted, tuple(wanted.solver))
     assert (plan.suite, plan.solvers, plan.tolerances, plan.time_limit) == ("smoke", tuple(wanted.solver), (1e-6,), 2)
     assert "options" not in plan.settings()
     open_folder(plan, tmp_path / "out")
-    assert plan_of(read_options(tmp_path / "out")) == plan
+    again = read_options(tmp_path / "out")
+    assert choose(again, tuple(again.solver)) == plan
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import frictionbench as fb
+from frictionbench.harness import machine
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.suites import SPREAD, SUITES, drawn
 
@@ -19,8 +20,6 @@ def test_problems_follow_from_the_digest() -> None:
 
 def test_source_of_a_solver_decides(monkeypatch, tmp_path) -> None:
     before = SUITES["sealed"]().sources
-    from frictionbench.harness import machine
-
     monkeypatch.setattr(machine, "PACKAGE", tmp_path)
     (tmp_path / "solvers").mkdir()
     (tmp_path / "solvers" / "mine.py").write_text("x = 1\n")

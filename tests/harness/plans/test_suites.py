@@ -10,11 +10,11 @@ from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.plans.recorded import every
-from frictionbench.harness.plans.suites import SUITES
+from frictionbench.harness.plans.suites import EXACT, OUTSIDE, OUTSIDE_LCP, RELAXED, SPATIAL, SUITES
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.catalogue import instances, make_instance, scene, scenes
-from frictionbench.solvers import find, solve
+from frictionbench.solvers import find, interface, solve
 from tests.helpers.frictionless import friction_at_work
 
 MOST = 130  # contacts of problems that are built and solved here; larger ones differ from these in size alone
@@ -67,15 +67,13 @@ def test_friction_is_at_work_in_the_chosen_steps(source: Source, tmp_path) -> No
 @pytest.mark.parametrize("suite", CHOSEN)
 def test_no_problem_is_in_a_suite_twice(suite: str) -> None:
     """Two problems are the same if their bodies take up the same momentum, up to a factor."""
-    taken: dict[tuple[str, int], list[tuple[Source, np.ndarray]]] = {}
-    twice = []
+    taken: dict[tuple[str, int], list[np.ndarray]] = {}
     for source, problem in first_problems(suite):
         momentum = problem.jacobian.T @ solve(problem, "hybrid", tol=1e-8).impulse.ravel()
         momentum /= np.abs(momentum).max()
         others = taken.setdefault((source.scene, len(momentum)), [])
-        twice += [(source, other) for other, known in others if np.allclose(momentum, known, atol=1e-5)]
-        others.append((source, momentum))
-    assert twice == []
+        assert not any(np.allclose(momentum, known, atol=1e-5) for known in others), source
+        others.append(momentum)
 
 
 @pytest.mark.parametrize("name", sorted(scenes().keys() | instances().keys()))
@@ -113,18 +111,28 @@ def test_contacts_stick_slide_and_open(band: int, dimension: int) -> None:
         slips = np.linalg.norm(u[:, 1:], axis=1) > unit
         sticking.append(np.mean(bears & ~slips))
         sliding.append(np.mean(bears & slips))
-    assert np.mean(sticking) > 0.1
-    assert np.mean(sliding) > 0.1
-    assert 0.0 in sticking
-    assert 0.0 in sliding
+    for shares in (sticking, sliding):
+        assert np.mean(shares) > 0.1
+        assert 0.0 in shares
 
 
 def test_no_solver_of_a_lineup_can_only_refuse() -> None:
     for suite, make in SUITES.items():
         plan = make()
-        held = {2: suite not in ("spatial", "robots"), 3: bool(plan.spatial_solvers)}
-        for dimension in (d for d, holds in held.items() if holds):
+        for dimension in (3,) if suite in ("spatial", "robots") else (2, 3)[: 1 + bool(plan.spatial_solvers)]:
             assert all(dimension in find(spec)[0].dimension for spec in plan.lineup(dimension)), suite
     assert {"proximal_newton", "nsgs", "interior_point", "clarabel[settings=default]"} <= set(every(3))
     assert not {"osqp", "piqp[matrices=dense]"} & set(every(3))
-    assert set(SUITES["spatial"]().lineup(3)) == set(every(3))
+
+
+def test_standard_takes_in_outside_solvers_that_are_installed(monkeypatch) -> None:
+    """Of Coulomb's law: where no library is installed, only our own methods and those of the relaxation."""
+    pinocchio = "pinocchio[method=admm,settings=tuned]"
+    lineups = {(): ((), ()), ("pin", "quantecon", "drake"): ((pinocchio, "quantecon[settings=default]"), (pinocchio,))}
+    for packages, (planar, spatial) in lineups.items():
+        monkeypatch.setattr(interface, "installed_version", lambda need, given=packages: "1" if need in given else None)
+        for plan in (SUITES["standard"](), SUITES["sealed"]()):
+            assert plan.solvers == (*EXACT, *RELAXED, *planar)
+            assert plan.spatial_solvers == (*SPATIAL, *spatial)
+    assert {find(spec)[0].model for spec in OUTSIDE} == {"coulomb"}
+    assert {find(spec)[0].model for spec in OUTSIDE_LCP} == {"lcp"}
