@@ -41,7 +41,7 @@ def test_arrays_are_those_of_W(problem: FrictionProblem) -> None:
 
 @pytest.mark.parametrize("problem", PROBLEMS.values(), ids=PROBLEMS)
 def test_no_kernel_is_compiled_for_a_copy(problem: FrictionProblem) -> None:
-    kernels = delassus.delassus, delassus._blocks, delassus.measures, delassus.velocity, delassus.contact_velocity
+    kernels = delassus.delassus, delassus.array_of_blocks, delassus.measures, delassus.velocity, delassus.contact_velocity
     _use(problem.fresh())
     compiled = [len(kernel.signatures) for kernel in kernels]
     for same in (duplicate(problem), nudged(problem, 1), problem.balanced()[0], duplicate(problem.balanced()[0])):
