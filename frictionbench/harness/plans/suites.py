@@ -88,17 +88,17 @@ def smoke() -> Plan:
 def standard() -> Plan:
     """A first comparison, in the plane and in space: the main solvers, and outside ones of Coulomb's law that are installed, on
     sticking, sliding and colliding contacts of all sizes."""
-    outside = installed(*OUTSIDE)
+    outside, planar = installed(*OUTSIDE), installed(*OUTSIDE_LCP)
     return Plan(
         suite="standard",
         sources=(*STEPS, *families.sources(*families.PLANE, *families.SPACE), *of_robots.one_of_each()),
-        solvers=(*EXACT, *RELAXED, *outside, *installed(*OUTSIDE_LCP)),
+        solvers=(*EXACT, *RELAXED, *outside, *planar),
         spatial_solvers=(*SPATIAL, *outside),
         tolerances=LADDER,
         simulations=STEPS,
         simulation_solvers=(*EXACT, *RELAXED),
         time_limit=2.0,
-        expects="up to eight minutes" if outside else "four minutes",
+        expects="up to eight minutes" if outside or planar else "four minutes",
     )
 
 

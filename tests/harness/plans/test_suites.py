@@ -127,12 +127,12 @@ def test_no_solver_of_a_lineup_can_only_refuse() -> None:
 
 def test_standard_takes_in_outside_solvers_that_are_installed(monkeypatch) -> None:
     """Of Coulomb's law: where no library is installed, only our own methods and those of the relaxation."""
-    pinocchio = "pinocchio[method=admm,settings=tuned]"
-    lineups = {(): ((), ()), ("pin", "quantecon", "drake"): ((pinocchio, "quantecon[settings=default]"), (pinocchio,))}
-    for packages, (planar, spatial) in lineups.items():
+    pinocchio, path = ("pinocchio[method=admm,settings=tuned]",), ("path[settings=tuned]",)
+    for packages, both, planar in (((), (), ()), (("gamspy",), (), path), (("pin", "drake"), pinocchio, ())):
         monkeypatch.setattr(interface, "installed_version", lambda need, given=packages: "1" if need in given else None)
         for plan in (SUITES["standard"](), SUITES["sealed"]()):
-            assert plan.solvers == (*EXACT, *RELAXED, *planar)
-            assert plan.spatial_solvers == (*SPATIAL, *spatial)
+            assert plan.solvers == (*EXACT, *RELAXED, *both, *planar)
+            assert plan.spatial_solvers == (*SPATIAL, *both)
+            assert (plan.expects == "four minutes") == (not packages)
     assert {find(spec)[0].model for spec in OUTSIDE} == {"coulomb"}
     assert {find(spec)[0].model for spec in OUTSIDE_LCP} == {"lcp"}
