@@ -2,18 +2,17 @@
 
 `published-results` is a table of them all, `published-answer SUITE` the fastest solver for each kind of problem in the newest
 of a suite, `published-headlines` the sentences of the newest of each suite, `published-ranks KIND` the places of the solvers of
-`standard` in the newest of each suite, `published-leads` how the leads of several runs of the same problems differ.
+`standard` in the newest of each suite, `published-leads` the leads of several runs of the same problems, by version.
 """
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from docutils import nodes
-from scipy.stats import t as student
 from sphinx.util.docutils import SphinxDirective
 
+from frictionbench.reports.accuracy import OVERALL
 from frictionbench.reports.drawing.text import count, power, seconds
 from frictionbench.results import RankBy
 from tools.publish.site import Entry, write_site
@@ -140,22 +139,29 @@ class PublishedRanks(OfSummaries):
 
 
 class PublishedLeads(OfSummaries):
-    """By suite and kind of problem the lead of the newest run's first over its second, in every run of the same problems."""
+    """By suite with several runs of the same problems: in each run the lead of the newest run's first over its next two."""
 
     def made(self, found: list[Entry]) -> list[nodes.Node]:
-        lines = []
+        told: list[nodes.Node] = []
         for suite, entry in newest(found).items():
-            runs = [one.summary for one in found if one.summary["suite"] == suite and same(one.summary, entry.summary)]
-            for kind in dict.fromkeys(one["kind"] for one in entry.summary["rankings"]) if len(runs) > 1 else ():
-                one, other = [*means(entry.summary, kind), "", ""][:2]
-                every = [means(run, kind) for run in runs]
-                leads = [of[other] / of[one] for of in every if of.get(one) and of.get(other)]
-                if len(leads) > 1:
-                    told = ", ".join(f"{lead:.2f}" for lead in reversed(leads))
-                    texts = (f"{suite}, {kind}", f"{one} over {other}", told, over_runs(leads))
-                    lines.append(row([nodes.paragraph(text=text) for text in texts]))
-        heads = ("problems", "lead of", "by run, the oldest first", "mean, 95 % interval over runs")
-        return [table(heads, lines)] if lines else []
+            runs = [one for one in found if one.summary["suite"] == suite and same(one.summary, entry.summary)]
+            orders = {where: [*means(entry.summary, where)][:3] for where in OVERALL.values()}
+            compared = [(where, order[0], other) for where, order in orders.items() for other in order[1:]]
+            if len(runs) > 1 and compared:
+                heads = ("run", *(f"{first} over {other}, {where}" for where, first, other in compared))
+                lines = [row([link(one, version(one, entry)), *(lead(one, *columns) for columns in compared)]) for one in runs]
+                told += [nodes.paragraph(text=suite), table(heads, lines)]
+        return told
+
+
+def version(run: Entry, last: Entry) -> str:
+    s = run.summary
+    return f"{s['version'][:7]}, {s['finished'][:16].replace('T', ' ')}{', the newest' if run is last else ''}"
+
+
+def lead(run: Entry, where: str, first: str, other: str) -> nodes.paragraph:
+    found = means(run.summary, where)
+    return nodes.paragraph(text=f"{found[other] / found[first]:.2f}" if first in found and other in found else "–")
 
 
 def same(one: Summary, other: Summary) -> bool:
@@ -168,16 +174,6 @@ def means(run: Summary, kind: str) -> dict[str, float]:
     rows = [one for one in run["rankings"] if (one["kind"], one["by"]) == (kind, RankBy.BODIES.value) and not one["law"]]
     finest = min((one["target"] for one in rows), default=None)
     return {one["solver"]: one["mean"] for one in rows if one["target"] == finest and one["mean"]}
-
-
-def over_runs(leads: Sequence[float]) -> str:
-    """The geometric mean and its interval by Student's t; of two runs no interval."""
-    logs, n = np.log(leads), len(leads)
-    if n < 3:
-        return f"{np.exp(logs.mean()):.2f}"
-    half = student.ppf(0.975, n - 1) * logs.std(ddof=1) / np.sqrt(n)
-    low, middle, high = np.exp(logs.mean() + np.array([-half, 0, half]))
-    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
 
 
 def write_pages(app: Any) -> None:
