@@ -28,27 +28,25 @@ OTHER = "pinocchio[method=admm,settings=tuned]"
 STEPS, APART, ROUNDS, LEAD = 30, 5, 5, 20  # steps timed of a motion, steps from one to the next, repeats, steps before
 HEAD = f"""## Steps of robots
 
-Made by `python -m tools.robots.timing`. *MuJoCo*: the median of `mj_fwdConstraint`, which solves by its own soft and convex
-law, warm-started. The other columns are calls of `fb.solve(problem, "hybrid")` from Python on the exact problems of the same
-steps, form, setup and residual included: the median over the steps of µs, and of the ratio to MuJoCo; *worst*: the 99th
-percentile of the call at 1e-8 from a cold start over its median. Cold from no impulses, warm from those of the step before.
-*problem*: to make the FrictionProblem of dense arrays, checks and inverse mass included, which is before the call. Each time
-is the median of {ROUNDS} after {ROUNDS} that are not counted. *pinocchio*: `{OTHER}`, of
-Coulomb's law and limits of joints, cold at 1e-6: the
-median over those steps that it solves, and their number where it is not all; a dash where it takes none, as it has no form for
-dry friction of joints. Drake's SAP has no column: pydrake solves by it only whole models of its own, by a soft and convex law.
-A model's steps are of two motions, the first and the last of its behaviours, in closed loop with our steps.
+Made by `python -m tools.robots.timing`. *MuJoCo*: `mj_fwdConstraint`, which solves by its own soft and convex law. The other
+columns are calls of `fb.solve(problem, "hybrid")` from Python on the exact problems of the same steps, form, setup and residual
+included: the median over the steps of µs, and of the ratio to MuJoCo; *worst*: the 99th percentile of the call cold at 1e-08
+over its median. Each time is the median of {ROUNDS} calls on one problem after {ROUNDS} that are not counted; *first* is the
+first of these, cold at 1e-06, as in a simulation, which solves each problem once. Cold from no impulses, warm from those of
+the step before, as MuJoCo. *problem*: to make the FrictionProblem of dense arrays, checks and inverse mass included.
+*pinocchio*: `{OTHER}`, of Coulomb's law, cold at 1e-06: the median over those steps
+that it solves, and their number where it is not all; a dash where it takes none, as it has no form for dry friction of joints.
 """
 
 
 class Timed(NamedTuple):
-    """One step. Times in µs; solved: whether every way is within its tolerance."""
+    """One step. Times in µs; calls: the first and the median of each way; solved: whether each is within its tolerance."""
 
     contacts: int
     joints: int
     soft: float
     made: float
-    calls: tuple[float, ...]
+    calls: tuple[tuple[float, float], ...]
     solved: bool
     other: float  # NaN where it has no answer within the tolerance
 
@@ -59,17 +57,17 @@ def section(names: tuple[str, ...] = ()) -> str:
     lines = [
         HEAD,
         "| model | velocities | contacts | joints | steps | MuJoCo | "
-        f"{' | '.join(titles)} | worst | problem | pinocchio | unsolved |",
+        f"first | {' | '.join(titles)} | worst | problem | pinocchio | unsolved |",
     ]
-    lines.append("|---|" + "--:|" * (len(titles) + 9))
+    lines.append("|---|" + "--:|" * (len(titles) + 10))
     ratios, worst = [], []
     for model in MODELS:
         if not names or model.name in names:
             found = [step for behaviour in (model.behaviours[0], model.behaviours[-1]) for step in _timed(model, behaviour)]
             if found:
                 calls, soft = np.array([step.calls for step in found]), np.array([step.soft for step in found])
-                ratios.append(np.median(calls / soft[:, None], axis=0))
-                worst.append(float(np.percentile(calls[:, -2], 99) / np.median(calls[:, -2])))
+                ratios.append(np.median(calls[..., 1] / soft[:, None], axis=0))
+                worst.append(float(np.percentile(calls[:, -2, 1], 99) / np.median(calls[:, -2, 1])))
                 lines.append(_line(model, found, calls, ratios[-1], worst[-1]))
                 print(lines[-1], file=sys.stderr, flush=True)
     told = ", ".join(f"{title} {_middle(ratio)}" for title, ratio in zip(titles, np.transpose(ratios), strict=True))
@@ -85,11 +83,11 @@ def _middle(values: Any) -> str:
 
 def _line(model: Model, found: list[Timed], calls: Any, ratio: Any, worst: float) -> str:
     middle, soft = np.median(calls, axis=0), float(np.median([step.soft for step in found]))
-    cells = [f"{time:.0f} ({times:.1f})" for time, times in zip(middle, ratio, strict=True)]
+    cells = [f"{time:.0f} ({times:.1f})" for time, times in zip(middle[:, 1], ratio, strict=True)]
     contacts, joints = (int(np.median([getattr(step, name) for step in found])) for name in ("contacts", "joints"))
     made, unsolved = np.median([step.made for step in found]), sum(not step.solved for step in found)
     sizes, ends = [model.load().nv, contacts, joints, len(found)], [f"{worst:.1f}", f"{made:.0f}", _told(found)]
-    known = [model.name, *sizes, f"{soft:.1f}", *cells, *ends]
+    known = [model.name, *sizes, f"{soft:.1f}", f"{middle[0, 0]:.0f}", *cells, *ends]
     return f"| {' | '.join(map(str, known))} | {unsolved or ''} |"
 
 
@@ -132,11 +130,12 @@ def _step(model: Any, engine: Any, problem: FrictionProblem, start: Any) -> Time
     calls, solved = [], True
     for tol, is_warm in WAYS:
         call = partial(fb.solve, spec="hybrid", tol=tol, start=start if is_warm else None)
-        calls.append(_median(call, problem.fresh))
+        calls.append(_times(call, problem.fresh))
         solved = solved and fb.residual(problem, call(problem).impulse) <= tol
     fields = {name: getattr(problem, name) for name in ("free_velocity", "bias", "friction", "friction_bias", "joint_bias")}
     fields |= {name: getattr(problem, name).toarray() for name in ("mass", "normal", "tangent", "joints")}
-    return Timed(problem.contacts, len(problem.joint_bias), _median(soft), _median(made), tuple(calls), solved, _other(problem))
+    sizes, (_, softly), (_, making) = (problem.contacts, len(problem.joint_bias)), _times(soft), _times(made)
+    return Timed(*sizes, softly, making, tuple(calls), solved, _other(problem))
 
 
 def _other(problem: FrictionProblem) -> float:
@@ -146,18 +145,18 @@ def _other(problem: FrictionProblem) -> float:
         solved = fb.residual(problem, call(problem.fresh()).impulse) <= 1e-6
     except InputError:
         return np.nan
-    return _median(call, problem.fresh) if solved else np.nan
+    return _times(call, problem.fresh)[1] if solved else np.nan
 
 
-def _median(call: Callable[[Any], Any], given: Callable[[], Any] = lambda: None) -> float:
-    """Of ROUNDS calls on what is given anew each time, in µs, after as many uncounted ones, which compile and fill caches."""
+def _times(call: Callable[[Any], Any], given: Callable[[], Any] = lambda: None) -> tuple[float, float]:
+    """In µs the first call, and the median of ROUNDS after as many uncounted ones, each on what is given anew."""
     times = []
     for _ in range(2 * ROUNDS):
         one = given()
         begun = perf_counter_ns()
         call(one)
-        times.append(perf_counter_ns() - begun)
-    return float(np.median(times[ROUNDS:])) / 1e3
+        times.append((perf_counter_ns() - begun) / 1e3)
+    return times[0], float(np.median(times[ROUNDS:]))
 
 
 if __name__ == "__main__":
