@@ -8,7 +8,7 @@
     libraries    the versions of the libraries that the solvers used
     problems     ranked, trivial and idle: their numbers; hashes: of each problem, by scene and step, of a map's together
     checks       [what, whether it holds, in words]
-    headline     sentences
+    headline     sentences on the kinds of problems of the first screen; classes: on the others, in runs since 26 November 2026
     rankings     rows: kind, by, target, solver, law, mean, p50, p99, worst (s; null is never), reached, problems;
                  unclear: why none of the kind is the winner, or ""
     reliability  rows: solver, model, problems, exact, own, near_miss, wrong, timeout, crashed
@@ -165,6 +165,7 @@ def summarise(run: Run) -> Summary:
     name = "-".join((str(settings.get("suite")), version, of_machine, re.sub(r"\D", "", finished)[:14]))
     runs = (run, run.ranked_by(run.rank_by.other)) if run.times else ()
     ranked = {one.rank_by: choice.choices(one) for one in runs}
+    others = {by: [kind._replace(first=not kind.first) for kind in kinds] for by, kinds in ranked.items()}
     facts, maps = run.rows[run.rows["problem"] != ""].drop_duplicates("problem_id"), robustness.map_cells(run)
     libraries = run.rows.dropna(subset=["version"]).drop_duplicates("solver").set_index("solver")["version"].astype(str)
     return {
@@ -186,6 +187,7 @@ def summarise(run: Run) -> Summary:
         },
         "checks": _checks(run, facts, version),
         "headline": choice.headline(ranked, run.outer_targets[-1]) if ranked else [],
+        "classes": choice.headline(others, run.outer_targets[-1]) if ranked else [],
         "rankings": [row for by, kinds in ranked.items() for kind in kinds for row in _places(run, by, kind)],
         "reliability": [_plain(one) for one in tables.reliabilities(run).to_dict("records")] if ranked else [],
         "scenes": _scenes(run, maps),
@@ -208,8 +210,7 @@ def _hashes(facts: pd.DataFrame, maps: list[MapCells]) -> dict[str, str]:
 
 def held(folder: Path, names: set[str]) -> tuple[bool, str]:
     """Whether the folder stores each problem under the hash that names it; and in words. Errors: as of summarise."""
-    there = {name: folder / "problems" / f"{name}.npz" for name in names}
-    there = {name: path for name, path in there.items() if path.exists()}
+    there = {name: path for name in names if (path := folder / "problems" / f"{name}.npz").exists()}
     for name, path in there.items():
         if fb.load(path).hash != name:
             raise ResultsError(f"{path}: holds another problem than its name says")
