@@ -108,7 +108,7 @@ def _head(run: Run, rankings: Records) -> Values:
         "oversubscribed": tables.workers_on_all_cores(run.manifest),
         "gaps": tables.gaps(run),
         "other_law": int((run.rows["claimed"] & (run.rows["verdict"] == Verdict.RELAXED)).sum()),
-        "headline": headline(kinds, target),
+        "headline": {by: headline({by: own, **kinds}, target) for by, own in kinds.items()},
         "reliability": tables.sentences(run),
     }
 

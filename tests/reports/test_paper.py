@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 from frictionbench.commands.options import parse_length, split_names
+from frictionbench.reports.drawing.style import looks
 from frictionbench.reports.latex import ESCAPED, cited, escaped, references
 from frictionbench.reports.paper import booktabs, restricted, write_paper
 from frictionbench.reports.printed import Table
@@ -57,6 +58,8 @@ def test_chosen_solvers(run) -> None:
     few = restricted(run, "solvers", ["lemke", "ccp"])
     assert set(few.looks) == {"lemke", "ccp[backend=osqp]"}
     assert few.looks["lemke"][:3] == run.looks["lemke"][:3]
+    every = looks([*available(), *(f"nsgs[relaxation=1.{i}]" for i in range(30))]).values()
+    assert len({look[:2] for look in every}) == len(every)
     assert set(few.summaries[1e-8]["label"]) == set(few.looks)
     with pytest.raises(ResultsError, match=r"solvers: murty is not in this run; there are .*lemke"):
         restricted(run, "solvers", ["murty"])

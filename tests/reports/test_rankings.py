@@ -1,6 +1,7 @@
 """Two rankings, weights, percentiles, what scenes and noise decide, and the words for relaxations, by hand."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -37,7 +38,7 @@ def first(run, name=PLANE):
     return next(kind for kind in choice.choices(run) if kind.name == name).choices[1e-8]
 
 
-def test_order_is_reversed_without_form():
+def test_order_is_reversed_without_form(tmp_path):
     run = run_of(*robot())
     other = run.ranked_by(RankBy.FORM)
     assert first(run).order == ["interior_point", "nsgs"]
@@ -47,6 +48,8 @@ def test_order_is_reversed_without_form():
     (line,) = headline(found, 1e-8)
     assert "From bodies interior_point has the least mean" in line
     assert "from the method's own form nsgs has the least mean" in line
+    page = write_report(write_folder(tmp_path, robot())).read_text(encoding="utf-8")
+    assert [". From bodies" in lead for lead in re.findall(r'class="lead">(.*)', page)] == [True, False]
     same = run_of(*(row | {"form_time": 0.0, "form_times": [0.0] * 3} for row in robot()))
     (line,) = headline({one.rank_by: choice.choices(one) for one in (same, same.ranked_by(RankBy.FORM))}, 1e-8)
     assert line.endswith(

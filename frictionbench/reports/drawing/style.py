@@ -73,13 +73,15 @@ class Look(NamedTuple):
 
 def looks(labels: Iterable[str]) -> dict[str, Look]:
     """A look for each label, which depends only on its name and is therefore the same in every report. If two labels have the
-    same marker and dash, by which lines differ without colours, the later one gets the next ones."""
+    same marker and colour, or the same marker and dash, by which lines differ in greyscale, the later one gets others."""
     found: dict[str, Look] = {}
     for label in sorted(set(labels), key=lambda label: (_solver(label) not in _PLACES, label)):
         place, shift = _place(label)
         marks = [look[1:3] for look in [*found.values()][1 - len(_MARKERS) * len(_DASHES) :]]
-        while (drawn := _drawn(place, shift))[1:] in marks:
-            shift += 1
+        dots = [look[:2] for look in found.values()]
+        others = range(len(_MARKERS) * len(_DASHES))
+        each = [_drawn(place + colour, shift + other) for colour in range(len(_COLOURS)) for other in others]
+        drawn = next((one for one in each if one[1:] not in marks and one[:2] not in dots), each[0])
         found[label] = Look(*drawn, f"label-{_number(label):x}")
     return dict(sorted(found.items()))
 
