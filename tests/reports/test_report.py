@@ -279,7 +279,7 @@ for (const way of ["up", "down"]) {
 const dot = document.querySelector("g[data-dots] use");
 dot.dispatchEvent(new PointerEvent("pointerenter")); seen.push(note.hidden, note.textContent.includes("frictionbench rerun"));
 dot.dispatchEvent(new PointerEvent("pointerleave")); seen.push(note.hidden);
-const shut = () => document.querySelectorAll("details:not([open])").length;
+const shut = () => document.querySelectorAll("details:not([open], .raw)").length;
 const before = shut();
 dispatchEvent(new Event("beforeprint")); seen.push(before > 0, shut());
 dispatchEvent(new Event("afterprint")); seen.push(shut() === before);

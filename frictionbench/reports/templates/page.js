@@ -79,10 +79,10 @@ for (const list of document.querySelectorAll("script[type='application/json']"))
   }
 }
 
-// In print every folded part is open.
+// In print every folded part is open, but for the raw details: each scene, and the manifest.
 const folded = [];
 addEventListener("beforeprint", () => {
-  folded.push(...document.querySelectorAll("details:not([open])"));
+  folded.push(...document.querySelectorAll("details:not([open], .raw)"));
   for (const part of folded) part.open = true;
 });
 addEventListener("afterprint", () => {
