@@ -281,7 +281,9 @@ def solve(
 def judge(
     folder: Annotated[
         Path,
-        typer.Argument(metavar="FOLDER", help="Steps of an engine, *.npz, by frictionbench.capture or frictionbench.save."),
+        typer.Argument(
+            metavar="FOLDER", help="Steps of an engine, *.npz, or one, by frictionbench.capture or frictionbench.save."
+        ),
     ],
     against: Annotated[
         list[str] | None,

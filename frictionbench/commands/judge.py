@@ -35,14 +35,17 @@ def told(folder: Path) -> str:
         lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")
     header = ("", "solved", "residual p50", "residual worst", "time p50", "time p99", "time worst")
     digits = partial(residual, decimals=1)
-    engine = _shown(found.percentiles["residual"], (0, 3), digits)
+    engine = _shown(found.percentiles["residual"], ("p50", "worst"), digits)
     body: list[tuple[str, ...]] = [("the engine", "", *engine, "", "", "")]
     for other in found.beside:
-        residuals, times = _shown(other["residual"], (0, 3), digits), _shown(other["time"], (0, 2, 3), seconds)
+        residuals, times = (
+            _shown(other["residual"], ("p50", "worst"), digits),
+            _shown(other["time"], ("p50", "p99", "worst"), seconds),
+        )
         body.append((other["variant"], f"{other['solved']}/{other['steps']}", *residuals, *times))
     return "\n".join([*lines, "", *columns(header, body, screen(), ("time p99", "residual p50"))])
 
 
-def _shown(values: list[float] | None, which: tuple[int, ...], form: Callable[[float], str]) -> list[str]:
+def _shown(values: dict[str, float] | None, which: tuple[str, ...], form: Callable[[float], str]) -> list[str]:
     """Some of the percentiles as text; nothing where there are none."""
-    return [form(values[i]) if values else "" for i in which]
+    return [form(values[name]) if values else "" for name in which]

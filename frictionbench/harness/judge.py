@@ -139,13 +139,13 @@ def prepared(
     out: Path | None,
     progress: Progress,
 ) -> tuple[Plan, Path]:
-    """Judge the steps in folder/*.npz; the plan of EXACT and the solvers `against` on them, and its results folder.
+    """Judge the steps in folder/*.npz, or in a file; the plan of EXACT and the solvers `against` on them, its results folder.
 
     out: by default one below runs/ that is named by what is judged. Errors: InputError naming the folder or the file that
     cannot be used, ResultsError where out holds another run.
     """
-    require(folder.is_dir(), "folder", f"{folder} is no folder")
-    paths = sorted(folder.glob("*.npz"), key=natural)
+    require(folder.exists(), "folder", f"there is no folder or file {folder}")
+    paths = [folder] if folder.is_file() else sorted(folder.glob("*.npz"), key=natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
     with tempfile.TemporaryDirectory() as name:
         found = _judgements(paths, Path(name), jobs, progress)

@@ -79,7 +79,8 @@ def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str
     takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in (least, most))
     cells_of = f"{count(len(cells), 'cell')} of {count(len(records), 'problem')}"
     told = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
-    return f"{told}, some {longest} where all come to their time limit of {plan.time_limit:g} s"
+    told += f", some {longest} where all come to their time limit of {plan.time_limit:g} s"
+    return f"{told}; before that, kernels that were never used are compiled"
 
 
 def _run(

@@ -17,7 +17,7 @@ from frictionbench.reports.drawing.style import ALARM, INK, WORST, ZERO, log_tic
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
-from frictionbench.results.judgement import LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
+from frictionbench.results.judgement import AMONG, LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
 
 MOST = 12  # steps in the table of the worst
 ROUNDING = 1e-9  # of the largest component of a net impulse: smaller ones are shown as 0
@@ -37,7 +37,8 @@ def write_judgement(folder: Path) -> Path:
     text = page.render(
         name=folder.resolve().name,
         found=found,
-        heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
+        heads=list(PERCENTILES),
+        among=AMONG * MOST,
         quantities=QUANTITIES,
         nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
         worst=[
@@ -83,7 +84,7 @@ def _violations(ax: Axes, found: list[Judgement]) -> None:
         if values.any():
             ax.plot(at, np.clip(values, LEAST, None), color=colour, marker=".", label=law)
     log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(2, -13, -2)})
-    ax.set_ylim(LEAST / 3, 1e4)  # above what occurs, for the legend
+    ax.set_ylim(LEAST / 3, 1e3)
     _steps(ax, "m/s")
 
 
@@ -92,7 +93,7 @@ def _steps(ax: Axes, measured: str) -> None:
     ax.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     name_axes(ax, "step with contacts", measured, grid="y")
     if ax.get_legend_handles_labels()[0]:
-        ax.legend(ncols=2)
+        ax.figure.legend(loc="outside upper center", ncols=4)  # above the axes, where it hides no curve
 
 
 def _forces(ax: Axes, one: Judgement) -> None:

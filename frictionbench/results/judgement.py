@@ -35,8 +35,9 @@ QUANTITIES = {  # what percentiles are shown of, with units
 }
 NO_CREEP = 1e-6  # of the free velocity: less is rounding
 SOFT = 0.01  # share of the impulse from which on softness explains a creep
+AMONG = 2  # times as many steps as a table shows are those that it is chosen from
 NEAR = 0.01  # relative difference of net impulses below which they count as the same
-SYMPTOM = "See 'An object at rest creeps' in docs/symptoms.md."
+SYMPTOM = "See 'An object at rest creeps' on the documentation's page 'What users of engines ask'."
 HARDER = (
     "It is the likely cause: make contacts harder, in MuJoCo by solimp nearer 1, a larger impratio or noslip_iterations, in "
     f"Drake by a smaller penetration allowance and stiction tolerance. {SYMPTOM}"
@@ -45,7 +46,7 @@ TIGHTER = (
     "The likely cause is a solver that stops early, or friction that the engine regularises: tighten its tolerance, raise its "
     f"number of iterations, or lower the speed at which friction is full. {SYMPTOM}"
 )
-PERCENTILES = (50, 90, 99, 100)
+PERCENTILES = {"p50": 50, "p90": 90, "p99": 99, "worst": 100}
 
 
 class Judgement(NamedTuple):
@@ -84,6 +85,13 @@ class Judgement(NamedTuple):
     forces: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
     contradiction: str
 
+    def known(self, name: str) -> float | None:
+        """The quantity of this name, 0 where it is no larger than rounding may make it."""
+        value, least = getattr(self, name), self.floor * self.free_velocity
+        if name == "energy_defect":
+            least *= sum(abs(normal) + tangential for normal, tangential, _ in self.forces)
+        return 0.0 if value is not None and name not in ("residual", "penetration") and abs(value) <= least else value
+
 
 def write_judgements(folder: Path, found: list[Judgement]) -> None:
     write_text(folder / NAME, json.dumps([one._asdict() for one in found]))
@@ -98,10 +106,10 @@ def read_judgements(folder: Path) -> list[Judgement]:
         raise ResultsError(f"{path}: no steps were judged in this folder") from None
 
 
-def percentiles(values: Iterable[float]) -> list[float] | None:
-    """PERCENTILES of the numbers; None of none."""
+def percentiles(values: Iterable[float]) -> dict[str, float] | None:
+    """PERCENTILES of the numbers by their names; None of none."""
     known = list(values)
-    return [float(np.percentile(known, p, method="higher")) for p in PERCENTILES] if known else None
+    return {name: float(np.percentile(known, p, method="higher")) for name, p in PERCENTILES.items()} if known else None
 
 
 @dataclass(frozen=True)
@@ -129,9 +137,9 @@ class Judged:
         return {str(name): (float(mean), int(shares[name].count())) for name, mean in means.items()}
 
     @property
-    def percentiles(self) -> dict[str, list[float] | None]:
+    def percentiles(self) -> dict[str, dict[str, float] | None]:
         """Those of the quantities over the steps with contacts, of absolute values; None where none is known."""
-        values = {name: [getattr(one, name) for one in self.touching] for name in QUANTITIES}
+        values = {name: [one.known(name) for one in self.touching] for name in QUANTITIES}
         return {name: percentiles(abs(value) for value in own if value is not None) for name, own in values.items()}
 
     @property
@@ -178,14 +186,12 @@ class Judged:
         return told.strip()
 
     def worst(self, most: int) -> list[Judgement]:
-        """The steps with the largest residuals that are apart in time, as far as leaves so many, the largest first."""
-        order = {one.file: place for place, one in enumerate(self.steps)}
-        apart = (len(self.steps) // most + 1) // 2
-        chosen: list[Judgement] = []
-        for one in sorted(self.touching, key=lambda one: -one.residual):
-            if len(chosen) < most and all(abs(order[one.file] - order[other.file]) >= apart for other in chosen):
-                chosen.append(one)
-        return chosen
+        """So many steps with large residuals, beyond rounding, the largest first: of the AMONG * most largest those above both
+        their neighbours in time, then the largest of the others."""
+        size = [one.residual if one.residual > one.floor else 0.0 for one in self.steps]
+        largest = sorted((k for k in range(len(size)) if size[k]), key=lambda k: -size[k])[: AMONG * most]
+        peaks = {k for k in largest if max(size[:k][-1:], default=0.0) < size[k] >= max(size[k + 1 :][:1], default=0.0)}
+        return [self.steps[k] for k in sorted(sorted(largest, key=lambda k: k not in peaks)[:most], key=largest.index)]
 
     @property
     def beside(self) -> list[dict[str, Any]]:
