@@ -1,5 +1,6 @@
 """What the gate for CI promises, as docs/ci.md tells it in a table: each line of it names a test, most of which are here."""
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from numba.core import config
 
 from frictionbench.commands.confirm import require_whole
 from frictionbench.harness import dependencies
@@ -102,27 +104,18 @@ def test_unfinished_runs_are_no_baseline(tmp_path: Path) -> None:
 def test_another_file_of_the_same_name(tmp_path: Path) -> None:
     """It is another cell; of the one that is gone the comparison fails."""
     given = {"parameters": '{"file": "one.npz"}', "scene": "mine"}
-    source = {"scene": "mine", "parameters": {"file": "one.npz"}, "file": "/there/one.npz"}
-    settings = SETTINGS | {"sources": [source]}
-    folders = [
-        write_folder(
-            tmp_path / digest,
-            [solve_row("a", "p", **given)],
-            settings=settings,
-            content={"/there/one.npz": digest * 16},
-            loaded={},
-        )
-        for digest in ("aaaa", "bbbb")
-    ]
-    assert compare(folders[0], folders[0]).exit_code == 0
-    accept(folders[0], tmp_path / "made.tsv")
-    assert "no cell was measured in both runs" in compare(tmp_path / "made.tsv", folders[1]).unusable
-    mixed = [solve_row("a", "p", **given), solve_row("a", "q")]
-    both = [
-        write_folder(tmp_path / f"{digest}2", mixed, settings=settings, content={"/there/one.npz": digest * 16}, loaded={})
-        for digest in ("aaaa", "bbbb")
-    ]
-    found = compare(*both)
+    settings = SETTINGS | {"sources": [{"scene": "mine", "parameters": {"file": "one.npz"}, "file": "/there/one.npz"}]}
+
+    def run(digest: str, *others: store.Row) -> Path:
+        content = {"/there/one.npz": digest * 16}
+        rows, folder = [solve_row("a", "p", **given), *others], tmp_path / f"{digest}{len(others)}"
+        return write_folder(folder, rows, settings=settings, content=content, loaded={})
+
+    one, other = run("aaaa"), run("bbbb")
+    assert compare(one, one).exit_code == 0
+    accept(one, tmp_path / "made.tsv")
+    assert "no cell was measured in both runs" in compare(tmp_path / "made.tsv", other).unusable
+    found = compare(*(run(digest, solve_row("a", "q")) for digest in ("aaaa", "bbbb")))
     assert [one.worse for one in found.gone] == [True]
     assert found.exit_code == 1
 
@@ -379,6 +372,21 @@ def test_workers_have_folders_of_their_own(tmp_path: Path) -> None:
     homes = {Path(line.partition("] ")[2]) for line in lines}
     assert len(homes) == 2
     assert not any(home.exists() for home in homes)
+
+
+def test_kernels_of_a_plugin_are_compiled_anew(tmp_path: Path) -> None:
+    """A kernel that another one calls is changed: numba's cache would keep the caller as it was. Nothing is left behind."""
+    calls = "from numba import config, njit\nfrom helper import count\n@njit(cache=True)\ndef counted():\n    return count()"
+    keeps = f"Path({str(tmp_path)!r}, 'log').write_text(config.CACHE_DIR); "
+    body = f"{keeps} return Answer(np.zeros((problem.contacts, 2)), Status.STALLED, {{'count': counted()}})"
+    plugin = write(tmp_path / "guest.py", first=f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{calls}", body=body)
+    for count in (1, 20):
+        helper = f"from numba import njit\n@njit(cache=True)\ndef count():\n    return {count}"
+        (tmp_path / "helper.py").write_text(helper, encoding="utf-8")
+        assert list(run_of(tmp_path / f"run-{count}", plugin)["work"].map(json.loads)) == [{"count": count}]
+        kept = Path((tmp_path / "log").read_text(encoding="utf-8"))
+        assert any(kept.rglob("*.nbi"))
+    assert not kept.is_relative_to(Path(config.CACHE_DIR).parent)
 
 
 def test_every_promise_has_a_test() -> None:

@@ -22,7 +22,6 @@ import site
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from hashlib import sha256
 from pathlib import Path
 
 from numba.core import caching, config
@@ -53,30 +52,28 @@ def best() -> str:
 MOST_FILE = 2**30  # bytes: far above what an answer takes
 
 
-def use_scratch(scratch: Path) -> None:
-    """Give this process and its children another home and cache folder, and bound the size of their files."""
+def use_scratch(scratch: Path, kernels: Path) -> None:
+    """Give this process and its children another home, cache and folder of kernels, and bound their files."""
     os.environ["PYTHONUSERBASE"] = site.getuserbase()
     os.environ["HOME"] = os.environ["XDG_CACHE_HOME"] = str(scratch)
+    os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = str(kernels)  # both: numba reads the variables again when one changes
     _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     bound = MOST_FILE if most == resource.RLIM_INFINITY else min(MOST_FILE, most)
     resource.setrlimit(resource.RLIMIT_FSIZE, (bound, bound))
 
 
-def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], owner: str) -> None:
-    """Confine the calling process, before it runs the owner's code; with namespaces it returns in another process.
+def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], writable: Path) -> None:
+    """Confine the calling process, before it runs a plug-in's code; with namespaces it returns in another process.
 
-    The plug-in's own compiled kernels are cached in a folder of its own. Errors: OSError.
+    writable: a folder to which it may write wherever that lies. Errors: OSError.
     """
     if sandbox == GROUPS:
         return
     caches = Path(config.CACHE_DIR).parent
-    own = caches / "plugins" / sha256(owner.encode()).hexdigest()[:16]
-    own.mkdir(parents=True, exist_ok=True)
     named = [file for plugin in plugins for file in files(plugin.source)]
     code: list[str | Path] = [PACKAGE.parent, sys.prefix, sys.base_prefix, site.getusersitepackages(), *filter(None, sys.path)]
     protected = _outermost([folder, folder / "problems", caches, *map(Path, code), *named])
-    (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, own.resolve())
-    config.CACHE_DIR = str(own)
+    (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, writable.resolve())
     _tolerate_read_only_caches()
 
 

@@ -16,6 +16,7 @@ import socket
 import tempfile
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
+from hashlib import sha256
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -89,6 +90,8 @@ def supervise(channel: Connection, confined: str, scratch: Path) -> None:
     """Run a supervisor: receive tasks from the channel, and send the worker's replies back through it.
 
     Each worker has a folder of its own in scratch, which is removed after its end, whatever it or its processes left there.
+    A plug-in's kernels are compiled once for all workers of a run, and anew in the next: numba notices a change of a kernel's
+    own file, not of those that it calls.
     """
     process.adopt_orphans()
     signal.set_wakeup_fd(-1)
@@ -219,8 +222,10 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
         process.close_all_but(tasks.fileno(), replies)
         folder, plugin_files, _ = settings
         if child.owner:
-            sandbox.confine(confined, folder, plugin_files, child.owner)
-            sandbox.use_scratch(child.scratch)
+            kernels = child.scratch.with_name(sha256(f"{folder}\0{child.owner}".encode()).hexdigest())
+            kernels.mkdir(exist_ok=True)
+            sandbox.confine(confined, folder, plugin_files, kernels)
+            sandbox.use_scratch(child.scratch, kernels)
             dependencies.watch(folder)
         process.use_temporary(child.scratch)
         worker.start(child.deadline, core, settings, lambda: _write(replies, loaded=dependencies.loaded()))

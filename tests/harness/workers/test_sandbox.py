@@ -44,7 +44,7 @@ from numba.core import config
 from frictionbench.harness.workers import sandbox
 kind, RUN, FREE, LEMKE, attempts = sys.argv[1], *sys.argv[2:5], json.loads(sys.argv[5])
 PID, CACHE = os.getppid(), config.CACHE_DIR
-sandbox.confine(kind, Path(RUN), (), "guest")
+sandbox.confine(kind, Path(RUN), (), Path(FREE))
 refused = []
 for name, attempt in attempts.items():
     try:
