@@ -16,7 +16,7 @@ from email.message import Message
 from importlib.metadata import PackageNotFoundError, metadata
 from typing import Any
 
-from frictionbench.harness import Found, cores, examine
+from frictionbench.harness import Found, Progress, cores, examine
 from frictionbench.solvers import available, find
 
 COLUMNS = ("variant", "versions", "licences", "date", "failed_checks")
@@ -26,7 +26,7 @@ def lines(specs: list[str], jobs: int) -> Iterable[str]:
     """The lines of the table, the header first."""
     yield "\t".join(COLUMNS)
     installed = [spec for spec in specs if not find(spec)[0].missing]
-    found = examine(installed, jobs) if installed else []
+    found = examine(installed, jobs, Progress()) if installed else []
     for spec in specs:
         info, _ = find(spec)
         licences = "; ".join(f"{need}: {licence(need)}" for need in info.needs)

@@ -429,7 +429,8 @@ def check_solver(
     from frictionbench.harness.contract.examine import examine, format_findings
     from frictionbench.harness.progress import Progress
 
-    found = examine(solver, _jobs(jobs, Progress()))
+    progress = Progress()
+    found = examine(solver, _jobs(jobs, progress), progress)
     typer.echo(format_findings(found))
     raise typer.Exit(int(any(one.violations for one in found)))
 

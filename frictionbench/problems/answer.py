@@ -138,4 +138,4 @@ def _counts(work: Any, claimed: bool) -> dict[str, int]:
 
 
 def _kind(value: Any) -> str:
-    return "None" if value is None else f"of type {type(value).__name__}"
+    return "None" if value is None else f"an object of type {type(value).__name__}"

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from frictionbench.commands.cli import app
-from frictionbench.harness.contract import checks  # noqa: F401  # registers them
+from frictionbench.harness.contract import checks, examine  # noqa: F401  # registers them
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.solvers import Answer, Status, find
 from tests.helpers.plugin import write
@@ -53,7 +53,7 @@ def tangents(problem):
 SPOILT = {
     "first_calls": lambda self, problem, *_: nothing(problem) if self.calls == 3 else None,
     "input_unchanged": rob,
-    "answer_format": lambda self, problem, answer, *_: Answer(np.vstack([answer.impulse, answer.impulse]), answer.status),
+    "ordinary_problems": lambda self, problem, answer, *_: Answer(np.vstack([answer.impulse, answer.impulse]), answer.status),
     "no_contacts": lambda self, problem, answer, *_: None if problem.contacts else Answer(np.zeros(0), Status.FAILED),
     "single_contact": lie_where(lambda problem: problem.contacts == 1),
     "friction_bias": lie_where(lambda problem: problem.friction_bias.any()),
@@ -65,9 +65,7 @@ SPOILT = {
     "frictionless": lie_where(lambda problem: not problem.friction.any()),
     "correct_status": lie_where(lambda problem: problem.contacts == 8),
     "deterministic": lambda self, problem, answer, *_: changed(answer, impulse=answer.impulse * (1 + 1e-12 * self.calls)),
-    "work_limit": lambda self, problem, answer, limit, start: (
-        Answer(answer.impulse, Status.STALLED, {"sweeps": 10**6}) if limit else None
-    ),
+    "work_limit": lambda self, problem, answer, limit, _: Answer(answer.impulse, Status.STALLED, {"a": 999}) if limit else None,
     "warm_start": lambda self, problem, answer, limit, start: None if start is None else Answer(start, Status.SOLVED),
     "contact_order": lie_where(lambda problem: problem.q[0] > problem.q[-problem.dimension] + 1e-9),
     "tangent_sign": lie_where(lambda problem: tangents(problem)[:, 0].sum() < -1e-9),
@@ -98,15 +96,20 @@ def test_a_fault_of_the_first_call_is_reported(tmp_path: Path) -> None:
     assert "the first call in its process, on a problem of one contact, is wrong, and the second is not" in result.output
 
 
-def test_crashing_solver_is_reported(tmp_path: Path) -> None:
-    file = tmp_path / "one.py"
-    file.write_text(
-        'import os\nfrom frictionbench.solvers import solver\n\n@solver("aborts", family="bad", model="coulomb")\n'
-        'class Aborts:\n    """Aborts."""\n'
-        "    def solve(self, problem, tol, limit, start=None):\n        os.abort()\n"
+FAULTS = {
+    "os.abort()": "first calls, ordinary problems: Raise no error",
+    "while True: pass": "first calls: End each call",
+    "problem.friction[:] = 0": "do not write into the problem, copy its arrays: ValueError",
+    "return problem.q": "the solver returned an object of type ndarray, not an Answer",
+    "return Answer(problem.q, Status.SOLVED)": "the impulse has shape (16,), not (8, 2)",
+}
+
+
+@pytest.mark.parametrize("body", FAULTS)
+def test_a_fault_of_every_call_is_told_once_and_ends_the_checks(body, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(examine, "LIMIT", 2.0)
+    result = CliRunner().invoke(
+        app, ["check-solver", str(write(tmp_path / "one.py", first="import os", body=body)), "--jobs=1"]
     )
-    result = CliRunner().invoke(app, ["check-solver", str(file), "--jobs", "1"])
-    assert result.exit_code == 1
-    assert result.output.count("failed  ") == result.output.count("SIGABRT") == 1  # the same of every check, told once
-    assert all(check.replace("_", " ") in result.output for check in CHECKS)
-    assert f"0 passed, {len(CHECKS)} failed" in result.output
+    assert FAULTS[body] in result.output
+    assert (result.exit_code, result.output.count("failed  "), result.output.count("not tested before")) == (1, 1, 1)

@@ -15,11 +15,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.answer import AnswerError, checked_copy
 from frictionbench.problems.catalogue import make_instance, scene
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, counted
 from frictionbench.problems.copies import duplicate
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.problems.verify import Finding, verify
 from frictionbench.solvers import Answer, Solver, SolverInfo
+from frictionbench.solvers.plugins import describe_error
 
 TOL = 1e-6  # a tolerance that first-order methods and soft contacts reach as well
 Violations = Iterator[str]
@@ -39,9 +42,24 @@ class Subject(NamedTuple):
     def solve(
         self, problem: FrictionProblem, tol: float = TOL, limit: int | None = None, start: Array | None = None
     ) -> tuple[Answer, Finding]:
-        """Its answer to a copy of the problem, and the finding on it."""
-        answer = self.solver.solve(self.solver.prepare(duplicate(problem)), tol, limit, start)
+        """Its answer to a copy of the problem, and the finding on it. Errors: AnswerError, and what the solver raises."""
+        answer = checked_copy(self.solver.solve(self.solver.prepare(duplicate(problem)), tol, limit, start))
         return answer, verify(problem, answer, self.info.model, tol)
+
+    def fault(self, problem: FrictionProblem) -> str:
+        """Why its answer to a problem cannot be used or is a false claim, or empty."""
+        try:
+            answer, finding = self.solve(problem)
+        except AnswerError as error:
+            return str(error)
+        except Exception as error:
+            writes = isinstance(error, ValueError) and "read-only" in str(error)  # as numpy words it
+            told = "do not write into the problem, copy its arrays: " if writes else ""
+            return told + describe_error(error)
+        if min(answer.work.values(), default=0) < 0:
+            return f"counts of work below 0: {answer.work}"
+        unusable = np.shape(answer.impulse) != (problem.contacts, problem.dimension)
+        return finding.reason if unusable or finding.verdict == Verdict.WRONG else ""
 
 
 class Check(NamedTuple):
@@ -62,6 +80,11 @@ def check(advice: str) -> Callable[[Callable[[Subject], Violations]], Callable[[
         return violations
 
     return register
+
+
+def described(problem: FrictionProblem) -> str:
+    """Its size in words."""
+    return f"{counted(problem.contacts, 'contact')} of dimension {problem.dimension}"
 
 
 def ordinary() -> list[FrictionProblem]:

@@ -13,6 +13,7 @@ from frictionbench.harness.contract.check import (
     Violations,
     check,
     contact,
+    described,
     duplicated,
     in_units,
     mirrored,
@@ -21,8 +22,9 @@ from frictionbench.harness.contract.check import (
     rotated,
 )
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.catalogue import make_instance, scene
+from frictionbench.problems.catalogue import make_instance, problem_of, scene
 from frictionbench.problems.copies import duplicate, same
+from frictionbench.problems.spec import parse
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.solvers import Status
@@ -35,8 +37,22 @@ NEAR = 1e-4  # of the largest free contact velocity; each of these problems has 
 @check("Answer the first call of a process, and the first on a problem, like later ones: fill tables before they are read.")
 def first_calls(subject: Subject) -> Violations:
     yield from subject.broken
-    for problem in ordinary():  # no other check has met them
-        yield from _claimed(subject, problem, "when first met")
+    for problem in subject.takes(*ordinary()):  # no other check has met them
+        fault = subject.fault(problem)
+        if fault and not subject.fault(problem):
+            yield f"{described(problem)} when first met: {fault}"
+
+
+@check(
+    "Return Answer(impulse, status, work): impulses (contacts, dimension) of floats, normal first; counts of whole numbers; a "
+    "Status whatever happens, SOLVED only where the residual (problems.residual) is within the tolerance."
+)
+def ordinary_problems(subject: Subject) -> Violations:
+    faults: dict[str, list[str]] = {}
+    for problem in subject.takes(*ordinary()):
+        subject.fault(problem)  # a fault of the first call alone is that of first_calls
+        faults.setdefault(subject.fault(problem), []).append(described(problem))
+    yield from (f"{', '.join(met)}: {fault}" for fault, met in faults.items() if fault)
 
 
 @check("Copy arrays before changing them: those of the problem belong to the caller.")
@@ -46,22 +62,7 @@ def input_unchanged(subject: Subject) -> Violations:
         subject.solver.solve(subject.solver.prepare(given), TOL, None)
         handed: list[Any] = [[*one.dense(), *one.csr()] for one in (problem, given)]  # C may write to what is read-only here
         if not same(problem, given) or not all(np.array_equal(*pair) for pair in zip(*handed, strict=True)):
-            yield f"the problem of {problem.contacts} contacts was changed by the call"
-
-
-@check("Return Answer(impulse, status, work): impulses (contacts, dimension) of floats, normal first; counts of whole numbers.")
-def answer_format(subject: Subject) -> Violations:
-    for problem in subject.takes(*ordinary()):
-        answer, _ = subject.solve(problem)
-        expected = (problem.contacts, problem.dimension)
-        if not isinstance(answer.status, Status):
-            yield f"the status is {answer.status!r}, not a Status"
-        if np.shape(answer.impulse) != expected:
-            yield f"the impulse has shape {np.shape(answer.impulse)}, not {expected}"
-        elif answer.status is Status.SOLVED and not np.isfinite(answer.impulse).all():
-            yield "status SOLVED with an impulse that is not finite"
-        if bad := {name: count for name, count in answer.work.items() if not isinstance(count, int) or count < 0}:
-            yield f"counts of work are not whole numbers of at least 0: {bad}"
+            yield f"the problem of {described(problem)} was changed by the call"
 
 
 @check("Return impulses of shape (0, dimension) where there is no contact.")
@@ -135,7 +136,7 @@ def _claimed(subject: Subject, problem: FrictionProblem, name: str, tol: float =
     for given in subject.takes(problem):
         _, finding = subject.solve(given, tol)
         if finding.verdict == Verdict.WRONG:
-            yield f"{given.contacts} contacts of dimension {given.dimension} {name}: {finding.reason}"
+            yield f"{described(given)} {name}: {finding.reason}"
 
 
 @check("W is singular here and impulses are not unique: regularise, or solve for velocities, and verify the residual.")
@@ -161,19 +162,18 @@ def frictionless(subject: Subject) -> Violations:
         answer, finding = subject.solve(problem)
         most = 1e-6 * np.abs(answer.impulse).max(initial=1.0)
         if finding.verdict == Verdict.WRONG or not np.isfinite(answer.impulse).all():
-            yield f"{problem.contacts} contacts of dimension {problem.dimension}: {finding.verdict}, {finding.reason}"
+            yield f"{described(problem)}: {finding.verdict}, {finding.reason}"
         elif finding.verdict in ACCEPTED and np.abs(answer.impulse[:, 1:]).max(initial=0.0) > most:
             yield "tangential impulses without friction"
 
 
 @check("Compute the residual of the answer (problems.residual) before returning SOLVED.")
 def correct_status(subject: Subject) -> Violations:
-    planar = (make_instance("random", seed=seed, contacts=8) for seed in range(6))
-    spatial = (make_instance("random_bodies", seed=seed, contacts=8) for seed in range(6))
-    rough = (scene("stack", blocks=4, push=1.0, mass_ratio=1e4).problem(), scene("painleve_rod").problem())
-    for problem in (*planar, *spatial, *rough):
+    random = (f"{name}[seed={seed},contacts=8]" for name in ("random", "random_bodies") for seed in range(6))
+    for spec in (*random, "stack[blocks=4,push=1,mass_ratio=1e4]", "painleve_rod"):
+        name, settings = parse("problem", spec)
         for tol in (1e-4, 1e-8):
-            yield from _claimed(subject, problem, f"to {tol:g}", tol)
+            yield from _claimed(subject, problem_of(name, **settings), f"of {spec} to {tol:g}", tol)
 
 
 @check("Seed random numbers, and keep no state between solves: a benchmark solves the same problem many times.")
@@ -181,9 +181,9 @@ def deterministic(subject: Subject) -> Violations:
     for problem in subject.takes(*ordinary()):
         (first, _), (second, _) = (subject.solve(problem) for _ in range(2))
         if not np.array_equal(first.impulse, second.impulse, equal_nan=True):
-            yield f"{problem.contacts} contacts: impulses differ by {np.abs(first.impulse - second.impulse).max():.1e}"
+            yield f"{described(problem)}: impulses differ by {np.abs(first.impulse - second.impulse).max():.1e}"
         if first.work != second.work:
-            yield f"{problem.contacts} contacts: work {first.work}, then {second.work}"
+            yield f"{described(problem)}: work {first.work}, then {second.work}"
 
 
 @check("Stop after `limit` units of work, and return WORK_LIMIT if that was too few.")
@@ -207,7 +207,7 @@ def warm_start(subject: Subject) -> Violations:
         for name, start in (("its own answer", cold.impulse), ("zero", 0 * cold.impulse), ("nonsense", 1e3 + 0 * cold.impulse)):
             _, found = subject.solve(problem, start=np.ascontiguousarray(start))
             if found.verdict not in ACCEPTED:
-                yield f"{problem.contacts} contacts, from {name}: {found.verdict}, residual {found.model_residual:.1e}"
+                yield f"{described(problem)}, from {name}: {found.verdict}, residual {found.model_residual:.1e}"
 
 
 @check("The order of contacts is arbitrary: results may depend on it only by rounding.")
@@ -244,9 +244,9 @@ def _same(
         other = change(problem)
         again, found = subject.solve(other, TIGHT)
         if found.verdict not in ACCEPTED:
-            yield f"{problem.contacts} contacts of dimension {problem.dimension}: solved before, {found.verdict} after"
+            yield f"{described(problem)}: solved before, {found.verdict} after"
             continue
         off = np.abs(problem.velocity(answer.impulse) - other.velocity(again.impulse) / times).max(initial=0.0)
         gap = off / (problem.velocity_scale or 1.0)
         if gap > NEAR:
-            yield f"{problem.contacts} contacts of dimension {problem.dimension}: velocities differ by {gap:.1e}"
+            yield f"{described(problem)}: velocities differ by {gap:.1e}"

@@ -1,50 +1,71 @@
-"""All checks on a solver, each a task of its own: a check that hangs or crashes counts as a violation."""
+"""All checks on a solver, each a task of its own: a check that hangs or crashes counts as a violation.
 
-from collections import Counter
-from collections.abc import Iterable
+What FIRST finds would break most other checks as well, so that these follow where it finds nothing. A solver that hangs in
+FIRST, or in MOST_HUNG others, is not tested further: each check would take its limit.
+"""
+
+from collections.abc import Iterable, Iterator
 from itertools import groupby, islice
 from typing import Any, NamedTuple
 
 from frictionbench.harness.cells import worker
 from frictionbench.harness.contract import checks  # noqa: F401  # registers them
 from frictionbench.harness.contract.check import CHECKS, Subject
-from frictionbench.harness.plans.plan import owner
+from frictionbench.harness.plans.plan import Plugin, owner
+from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import InputError
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.solvers import Solver, SolverInfo, available, find
 
 LIMIT = 20.0  # seconds for one check, which solves some forty small problems
+MOST_HUNG = 3
+FIRST = ("first_calls", "ordinary_problems")
+CRASHES = "Raise no error: return an Answer with a Status and the best impulses, or refuse such problems by lacks=(...)."
+HANGS = "End each call: after `limit` units of work, or, where it is None, after a number of your own."
 
 
 class Found(NamedTuple):
-    """The violations of a check about a variant."""
+    """The violations of a check about a variant; failure: whether it hung or crashed, which is then the only violation."""
 
     variant: str
     check: str
     violations: list[str]
+    failure: Verdict | None = None
 
 
-def examine(specs: list[str], jobs: int) -> list[Found]:
-    """Run all checks on every variant of the specs, files or names. Errors: InputError naming the solver or the file."""
+def examine(specs: list[str], jobs: int, progress: Progress) -> list[Found]:
+    """Run the checks on every variant of the specs, files or names. Errors: InputError naming the solver or the file."""
     named = [variant for spec in specs for variant in (available()[spec].specs if spec in available() else (spec,))]
     variants, plugins = load_plugins(named)
     for variant in variants:
         if not owner(variant, plugins) and (missing := find(variant)[0].missing):
             raise InputError(f"solver: {variant}: {missing}")
-    tasks = [
-        Task(worker.run_check, (variant, check, _violations, LIMIT), LIMIT, owner(variant, plugins), whole=False)
-        for variant in variants
-        for check in CHECKS
-    ]
+    order = list(CHECKS)
+    found = (sorted(_examined(each, plugins, jobs, progress), key=lambda one: order.index(one.check)) for each in variants)
+    return [one for own in found for one in own]
+
+
+def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Progress) -> Iterator[Found]:
+    """What the checks of a variant find, without those not tested."""
+    sound, hung = True, 0
     with scratch_pool(plugins, jobs=jobs) as pool:
-        outcomes = {outcome.task.arguments[:2]: outcome for outcome in pool.run(tasks)}
-    return [
-        Found(variant, check, [outcome.reason] if outcome.failure else _texts(outcome.value))
-        for variant in variants
-        for check in CHECKS
-        if (outcome := outcomes[variant, check])
-    ]
+        for stage in (FIRST, [check for check in CHECKS if check not in FIRST]):
+            tasks = [
+                Task(worker.run_check, (variant, check, _violations, LIMIT), LIMIT, owner(variant, plugins), whole=False)
+                for check in stage
+            ]
+            for outcome in progress.follow(f"{'first' if stage is FIRST else 'other'} checks of {variant}", pool, tasks):
+                check = outcome.task.arguments[1]
+                texts = [outcome.reason] if outcome.failure else _texts(outcome.value)
+                yield Found(variant, check, texts, outcome.failure)
+                hung += outcome.failure == Verdict.TIMEOUT
+                if hung == (1 if stage is FIRST else MOST_HUNG):
+                    return
+                sound &= check != FIRST[-1] or not texts
+            if not sound:
+                return
 
 
 def _texts(value: Any) -> list[str]:
@@ -55,26 +76,24 @@ def _texts(value: Any) -> list[str]:
 def format_findings(found: Iterable[Found]) -> str:
     """The findings as text, by variant: a line for each check, with advice and violations if it failed, then how many passed.
 
-    An error that ends several checks, as of a solver that writes into the problem, is told once with their names.
+    An error that ends several checks is told once with their names.
     """
     lines: list[str] = []
     for variant, own in groupby(found, key=lambda one: one.variant):
-        findings = list(own)
-        causes = {one.check: tuple(each.partition(" < ")[0] for each in one.violations) for one in findings}  # innermost frame
-        alike = Counter(causes.values())
+        alike: dict[str, list[Found]] = {}
+        for one in own:  # of an error its innermost frame
+            alike.setdefault(one.violations[0].partition(" < ")[0] if one.failure else one.check, []).append(one)
         lines.append(variant)
-        for one in findings:
-            cause = causes[one.check]
-            if not one.violations:
-                lines.append(f"  passed  {_named(one.check)}")
-            elif alike[cause] == 1:
-                lines.append(f"  failed  {_named(one.check)}: {CHECKS[one.check].advice}")
-                lines += [f"            {violation}" for violation in one.violations]
-            elif one.check == next(check for check, other in causes.items() if other == cause):
-                lines.append(f"  failed  {', '.join(_named(check) for check, other in causes.items() if other == cause)}")
-                lines += [f"            {violation}" for violation in one.violations]
-        passed = sum(not one.violations for one in findings)
-        lines.append(f"{passed} passed" + (f", {len(findings) - passed} failed" if passed < len(findings) else ""))
+        for one, *others in alike.values():
+            told = {None: CHECKS[one.check].advice, Verdict.TIMEOUT: HANGS}.get(one.failure, CRASHES)
+            names = ", ".join(_named(each.check) for each in (one, *others))
+            lines.append(f"  failed  {names}: {told}" if one.violations else f"  passed  {names}")
+            lines += [f"            {violation}" for violation in one.violations]
+        met = {one.check: bool(one.violations) for each in alike.values() for one in each}
+        rest = [_named(check) for check in CHECKS if check not in met]
+        lines += [f"  not tested before the above is mended  {', '.join(rest)}"] if rest else []
+        counts = {"passed": len(met) - sum(met.values()), "failed": sum(met.values()), "not tested": len(rest)}
+        lines.append(", ".join(f"{n} {word}" for word, n in counts.items() if n or word == "passed"))
     return "\n".join(lines)
 
 

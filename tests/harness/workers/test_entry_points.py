@@ -55,10 +55,8 @@ def test_installed_solver(distribution, tmp_path) -> None:
     again = frictionbench(*run)
     assert (again.returncode, "settings.plugins" in again.stderr) == (2, True)
     told = frictionbench("rerun", str(tmp_path / "run"), rows["key"][0])
-    assert (told.returncode, "guest[factor=2] is not part of frictionbench; the run loaded it from 'guest'" in told.stderr) == (
-        2,
-        True,
-    )
+    assert told.returncode == 2
+    assert "guest[factor=2] is not part of frictionbench; the run loaded it from 'guest'" in told.stderr
 
 
 def test_installed_solver_is_treated_as_plugin(distribution) -> None:
