@@ -110,4 +110,3 @@ def test_recipe_chart_is_drawn(source, printed) -> None:
     run = source / "runs" / "brick"
     assert "Cells solved, trivial problems left out." in (run / "report.html").read_text(encoding="utf-8")
     assert (run / "paper" / "solved.pdf").exists()
-    assert "paper:" in printed["Add a chart"]
