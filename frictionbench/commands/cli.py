@@ -171,15 +171,19 @@ def report(
     if (paper or markdown) and has_batches(folder):
         raise InputError(f"{'paper' if paper else 'markdown'}: a run of batches has a page and no figures")
     run = read_run(folder, rank_by, budget)
-    typer.echo(f"report: {write_report(folder, run)}")
     if paper:
-        from frictionbench.reports.paper import restricted, write_paper
+        from frictionbench.harness.progress import Progress
+        from frictionbench.reports.paper import chart_names, restricted, write_paper
 
-        run_of_paper = restricted(run, "scenes", options.split_names(scenes)) if scenes else run
-        run_of_paper = restricted(run_of_paper, "solvers", options.split_names(solvers)) if solvers else run_of_paper
-        wanted = options.split_names(figures) if figures else None
-        written = write_paper(folder, run_of_paper, wanted, width, font)
-        typer.echo(f"paper:  {written}; captions.tex has the captions, references.bib the references")
+        wanted = chart_names(options.split_names(figures) if figures else None)
+        shown = restricted(run, "scenes", options.split_names(scenes)) if scenes else run
+        shown = restricted(shown, "solvers", options.split_names(solvers)) if solvers else shown
+        written = write_paper(folder, shown, Progress().counted("figures", wanted, len(wanted)), width, font)
+        typer.echo(
+            f"paper:  {written}, of {', '.join(shown.looks)}; captions.tex has the captions, references.bib the references"
+        )
+    if not (paper and figures):
+        typer.echo(f"report: {write_report(folder, run)}")
     if markdown:
         from frictionbench.reports.markdown import write_markdown
 

@@ -32,8 +32,8 @@ def _quantity(text: str, units: dict[str, float]) -> float:
 
 
 def split_names(text: str) -> list[str]:
-    """The names in a list separated by commas; commas within brackets separate the settings of one name."""
-    return [name.strip() for name in re.split(r",(?![^\[]*\])", text) if name.strip()]
+    """The names in a list separated by commas, but for those within brackets and before a range of sizes (stack, n < 100)."""
+    return [name.strip() for name in re.split(r",(?![^\[]*\]| n (?:<|from) )", text) if name.strip()]
 
 
 UNITS_PER_SECOND = {"us": 1e6, "µs": 1e6, "μs": 1e6, "ms": 1e3, "s": 1.0}

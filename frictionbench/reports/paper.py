@@ -9,7 +9,7 @@ The same tables always give the same files, byte for byte.
 """
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,7 +23,7 @@ from frictionbench.reports.drawing.files import NOTHING, save_sheet
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import ESCAPED, bibliography, escaped
 from frictionbench.reports.printed import REFERENCES, Table, printed
-from frictionbench.reports.run import Run
+from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.reports.tables import setting
 from frictionbench.results.files import ResultsError, read_text, subfolder, write_text
 
@@ -32,24 +32,22 @@ FONT = 7  # points, in figures: the smallest size that journals accept
 ASPECT, TALLEST = 0.75, 5.2  # height of a panel over its width; inches of panels: a page of 7.6 has legend and caption besides
 NARROWEST, MOST_COLUMNS = 1.6, 3  # inches of a panel; panels side by side
 LETTERS = 75  # of a row that a column of text takes at a readable size; a table of longer rows takes the width of the page
+CITED = 4  # letters of a citation by number
 ON_PAGE_ONLY = ("Hover over", "Below each panel")  # the beginnings of sentences that apply to the page only
 # Shrinks what is wider than the text, after \noindent; \width is graphicx's name for the natural width of the box.
 FIT = r"\noindent\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 
 
-def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, width: float = 3.35, font: str = "serif") -> Path:
+def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, width: float = 3.35, font: str = "serif") -> Path:
     """Write figures as PDF and SVG, tables, captions and references; return DIR/paper.
 
-    figures: names of charts, None for all. width: of every figure, inches. font: serif or sans. A chart that is taller than a
-    page is continued in further files, NAME_2 and so on. Captions of figures of earlier calls stay.
-    Errors: ResultsError naming a chart that does not exist.
+    figures: some of chart_names(), None for all. width: of every figure, inches. font: serif or sans. A chart that is taller
+    than a page is continued in further files, NAME_2 and so on. Captions of figures of earlier calls stay.
     """
     paper = subfolder(folder, "paper")
     captions: dict[str, str] = {}
     charts = {chart.name: chart for chart in CHARTS}
     for name in charts if figures is None else figures:
-        if name not in charts:
-            raise ResultsError(f"figures: there is no {name}; there are {', '.join(charts)}")
         captions |= _save_chart(charts[name], run, paper, width, font)
     made = printed(run)
     for table in made:
@@ -58,6 +56,14 @@ def write_paper(folder: Path, run: Run, figures: Sequence[str] | None = None, wi
     write_text(paper / "captions.tex", captions_file(captions, setting(run), paper))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
     return paper
+
+
+def chart_names(names: Sequence[str] | None = None) -> Sequence[str]:
+    """The names of charts, None for all. Errors: ResultsError naming a chart that does not exist."""
+    there = [chart.name for chart in CHARTS]
+    if missing := [name for name in names or () if name not in there]:
+        raise ResultsError(f"figures: there is no {missing[0]}; there are {', '.join(there)}")
+    return there if names is None else names
 
 
 def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
@@ -87,12 +93,13 @@ def _save(
     columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
     size = width / columns, ASPECT * width / columns
     most = columns * max(1, int(TALLEST / size[1]))
-    asterisk = " An asterisk marks a portfolio, which runs other solvers." * bool(run.portfolios)
     captions, title = {}, caption.partition(". ")[0].rstrip(".")
     for k in range(0, len(panels), most):
-        name = f"{stem}_{k // most + 1}" if k else stem
-        save_sheet(panels[k : k + most], run.looks, paper / name, columns, size, FONT, font, handles=handles)
-        captions[name] = (f"{title} (continued)." if k else caption) + asterisk
+        name, own = f"{stem}_{k // most + 1}" if k else stem, panels[k : k + most]
+        named = save_sheet(own, run.looks, paper / name, columns, size, FONT, font, handles=handles)
+        told = f"{title} (continued, {k // most + 1} of {-(-len(panels) // most)})." if k else caption
+        marked = any(PORTFOLIO in text for text in (told, *named, *(panel.title for panel in own)))
+        captions[name] = told + " An asterisk marks a portfolio, which runs other solvers." * marked
     return captions
 
 
@@ -130,7 +137,10 @@ def booktabs(table: Table) -> str:
     ]
     code = [list(map(escaped, table.header)), *body]
     lines = [" & ".join(row) + r" \\" for row in code]
-    widths = [max(map(len, column)) for column in zip(*code, strict=True)]
+    sizes = [
+        [CITED * (1 + cell.count(",")) if c else len(cell) for c, cell in zip(cited, row, strict=True)] for row in table.rows
+    ]
+    widths = [max(len(head), *own) for head, *own in zip(table.header, *sizes, strict=True)]
     wide = sum(widths) + 2 * len(widths) > LETTERS
     return "\n".join([
         f"% {'both columns, table*' if wide else 'one column, table'}",

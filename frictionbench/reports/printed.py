@@ -41,12 +41,14 @@ def _choice(run: Run) -> list[Table]:
     target = run.outer_targets[-1]
     theirs = {kind.name: kind.choices.get(target) for kind in choices(run, run.outside)}
     rows = [_first(kind, one, theirs.get(kind.name)) for kind in choices(run) if (one := kind.choices.get(target))]
+    outside = ["outside"] * any(row[-1] != "–" for row in rows)
     caption = (
         f"The solver with the least mean time {run.rank_by.words} ({run.rank_by.parts}) to {power(target)}, problems not "
         "solved charged the time limit; its lead over the next, with the 95 % interval over resampled scenes, problems and "
-        "repeats; and the first of the outside libraries."
+        f"repeats{'; and the first of the outside libraries' if outside else ''}."
     )
-    return [Table("choice", caption, ["for", "problems", "first", "mean", "lead", "interval", "solved", "outside"], rows)]
+    header = ["for", "problems", "first", "mean", "lead", "interval", "solved", *outside]
+    return [Table("choice", caption, header, [row[: len(header)] for row in rows])]
 
 
 def _first(kind: Kind, found: Choice, outside: Choice | None) -> list[str]:
@@ -56,11 +58,11 @@ def _first(kind: Kind, found: Choice, outside: Choice | None) -> list[str]:
         kind.name,
         str(kind.problems),
         best.label + (f" ({best.law})" if best.law else ""),
-        seconds(best.mean),
+        seconds(best.mean, 3),
         f"{found.lead:.3g}" if found.lead else "–",
         ends,
         best.solved,
-        f"{outside.places[0].label} {seconds(outside.places[0].mean)}" if outside else "–",
+        f"{outside.places[0].label} {seconds(outside.places[0].mean, 3)}" if outside else "–",
     ]
 
 

@@ -12,10 +12,10 @@ from frictionbench.commands.options import parse_length, split_names
 from frictionbench.reports.drawing.style import looks
 from frictionbench.reports.latex import ESCAPED, cited, escaped, references
 from frictionbench.reports.paper import booktabs, restricted, write_paper
-from frictionbench.reports.printed import Table
+from frictionbench.reports.printed import REFERENCES, Table
 from frictionbench.reports.run import Run, read_run
-from frictionbench.results.files import ResultsError
 from frictionbench.solvers import available
+from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
 from tests.helpers.paths import ROOT
 
@@ -41,6 +41,7 @@ def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
     assert r"lemke & 3/3 & 3 ms & 3/3 & 3 ms & 3/3 & 3 ms \\" in times
     assert r"solver & cells & claimed & solved & timeout \\" in verdicts
     assert r"\cite{Lemke1965," in (paper / "solvers.tex").read_text()
+    assert booktabs(Table("t", "", ["", REFERENCES], [["", ", ".join(["Lemke1965"] * 9)]])).startswith("% one column")
     for letters, first in ((20, "% one column"), (60, "% both columns")):
         assert booktabs(Table("t", "", ["a", "b"], [["x" * letters, "y" * letters]])).startswith(first)
 
@@ -61,9 +62,7 @@ def test_chosen_solvers(run) -> None:
     every = looks([*available(), *(f"nsgs[relaxation=1.{i}]" for i in range(30))]).values()
     assert len({look[:2] for look in every}) == len(every)
     assert set(few.summaries[1e-8]["label"]) == set(few.looks)
-    with pytest.raises(ResultsError, match=r"solvers: murty is not in this run; there are .*lemke"):
-        restricted(run, "solvers", ["murty"])
-    assert split_names("a, b[x=1,y=2],c") == ["a", "b[x=1,y=2]", "c"]
+    assert split_names("a, b[x=1,y=2],c, n < 100, d, n from 1000") == ["a", "b[x=1,y=2]", "c, n < 100", "d, n from 1000"]
 
 
 def test_widths_with_units() -> None:
@@ -90,8 +89,8 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     paper = write_paper(tmp_path, many, ["speed_accuracy"])
     assert sorted(path.name for path in paper.glob("*.pdf")) == [f"speed_accuracy{k}.pdf" for k in ("", "_2", "_3")]
     captions = (paper / "captions.tex").read_text()
-    assert ["(continued)" in line for line in captions.splitlines() if "@speed_accuracy" in line] == [False, True, True]
-    assert "(continued) (continued)" not in captions
+    assert ["(continued, " in line for line in captions.splitlines() if "@speed_accuracy" in line] == [False, True, True]
+    assert captions.count("(continued, 3 of 3).") == 1
     wide = (write_paper(tmp_path, many, ["profiles"], 7.0) / "captions.tex").read_text()  # of another width, beside the first
     assert set(captions.splitlines()) < set(wide.splitlines())
     with (paper / "captions.tex").open("a") as file:  # of somebody else
@@ -100,10 +99,12 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     (tmp_path / "one").mkdir()
     one = write_paper(tmp_path / "one", restricted(many, "scenes", ["scene_3"]), ["speed_accuracy"])
     assert [path.name for path in one.glob("*.pdf")] == ["speed_accuracy.pdf"]
-    with pytest.raises(ResultsError, match="figures: there is no pie; there are stability"):
-        write_paper(tmp_path, many, ["pie"])
-    with pytest.raises(ResultsError, match="scenes: other is not in this run; there are scene_0"):
-        restricted(many, "scenes", ["other"])
+    for option, name, there in (("figures", "pie", "stability"), ("scenes", "x", "scene_0"), ("solvers", "murty", "lemke")):
+        done = frictionbench("report", str(many.folder), "--paper", f"--{option}", name)  # refused before anything is made
+        assert re.match(rf"frictionbench: {option}: .*{name}.*; there are .*{there}", done.stderr), done
+    done = frictionbench("report", str(many.folder), "--paper", "--figures", "profiles")
+    assert (done.stdout.count("report:"), done.stderr) == (0, "figures: all 1 done\n")
+    assert not (many.folder / "report.html").exists()
 
 
 def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:
@@ -133,7 +134,7 @@ def test_the_document_shown_compiles(run, tmp_path, options) -> None:
     paper = write_paper(tmp_path, run, ["profiles"], parse_length(width))
     preamble, _, body = shown.partition("\\begin{figure}")
     text = [rf"\documentclass[{options}]{{article}}", preamble, r"\begin{document}", r"\begin{figure}" + body]
-    (paper / "shown.tex").write_text("\n".join([*text, r"\bibliographystyle{plain}\end{document}"]), encoding="utf-8")
+    (paper / "shown.tex").write_text("\n".join([*text, r"\end{document}"]), encoding="utf-8")
     log = compile_latex(paper, "shown", "pdflatex", "bibtex", "pdflatex", "pdflatex")
     assert "Float too large" not in log
     assert [line for line in re.findall(r"Overfull \\hbox.*", log) if float(re.search(r"([\d.]+)pt", line)[1]) > 1] == []

@@ -31,8 +31,8 @@ def save_sheet(
     kinds: Sequence[str] = ("svg", "pdf"),
     paper: str = "none",
     handles: Mapping[str, Artist] = NOTHING,
-) -> None:
-    """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf.
+) -> list[str]:
+    """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf; return the names in the legend.
 
     size: of one panel, inches; font: points; paper: the colour of the background. handles:
     what the legend names besides the labels that are drawn.
@@ -60,6 +60,7 @@ def save_sheet(
             date = "Date" if path.suffix == ".svg" else "CreationDate"
             with replaced(path) as file:
                 figure.savefig(file, dpi=IMAGE, facecolor=paper, metadata={date: None})
+    return list(named)
 
 
 def _legend(figure: Figure, named: Mapping[str, Artist], height: float, font: float) -> None:
