@@ -104,7 +104,7 @@ def summary(found: Tables) -> Summary:
     off = (stuck["impulse"] / stuck["rigid"] - 1).abs()
     last = stuck.iloc[-1]
     told = ", ".join(
-        f"{name.replace('_', ' ')} {rows['error'].min():.0e} (order {slopes[name]})" for name, rows in radau.groupby("scene")
+        f"{name.replace('_', ' ')} {rows['error'].min():.0e}, order {slopes[name]}" for name, rows in radau.groupby("scene")
     )
     numbers = {
         "stiffest": f"{radau['stiffness'].max():.0e}",

@@ -203,10 +203,9 @@ def summary(found: Tables) -> Summary:
     ball, problems = found["ball"], found["problems"]
     cone, polygons = ball[ball["facets"] == 0].iloc[0], ball[ball["facets"] > 0]
     bends = polygons.groupby("facets")["from_cone"].agg(["mean", "max"])
-    slope, worst = order(bends.index, bends["mean"]), order(bends.index, bends["max"])
+    slope = order(bends.index, bends["mean"])
     errors = problems[problems["error"] > KINK].groupby(["facets", "number"])["error"].mean()
     erring = errors.groupby("facets").median()
-    of_problems = order(erring.index, erring)
     two = problems[problems["solutions_apart"] > DISTINCT].groupby("number").first()
     coarse, fine = bends.index.min(), bends.index.max()
     enough = bends.index[bends["max"] < cone["from_parabola"]]
@@ -224,7 +223,6 @@ def summary(found: Tables) -> Summary:
         "fine": fine,
         "fine_bend": f"{1000 * bends['mean'].iloc[-1]:.2f}",
         "slope": slope,
-        "worst": worst,
         "step_ms": f"{1000 * cone['step']:g}",
         "from_parabola": f"{1000 * cone['from_parabola']:.1f}",
         "enough": len(enough),
@@ -235,7 +233,7 @@ def summary(found: Tables) -> Summary:
         "first_facets": erring.index[0],
         "last_error": f"{erring.iloc[-1]:.2g}",
         "last_facets": erring.index[-1],
-        "order": of_problems,
+        "order": order(erring.index, erring),
         "inner": ", ".join(f"{ratio:.2g} with {count}" for count, ratio in inner.items()),
         "inner_least": f"{inner.min():.2g}",
         "inner_most": f"{inner.max():.2g}",

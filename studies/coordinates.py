@@ -71,8 +71,7 @@ def summary(found: Tables) -> Summary:
     paired = angles.merge(hinges, on=["scheme", "step"], suffixes=("", "_hinges"))
     finer = paired[paired["step"] == paired["step"].min()]
     told = ", ".join(
-        f"{scheme} {hinges[hinges['scheme'] == scheme]['drift'].min():.0e} m (order {slope})"
-        for scheme, slope in slopes.items()
+        f"{scheme} {hinges[hinges['scheme'] == scheme]['drift'].min():.0e} m, order {slope}" for scheme, slope in slopes.items()
     )
     ends = ", ".join(
         f"{row.scheme} {row.error:.1e} in angles and {row.error_hinges:.1e} on hinges" for row in finer.itertuples()

@@ -171,6 +171,7 @@ def summary(found: Tables) -> Summary:
         "last": f"{last:g}",
         "ends": cells[last].to_dict(),
         "falling": share(int(falling.sum()), falling.size),
+        "slip": f"{moved.loc[REFERENCE, 'grasp']:.1f}",
         "tasks": _table(moved.drop(TWIN).map("{:.1e}".format)),
         "loosest": listing([f"{task} {way}" for task, way in loosest.items()]),
         "grips": grips.to_dict("records"),

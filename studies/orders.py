@@ -16,7 +16,7 @@ from studies.study import Row, Slope, Study, Summary, Tables, curve, finish, lis
 
 ROUNDING = 1e-10  # m: errors and drifts below it have no order
 HIGHER = "trapezoid"
-WIDE = 0.5  # half an interval: an order known less well is neither that of first nor that of second order
+APART = 0.5  # slopes of the halves further apart, or from the whole: an order that has not settled
 MOTIONS: dict[str, tuple[str, dict[str, Any], float]] = {
     # kind: scene, settings and duration; no event falls on a step of all grids
     "pendulum": ("pendulum", {}, 0.4),
@@ -98,15 +98,15 @@ def summary(found: Tables) -> Summary:
     drifts = {key: order(own["step"], own["drift"]) for key, own in cases if (own["drift"] > ROUNDING).all()}
     kinds = list(dict.fromkeys(errors["kind"]))
     high = {kind: slopes[kind, HIGHER] for kind in kinds if (kind, HIGHER) in slopes}
+    settled = {key for key, slope in slopes.items() if max(slope) - min(slope) <= APART}
+    clear = {kind: slope for kind, slope in high.items() if (kind, HIGHER) in settled}
     lower = {kind: [slope.value for (k, s), slope in slopes.items() if k == kind and s != HIGHER] for kind in kinds}
     numbers = {
-        "kept": listing([f"{kind} ({slope})" for kind, slope in high.items() if slope.value - slope.half > 1.5]),
-        "lost": listing([f"{kind} ({slope})" for kind, slope in high.items() if slope.value + slope.half < 1.5]),
-        "open": listing([f"{kind} ({slope})" for kind, slope in high.items() if abs(slope.value - 1.5) <= slope.half]),
-        "above": listing(
-            [f"{s} in {k} ({slope})" for (k, s), slope in slopes.items() if s != HIGHER and slope.value - slope.half > 1.5]
-        ),
-        "wide": listing([f"{s} in {k}" for (k, s), slope in slopes.items() if slope.half > WIDE]),
+        "kept": listing([f"{kind} ({slope.value:.2f})" for kind, slope in clear.items() if min(slope) > 1.5]),
+        "lost": listing([f"{kind} ({slope.value:.2f})" for kind, slope in clear.items() if max(slope) < 1.5]),
+        "open": listing([f"{kind} ({slope.value:.2f})" for kind, slope in high.items() if kind not in clear]),
+        "above": listing([f"{s} in {k} {slope}" for (k, s), slope in slopes.items() if s != HIGHER and min(slope) > 1.5]),
+        "wide": listing([f"{s} in {k}" for k, s in slopes if (k, s) not in settled]),
         "lowest": f"{min(lower['smooth sliding']):.2f}",
         "highest": f"{max(lower['smooth sliding']):.2f}",
         "by_kind": "; ".join(

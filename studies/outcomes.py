@@ -17,7 +17,7 @@ from frictionbench.reports.drawing.style import INK
 from frictionbench.results import count
 from frictionbench.solvers import solve
 from studies.motions import problem_of
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require, share
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require
 
 APART = 1e-3  # of what contact changes: velocities further apart are two outcomes
 TOL = 1e-8
@@ -126,12 +126,13 @@ def summary(tables: Tables) -> Summary:
     measured = ladder[(ladder["residual"] < 0.1) & (ladder["residual"] > 1e-11) & (ladder["error"] > 0)]
     gain = measured["error"] / measured["residual"]
     other = measured["error"] > np.maximum(100 * measured["residual"], APART)  # far, although the residual is small
-    line = order(measured["residual"][~other], measured["error"][~other])
     numbers = {
         "problems": len(problems),
         "several": len(several),
-        "planar": share((several["dimension"] == 2).sum(), (problems["dimension"] == 2).sum()),
-        "spatial": share((several["dimension"] == 3).sum(), (problems["dimension"] == 3).sum()),
+        "by_friction": [
+            (f"{mu:g}", *(f"{(own > 1).sum()} of {own.size}" for _, own in rows.groupby("dimension")["outcomes"]))
+            for mu, rows in problems.groupby("friction")
+        ],
         "most": several["outcomes"].max(),
         "low": f"{several['apart'].min():.2g}",
         "high": f"{several['apart'].max():.2g}",
@@ -144,7 +145,7 @@ def summary(tables: Tables) -> Summary:
         "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
         "agreements": listing([f"{pair} on {own}" for pair, own in _agreements(cold).items()]),
         "answers": len(measured),
-        "slope": str(line),
+        "slope": f"{order(measured['residual'][~other], measured['error'][~other]).value:.2f}",
         "gain": f"{np.median(gain):.1f}",
         "far": f"{measured['residual'][other].min():.0e}" if other.any() else "",
         "within": f"{np.quantile(gain[~other], 0.95):.1f}",

@@ -54,7 +54,7 @@ def summary(found: Tables) -> Summary:
     table, rounding = found["reached"], found["rounded"]["residual"]
     least = table.groupby(["method", "precision", "case"])["residual"].min()
     coarse = (least <= TARGETS[0]).groupby("precision").sum()
-    require(coarse["single"] == coarse["double"], "single precision costs nothing at 1e-4")
+    require(coarse["single"] == coarse["double"], "no step is lost within 1e-4 in single precision")
     pair = table.pivot_table(index=["method", "case", "limit"], columns="precision", values="seconds")
     slower = (pair["single"] / pair["double"])[lambda ratio: ratio.index.get_level_values("limit") == table["limit"].max()]
     numbers = {

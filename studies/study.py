@@ -16,7 +16,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import binom, t as student
+from scipy.stats import binom
 
 from frictionbench.harness import Plan
 from frictionbench.reports.drawing.figures import Panel
@@ -78,23 +78,21 @@ def share(successes: int, trials: int) -> str:
 
 
 class Slope(NamedTuple):
-    """The slope of log y over log x with half the width of its 95 % interval."""
+    """The slope of log y over log x, and those of the halves with the smaller and the larger x, near it if it has settled."""
 
     value: float
-    half: float
+    small: float
+    large: float
 
     def __str__(self) -> str:
-        return f"{self.value:.2f} ± {self.half:.2f}"
+        return f"{self.value:.2f} ({self.small:.2f}, {self.large:.2f})"
 
 
 def order(x: ArrayLike, y: ArrayLike) -> Slope:
-    """The order by least squares: y ~ x^slope; at least three points of positive x and y."""
+    """The order by least squares: y ~ x^slope; at least three points of positive x and y. A middle one is in both halves."""
     a, b = np.log(np.asarray(x, dtype=float)), np.log(np.asarray(y, dtype=float))
-    centred = a - a.mean()
-    slope = float(centred @ b / (centred @ centred))
-    left = b - b.mean() - slope * centred
-    error = np.sqrt(left @ left / (len(a) - 2) / (centred @ centred))
-    return Slope(slope, float(student.ppf(0.975, len(a) - 2) * error))
+    ranks, half = np.argsort(a), (len(a) + 1) // 2
+    return Slope(*(float(np.polyfit(a[own], b[own], 1)[0]) for own in (ranks, ranks[:half], ranks[-half:])))
 
 
 def middle(values: ArrayLike) -> str:

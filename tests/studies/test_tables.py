@@ -144,7 +144,9 @@ def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None
     assert landings.loc[("event_driven", 1e-6), "after"] == pytest.approx(landings["closed"].iloc[0], rel=0.01)
     assert landings.loc[("anitescu_potra", 1e-6), "after"] < 1e-5
     account = text("neighbours", found)
-    assert "yes: nearby trajectories diverge, and end more than 20 times as far apart as they began, in " in account.answer
+    assert account.answer.startswith(
+        "At edges, yes: nearby trajectories diverge, and end more than 20 times as far apart as they began, in "
+    )
 
 
 def test_a_higher_order_is_kept_in_smooth_sliding_and_gaps_drift_less() -> None:
@@ -242,7 +244,7 @@ def test_substeps_help_while_each_converges() -> None:
     assert errors[0].is_monotonic_decreasing, "of exact steps"
     assert errors[64, 16] < 0.5 * errors[64, 1]
     assert errors[16, 16] > errors[16, 4], "one sweep in a substep"
-    assert text("substeps", found).answer.startswith("Substeps more often than not")
+    assert text("substeps", found).answer.startswith("Undecided")
 
 
 @pytest.mark.slow  # its claims on computed tables
@@ -253,4 +255,4 @@ def test_single_precision_reaches_what_is_coarse() -> None:
     assert found["rounded"]["residual"].between(1e-10, 1e-6).all()
     assert last.loc["single", "max"] < 1e-5
     assert last.loc["double", "max"] < last.loc["single", "min"]
-    assert text("precision", found).answer.startswith("Nothing at 1e-4")
+    assert text("precision", found).answer.startswith("Within 1e-4 no step lost of 2.")
