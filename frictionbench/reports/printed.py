@@ -121,7 +121,7 @@ def _solvability(run: Run) -> list[Table]:
         + ([residual(row["error"]) if np.isfinite(row["error"]) else "–"] if with_error else [])
         for row in found.to_dict("records")
     ]
-    caption = "Verdicts of an independent verification, by solver; claimed: cells that the solver reports as solved."
+    caption = "Verdicts of an independent verification. Cells: of a problem and a tolerance; claimed: those reported as solved."
     if with_error:
         caption += " Error: the median residual, by Coulomb's law, of answers to another law or with a polygon for the cone."
     caption += f" {tables.exclusions(run)}"

@@ -154,11 +154,11 @@ def sentences(run: Run) -> list[tuple[str, str]]:
     another = "for another law, the convex relaxation or soft contact, median error in brackets"
     polygon = "with a polygon for the cone in space, median error by Coulomb's law in brackets"
     claims: list[tuple[str, pd.Series, Mapping[str, str]]] = [
-        (f"Every problem solved to {tol}", complete & ~inexact, only),
-        (f"Every problem solved to {tol} {polygon}", complete & inexact & (found["model"] == "lcp"), errors),
+        (f"Every problem that it takes solved to {tol}", complete & ~inexact, only),
+        (f"Every problem that it takes solved to {tol} {polygon}", complete & inexact & (found["model"] == "lcp"), errors),
         ("Wrong claims, with a residual above ten times the tolerance", found["wrong"] > 0, counted["wrong"]),
         ("Crashed", found["crashed"] > 0, counted["crashed"]),
-        (f"Every problem solved to {tol} {another}", complete & inexact & (found["model"] != "lcp"), errors),
+        (f"Every problem that it takes solved to {tol} {another}", complete & inexact & (found["model"] != "lcp"), errors),
     ]
     return [
         (what, ", ".join(label + figure.get(label, "") for label in found["label"][holds]))

@@ -345,8 +345,8 @@ def test_accuracy_by_hand(tmp_path):
     ]
     for_another_law = "for another law, the convex relaxation or soft contact, median error in brackets"
     assert dict(sentences(run)) == {
-        "Every problem solved to 1e-8": "a, b",
-        f"Every problem solved to 1e-8 {for_another_law}": "soft (1e-1)",
+        "Every problem that it takes solved to 1e-8": "a, b",
+        f"Every problem that it takes solved to 1e-8 {for_another_law}": "soft (1e-1)",
         "Wrong claims, with a residual above ten times the tolerance": "false_claims (1 of 2)",
         "Crashed": "weak (1 of 2)",
     }
