@@ -13,7 +13,7 @@ offsets b, in exact arithmetic, a basis of them is kept, as many of the h are un
 a linear program finds all limits satisfied with room. What is known by W and q alone has H M^-1 H' and H v* in W and q.
 
 Newton's method finds the centre m of a box X, in numbers of BITS bits. If the interval Newton operator m - F'(X)^-1 F(m) lies
-inside of X, X holds exactly one zero of F (Krawczyk 1969, Rump 2010). If then everywhere in X what has to be positive is so,
+in X's interior, X holds exactly one zero of F (Moore 1966, Rump 2010). If then everywhere in X what has to be positive is so,
 r_n and mu r_n - |r_t| of contacts that stick, r_n and |u_t| of those that slide, u_n of open ones, the zero is a solution. It
 is the only one in X in this mode; other solutions elsewhere are not excluded.
 

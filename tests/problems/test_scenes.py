@@ -40,8 +40,10 @@ def test_scenes_are_picklable(name: str) -> None:
 
 
 def test_unknown_names_and_values() -> None:
-    with pytest.raises(InputError, match=r"^scene: unknown scene 'heap'; `frictionbench list scenes` names all"):
+    with pytest.raises(InputError, match=r"^scene: unknown scene 'heap'; scenes and instances are .*stack"):
         scene("heap")
+    with pytest.raises(InputError, match=r"^scene: unknown scene 'stak' \(did you mean stack\?\)"):
+        scene("stak")
     with pytest.raises(InputError, match=r"^brick: the scene stack has no such parameter; it has blocks, "):
         scene("stack", brick=3)
     for name, parameter, value in (
