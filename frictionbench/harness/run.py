@@ -169,7 +169,7 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
     """The records of all problems by origin, in the plan's order; for a source without problems one with the reason."""
     tasks = [Task(worker.run_source, (source,), COLLECT_SECONDS) for source in (*plan.sources, *plan.map_sources)]
     by_task: dict[int, list[Record]] = {}
-    for outcome in progress.follow("problems", pool, tasks):
+    for outcome in progress.follow("sources of problems", pool, tasks):
         (source,) = outcome.task.arguments
         by_task[id(outcome.task)] = [no_problem(source, outcome.reason)] if outcome.failure else outcome.value
     return {origin(record): record for task in tasks for record in by_task[id(task)]}

@@ -103,12 +103,13 @@ class Choice(NamedTuple):
 
 class Kind(NamedTuple):
     """A kind of problem: its name, its number of problems, and the choice at each target that some solver reaches. first: shown
-    on the first screen."""
+    on the first screen. robots: how many of the problems are robots' steps."""
 
     name: str
     problems: int
     choices: dict[float, Choice]
     first: bool
+    robots: int
 
 
 def _kinds(run: Run) -> list[tuple[str, set[int], set[str], bool]]:
@@ -137,11 +138,12 @@ def _kinds(run: Run) -> list[tuple[str, set[int], set[str], bool]]:
 
 def choices(run: Run, among: Collection[str] | None = None) -> list[Kind]:
     """The choice for each kind of problem. among: the labels to choose from; None for all."""
-    found = []
+    found, robots = [], set(run.ranked.loc[run.ranked["robot"], "problem_id"])
     for name, problems, labels, first in _kinds(run):
         some = labels if among is None else labels & set(among)
         best = {target: choose(times, problems, some, run.budget, run.outside) for target, times in run.times.items()}
-        found.append(Kind(name, len(problems), {target: one for target, one in best.items() if one}, first))
+        reached = {target: one for target, one in best.items() if one}
+        found.append(Kind(name, len(problems), reached, first, len(problems & robots)))
     return found
 
 
@@ -242,9 +244,9 @@ def headline(ranked: Mapping[RankBy, list[Kind]], target: float) -> list[str]:
 
 def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
     (first, one), (second, other) = kinds.items()
-    where = (
-        f"{one.name[0].upper()}{one.name[1:]}, {count(one.problems, 'problem')}, to a verified residual of {power(target)}: "
-    )
+    robots = f" (of which {one.robots} are robots' steps)" if 0 < one.robots < one.problems else ""
+    where = f"{one.name[0].upper()}{one.name[1:]}, {count(one.problems, 'problem')}{robots}, to a verified residual of "
+    where += f"{power(target)}: "
     if target not in one.choices:
         return f"{where}no solver that ran on all of them reaches it."
     mine, theirs = one.choices[target], other.choices[target]
@@ -273,7 +275,7 @@ def dependable(choice: Choice) -> str:
     single = [place for place in exact if not place.label.endswith(PORTFOLIO)]
     if best not in single and single:
         alone = min(single, key=order)
-        told += f"; the best single method is {alone.label}, {_solved(alone, choice)} with a mean of {seconds(alone.mean)}"
+        told += f"; the best single method is {alone.label}, {_solved(alone, choice)} with a mean of {seconds(alone.mean, 3)}"
     often = max(exact, key=lambda place: place.fastest)
     return told + (f"; most often the fastest is {often.label}, on {often.fastest:.0f}" if often is not best else "")
 
@@ -287,7 +289,7 @@ def _speed(by: RankBy, choice: Choice) -> str:
     best = choice.places[0]
     name = f"{best.label} ({best.law})" if best.law else best.label
     form = f" ({percent(best.form)} of it to write the problem down)" if by is RankBy.BODIES else ""
-    mean = f"{by.words} {name} has the least mean, {seconds(best.mean)}{form}"
+    mean = f"{by.words} {name} has the least mean, {seconds(best.mean, 3)}{form}"
     if choice.interval is None or choice.lead is None:
         return f"{mean}; {choice.unclear}" if choice.unclear else mean
     ahead, other = f"{choice.lead:.3g} times ahead of", choice.places[1].label

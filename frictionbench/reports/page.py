@@ -221,5 +221,4 @@ def _failures(run: Run) -> pd.DataFrame:
     columns = ["contacts", "residual", "reason", "key"]
     kinds = failed.groupby(["label", "problem_class", "verdict"], sort=False)
     table = kinds[columns].first().assign(cells=kinds.size()).reset_index().join(of, on=["label", "problem_class"])
-    table = table.sort_values("cells", ascending=False, kind="stable")
-    return table[["label", "problem_class", "verdict", "cells", "of", *columns]]
+    return table.sort_values("cells", ascending=False, kind="stable")

@@ -143,18 +143,22 @@ def sentences(run: Run) -> list[tuple[str, str]]:
         return []
     tol = power(float(run.ranked["tol"].min()))
     complete, inexact = found["own"] == found["problems"], found["exact"] < found["problems"]
-    ran = run.tightest.groupby("label")["dimension"].agg(set)
-    several = len(run.overall) > 1
-    only = {label: f" ({OVERALL[min(found)]})" if several and len(found) == 1 else "" for label, found in ran.items()}
+    rows = run.tightest[measured(run.tightest)]
+    exact = (rows["own_solved"] & (rows["residual"] <= rows["tol"])).groupby([rows["label"], rows["dimension"]]).all()
+    always = exact[exact].reset_index().groupby("label")["dimension"].agg(list)
+    only = {label: "" if len(own) == len(run.overall) else f" ({OVERALL[own[0]]})" for label, own in always.items()}
     errors = {label: f" ({residual(error)})" for label, error in model_errors(run.tightest).items()}
     counted = {
-        name: {label: f" ({count} of {of})" for label, count, of in found[["label", name, "problems"]].itertuples(index=False)}
+        name: {
+            label: f" ({count} of {of} problems to {tol})"
+            for label, count, of in found[["label", name, "problems"]].itertuples(index=False)
+        }
         for name in ("wrong", "crashed")
     }
     another = "for another law, the convex relaxation or soft contact, median error in brackets"
     polygon = "with a polygon for the cone in space, median error by Coulomb's law in brackets"
     claims: list[tuple[str, pd.Series, Mapping[str, str]]] = [
-        (f"Every problem that it takes solved to {tol}", complete & ~inexact, only),
+        (f"Every problem that it takes solved to {tol}", found["label"].isin(only), only),
         (f"Every problem that it takes solved to {tol} {polygon}", complete & inexact & (found["model"] == "lcp"), errors),
         ("Wrong claims, with a residual above ten times the tolerance", found["wrong"] > 0, counted["wrong"]),
         ("Crashed", found["crashed"] > 0, counted["crashed"]),
@@ -208,10 +212,12 @@ def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
 def setting(run: Run) -> str:
     """The suite, its problems and the machine of a run, in a sentence."""
     settings, machine, versions = (run.manifest.get(name, {}) for name in ("settings", "machine", "versions"))
-    facts = [f"Suite {settings.get('suite', 'unnamed')}", f"frictionbench {versions.get('frictionbench')}"]
+    code = f"{run.manifest.get('release', '')} revision {versions.get('frictionbench')}".strip()
+    facts = [f"Suite {settings.get('suite', 'unnamed')}", f"frictionbench {code}"]
     facts += [count(run.ranked["problem_id"].nunique(), "ranked problem"), count(run.ranked["label"].nunique(), "solver")]
     facts += [f"time limit {settings.get('time_limit')} s", f"{machine.get('processor')}, {machine.get('cores')} cores"]
-    return f"{', '.join(facts)}; finished {run.manifest.get('finished', 'never')}."
+    finished = str(run.manifest.get("finished", ""))[:10]  # the day
+    return f"{', '.join(facts)}; {f'finished {finished}' if finished else 'not finished'}."
 
 
 def exclusions(run: Run) -> str:

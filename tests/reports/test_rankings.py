@@ -55,6 +55,9 @@ def test_order_is_reversed_without_form(tmp_path):
     assert line.endswith(
         "4 times ahead of interior_point (4 to 4); from the method's own form the order of the first three is the same."
     )
+    mixed = run_of(*robot(), *(row | {"scene": "robot_step", "problem": f"r{row['problem']}"} for row in robot()))
+    line = headline({one.rank_by: choice.choices(one) for one in (mixed, mixed.ranked_by(RankBy.FORM))}, 1e-8)[0]
+    assert line.startswith("In the plane, 16 problems (of which 8 are robots' steps), to ")
     # form is left out tolerance by tolerance: another tolerance may be the fastest then
     times = accuracy.times_to(run.ranked, 1e-8, RankBy.FORM)
     assert times.set_index("label").loc["nsgs", "charged"].tolist() == pytest.approx([2e-4] * 8)

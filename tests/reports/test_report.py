@@ -95,10 +95,8 @@ def test_trivial_problems_are_excluded():
 
 
 def test_solvability_counts_every_verdict():
-    answers = [
-        solve_row("a", v, verdict=v, claimed=v != "unsolved")
-        for v in ("solved", "relaxed", "near_miss", "unjudgeable", "wrong", "unsolved")
-    ]
+    verdicts = ("solved", "relaxed", "near_miss", "unjudgeable", "wrong", "unsolved")
+    answers = [solve_row("a", v, verdict=v, claimed=v != "unsolved") for v in verdicts]
     lost = [unanswered_row("a", v, v) for v in ("timeout", "crashed", "skipped")]
     row = tables.solvability(run_of(*answers, *lost)).iloc[0]
     assert (row["cells"], row["claimed"]) == (9, 5)
@@ -183,6 +181,7 @@ def test_partial_run_page(tmp_path, solves, simulations):
     page = Page(write_report(tmp_path))
     assert "has not finished" in page.text
     assert "Known limitations" in page.text
+    assert ("No answer is claimed as solved yet" in page.text) == (not any(row["claimed"] for row in solves))
     assert write_paper(tmp_path, read_run(tmp_path)).is_dir()
 
 
@@ -219,9 +218,8 @@ def test_charts_on_page_and_in_paper(tmp_path):
     given = {"contacts": 20, "size": 80, "rank": 40, "work": '{"iterations": 3}'}
     larger = [solve_row("nsgs", f"larger {i}", tol, **given) for i in range(2) for tol in (1e-4, 1e-8)]
     folder = write_folder(tmp_path, [*RUN, *larger], [simulation_row("nsgs")])
-    write_histories(
-        folder, [ConvergenceHistory("bar", "{}", 0, "nsgs", 2, True, [1, 2], [1.0, 1e-9], [[1.0, 0.0], [2.0, 0.0]])]
-    )
+    history = ConvergenceHistory("bar", "{}", 0, "nsgs", 2, True, [1, 2], [1.0, 1e-9], [[1.0, 0.0], [2.0, 0.0]])
+    write_histories(folder, [history])
     page, paper = Page(write_report(folder)), write_paper(folder, read_run(folder))
     run = read_run(folder)
     drawn = [chart for chart in CHARTS if chart.panels(run)]
@@ -328,11 +326,8 @@ def test_accuracy_by_hand(tmp_path):
     """Two problems: one solver solves both, one only its own model, one claims falsely once, one crashes once."""
     rows = [solve_row(name, problem, version="ours") for name in "ab" for problem in "pq"]
     rows += [solve_row("soft", problem, model="relaxation", residual=0.1, verdict="relaxed") for problem in "pq"]
-    rows += [
-        solve_row("false_claims", "p", version="lib 2"),
-        solve_row("false_claims", "q", version="lib 2", residual=0.1, verdict="wrong"),
-    ]
-    rows[-1] |= {"model_residual": 0.1}
+    rows += [solve_row("false_claims", "p", version="lib 2")]
+    rows += [solve_row("false_claims", "q", version="lib 2", residual=0.1, model_residual=0.1, verdict="wrong")]
     rows += [solve_row("weak", "p"), unanswered_row("weak", "q", "crashed")]
     folder = write_folder(tmp_path / "run", [{"version": "ours"} | row for row in rows], versions={"frictionbench": "ours"})
     run = read_run(folder)
@@ -347,11 +342,13 @@ def test_accuracy_by_hand(tmp_path):
     assert dict(sentences(run)) == {
         "Every problem that it takes solved to 1e-8": "a, b",
         f"Every problem that it takes solved to 1e-8 {for_another_law}": "soft (1e-1)",
-        "Wrong claims, with a residual above ten times the tolerance": "false_claims (1 of 2)",
-        "Crashed": "weak (1 of 2)",
+        "Wrong claims, with a residual above ten times the tolerance": "false_claims (1 of 2 problems to 1e-8)",
+        "Crashed": "weak (1 of 2 problems to 1e-8)",
     }
+    space = [solve_row("a", "s", dimension=3), unanswered_row("b", "s", "timeout", dimension=3)]
+    assert dict(sentences(run_of(*rows, *space)))["Every problem that it takes solved to 1e-8"] == "a, b (in the plane)"
     told = write_markdown(folder, read_run(folder)).read_text(encoding="utf-8")
-    assert "**Crashed**: weak (1 of 2)." in told
+    assert "**Crashed**: weak (1 of 2 problems to 1e-8)." in told
     assert "| in the plane | 2 | a | 3 ms | 1 | too few to rank | 2 |" in told
     assert "Wrong claims, with a residual above ten times the tolerance" in write_report(folder).read_text(encoding="utf-8")
 

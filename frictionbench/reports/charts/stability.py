@@ -60,7 +60,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     log_ticks(ax, "x", {10.0**k: f"1e{k}" for k in range(-2, 7, 2)} | {SENSITIVITY[1]: "∞"})
     residual_axis(ax)
     ax.set_xlim(SENSITIVITY[0] / 2, SENSITIVITY[1] * 2)
-    ax.set_ylim(ZERO / 3, WORST * 30)
+    ax.set_ylim(ZERO / 100, WORST * 100)  # room for the words beside the lowest and the highest dots
     name_axes(ax, "sensitivity of the problem", "backward error of the answer")
 
 

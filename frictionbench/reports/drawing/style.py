@@ -79,8 +79,7 @@ def looks(labels: Iterable[str]) -> dict[str, Look]:
         place, shift = _place(label)
         marks = [look[1:3] for look in [*found.values()][1 - len(_MARKERS) * len(_DASHES) :]]
         dots = [look[:2] for look in found.values()]
-        others = range(len(_MARKERS) * len(_DASHES))
-        each = [_drawn(place + colour, shift + other) for colour in range(len(_COLOURS)) for other in others]
+        each = [_drawn(place + k, shift + j) for k in range(len(_COLOURS)) for j in range(len(_MARKERS) * len(_DASHES))]
         drawn = next((one for one in each if one[1:] not in marks and one[:2] not in dots), each[0])
         found[label] = Look(*drawn, f"label-{_number(label):x}")
     return dict(sorted(found.items()))

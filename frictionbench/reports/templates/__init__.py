@@ -43,7 +43,7 @@ def environment(*folders: Path) -> Environment:
         "percent": lambda value: "–" if pd.isna(value) else rough_percent(value),
         "permille": lambda value: "–" if pd.isna(value) else percent(value, 1),
         "whole": lambda value: "–" if pd.isna(value) else f"{value:.0f}",
-        "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),
+        "breakable": lambda name, after="_": Markup(f"{after}<wbr>").join(str(name).split(after)),
         "records": lambda table: table.to_dict("records"),
         "rerun": lambda row, run: rerun(run.folder, row["key"], row["variant"], run.plugins),
         "scene": lambda row: scene_title(row["scene"], row["parameters"]),
