@@ -20,7 +20,6 @@ pytestmark = pytest.mark.slow  # the quick tests read the recipes, and would not
 RECIPES = dict(
     re.findall(r"^### (.+?)\n(.*?)(?=^### |\Z)", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.M | re.S)
 )
-PIPED = {"capture_output": True, "text": True, "timeout": 300}
 # What each recipe's last command must print; a wrong claim must be reported as wrong.
 SHOWS = {
     "Add a scene": ("lemke", "solved"),
@@ -39,7 +38,7 @@ SHOWS = {
 @pytest.fixture(scope="module")
 def source(tmp_path_factory) -> Path:
     copy = tmp_path_factory.mktemp("source")
-    for package in ("frictionbench", "studies"):
+    for package in ("frictionbench", "studies", "tests"):
         shutil.copytree(ROOT / package, copy / package)
     for folder in ("problems", "solvers", "harness", "results", "reports"):
         (copy / folder).symlink_to(f"frictionbench/{folder}")
@@ -59,6 +58,15 @@ def share_compiled(copy: Path) -> None:
             shutil.copytree(kept / here, copy / "compiled" / kept.name / there)
 
 
+def called(copy: Path, command: str | list[str]) -> str:
+    """What a command prints in the copy, in the shell if it is a text."""
+    environment = os.environ | {"PYTHONPATH": str(copy), "COLUMNS": "200", "NUMBA_CACHE_DIR": str(copy / "compiled")}
+    piped = {"shell": isinstance(command, str), "capture_output": True, "text": True, "timeout": 300}
+    done = subprocess.run(command, cwd=copy, env=environment, check=False, **piped)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
 def follow(recipe: str, copy: Path) -> str:
     """Write the files that a recipe gives, make its changes, run its commands; what the last one printed."""
     for name, text in re.findall(r"Write\s`([\w/.]+)`:\n\n```(?:python|markdown)\n(.*?)```", recipe, re.S):
@@ -68,15 +76,11 @@ def follow(recipe: str, copy: Path) -> str:
     for name, changes in re.findall(r"```diff\n--- ([\w/.]+)\n(.*?)```", recipe, re.S):
         for hunk in changes.split("@@\n"):
             change(copy / name, hunk.splitlines())
-    environment = os.environ | {"PYTHONPATH": str(copy), "COLUMNS": "200", "NUMBA_CACHE_DIR": str(copy / "compiled")}
     printed = ""
     for command in re.findall(r"^    ((?:frictionbench|python|echo) .+)$", recipe, re.M):
         program, *words = shlex.split(command)
         call = words if program == "python" else ["-c", "from frictionbench.commands.cli import main; main()", *words]
-        shell = {"args": command, "shell": True} if command.startswith("echo ") else {"args": [sys.executable, *call]}
-        done = subprocess.run(**shell, cwd=copy, env=environment, check=False, **PIPED)
-        assert done.returncode == 0, done.stderr
-        printed = done.stdout
+        printed = called(copy, command if program == "echo" else [sys.executable, *call])
     return printed
 
 
@@ -99,11 +103,17 @@ def test_recipe(name, printed) -> None:
         assert word in printed[name]
 
 
-@pytest.mark.parametrize("check", [("ruff", "check"), ("ruff", "format", "--check"), ("mypy",)])
-def test_recipes_have_the_style_and_types_of_the_package(check, source, printed) -> None:
+QUICK = [  # what make quick checks of the package, and of its tests those that take in what is new
+    *("ruff check frictionbench", "ruff format --check frictionbench", "mypy frictionbench"),
+    "pytest --numprocesses=0 tests/problems tests/solvers -k 'test_every_solver and jacobi or test_interface and scipy_nnls "
+    "or test_scenes and brick or test_schemes and brick or every_parameter'",
+]
+
+
+@pytest.mark.parametrize("check", QUICK)
+def test_recipes_pass_what_make_quick_checks(check, source, printed) -> None:
     shutil.copy(ROOT / "pyproject.toml", source)
-    done = subprocess.run([sys.executable, "-m", *check, "frictionbench"], cwd=source, check=False, **PIPED)
-    assert done.returncode == 0, done.stdout + done.stderr
+    called(source, [sys.executable, "-m", *shlex.split(check)])
 
 
 def test_recipe_chart_is_drawn(source, printed) -> None:
