@@ -54,15 +54,10 @@ def test_contacts_and_bodies_are_removed() -> None:
     assert keep_contacts(problem, []).contacts == 0
 
 
-def test_shrink_writes_a_file(tmp_path) -> None:
+def test_shrink_writes_a_file(tmp_path, monkeypatch) -> None:
     _, plugins = load_plugins([str(BAD_SOLVERS)])
-    plan = Plan(
-        suite="test",
-        sources=(Source("stack", {"blocks": 4, "push": 1.0}),),
-        solvers=("wrong_zero", "lemke"),
-        tolerances=(1e-8,),
-        plugins=plugins,
-    )
+    sources = (Source("stack", {"blocks": 4, "push": 1.0}),)
+    plan = Plan("test", sources, ("wrong_zero", "lemke"), (1e-8,), plugins=plugins)
     folder = tmp_path / "run"
     run(plan, folder, 1, quiet())
     rows = store.read_table(folder, "solves").set_index("solver")
@@ -74,3 +69,6 @@ def test_shrink_writes_a_file(tmp_path) -> None:
         shrink(folder, rows.loc["lemke", "key"], [])
     with pytest.raises(ResultsError, match="no row has the key"):
         shrink(folder, "nonsense", [])
+    monkeypatch.setattr("frictionbench.commands.shrink.row_of", lambda *_: {"verdict": "timeout", "reason": "its limit"})
+    with pytest.raises(InputError, match=r"was wrong and is timeout \(its limit\) from a cold start.*longer --time-limit"):
+        shrink(folder, rows.loc["wrong_zero", "key"], [str(BAD_SOLVERS)])

@@ -1,7 +1,7 @@
 """All checks on a solver, each a task of its own: a check that hangs or crashes counts as a violation.
 
 What FIRST finds would break most other checks as well, so that these follow where it finds nothing. A solver that hangs in
-FIRST, or in MOST_HUNG others, is not tested further: each check would take its limit.
+MOST_HUNG others is not tested further: each check would take its limit.
 """
 
 from collections.abc import Iterable, Iterator
@@ -49,7 +49,7 @@ def examine(specs: list[str], jobs: int, progress: Progress) -> list[Found]:
 
 def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Progress) -> Iterator[Found]:
     """What the checks of a variant find, without those not tested."""
-    sound, hung = True, 0
+    hung = 0
     with scratch_pool(plugins, jobs=jobs) as pool:
         for stage in (FIRST, [check for check in CHECKS if check not in FIRST]):
             tasks = [
@@ -61,11 +61,9 @@ def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Pr
                 texts = [outcome.reason] if outcome.failure else _texts(outcome.value)
                 yield Found(variant, check, texts, outcome.failure)
                 hung += outcome.failure == Verdict.TIMEOUT
-                if hung == (1 if stage is FIRST else MOST_HUNG):
+                unsound = stage is FIRST and (outcome.failure or (check == FIRST[-1] and texts))
+                if unsound or hung == MOST_HUNG:
                     return
-                sound &= check != FIRST[-1] or not texts
-            if not sound:
-                return
 
 
 def _texts(value: Any) -> list[str]:
@@ -74,25 +72,19 @@ def _texts(value: Any) -> list[str]:
 
 
 def format_findings(found: Iterable[Found]) -> str:
-    """The findings as text, by variant: a line for each check, with advice and violations if it failed, then how many passed.
-
-    An error that ends several checks is told once with their names.
-    """
+    """The findings as text, by variant: a line for each check, advice and violations if it failed, then how many passed."""
     lines: list[str] = []
     for variant, own in groupby(found, key=lambda one: one.variant):
-        alike: dict[str, list[Found]] = {}
-        for one in own:  # of an error its innermost frame
-            alike.setdefault(one.violations[0].partition(" < ")[0] if one.failure else one.check, []).append(one)
+        findings = list(own)
         lines.append(variant)
-        for one, *others in alike.values():
-            told = {None: CHECKS[one.check].advice, Verdict.TIMEOUT: HANGS}.get(one.failure, CRASHES)
-            names = ", ".join(_named(each.check) for each in (one, *others))
-            lines.append(f"  failed  {names}: {told}" if one.violations else f"  passed  {names}")
+        for one in findings:
+            advice = {None: CHECKS[one.check].advice, Verdict.TIMEOUT: HANGS}.get(one.failure, CRASHES)
+            lines.append(f"  failed  {_named(one.check)}: {advice}" if one.violations else f"  passed  {_named(one.check)}")
             lines += [f"            {violation}" for violation in one.violations]
-        met = {one.check: bool(one.violations) for each in alike.values() for one in each}
-        rest = [_named(check) for check in CHECKS if check not in met]
+        rest = [_named(check) for check in CHECKS if check not in {one.check for one in findings}]
         lines += [f"  not tested before the above is mended  {', '.join(rest)}"] if rest else []
-        counts = {"passed": len(met) - sum(met.values()), "failed": sum(met.values()), "not tested": len(rest)}
+        failed = sum(bool(one.violations) for one in findings)
+        counts = {"passed": len(findings) - failed, "failed": failed, "not tested": len(rest)}
         lines.append(", ".join(f"{n} {word}" for word, n in counts.items() if n or word == "passed"))
     return "\n".join(lines)
 

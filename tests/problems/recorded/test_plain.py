@@ -139,9 +139,7 @@ def test_W_beside_bodies_is_compared_with_theirs(tmp_path) -> None:
     problem = read(written(tmp_path, BODIES))
     W, q = problem.W.toarray(), problem.q
     assert read(written(tmp_path, BODIES | {"W": W.round(9), "q": q.round(9)})).hash == problem.hash
-    assert complaint(tmp_path, BODIES | {"W": W + 0.1 * np.eye(6)}).startswith(
-        "W: differs from that of the bodies by up to 0.1"
-    )
+    assert "W: differs from that of the bodies by up to 0.1" in complaint(tmp_path, BODIES | {"W": W + 0.1 * np.eye(6)})
     assert complaint(tmp_path, BODIES | {"q": q[:-1]}).startswith("q: expected shape (6,)")
     n = 20_000  # contacts, all of one body: their W would not fit into any memory
     many = {"N": np.ones((n, 1)), "T": np.ones((n, 1)), "mu": np.array(0.5), "M": np.eye(1), "v": np.ones(1)}
