@@ -404,11 +404,12 @@ def map_(
 
     Every solver runs on a grid that is refined where verdicts differ.
     """
-    from frictionbench.commands.summary import folder_for
+    from frictionbench.commands.summary import counted, folder_for
     from frictionbench.harness.maps import corners, plan_map, run_maps
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.workers.inputs import load_plugins, require_buildable
     from frictionbench.reports.page import write_report
+    from frictionbench.results.store import read_table
 
     variants, plugins = load_plugins(solver or [])
     plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
@@ -416,6 +417,7 @@ def map_(
     folder, progress = out or folder_for(plan), Progress(quiet=quiet)
     with _resumable(folder, progress):
         run_maps(plan, folder, _jobs(jobs, progress), progress)
+    typer.echo(counted("points of the map", read_table(folder, "simulations" if steps else "solves")))
     typer.echo(f"report: {write_report(folder)}")
 
 
@@ -442,7 +444,7 @@ def check_solver(
 @_command()
 def rerun(
     folder: options.Folder,
-    row: options.Row,
+    row: options.Row = "",
     solver: options.Trusted = None,
     shrink: Annotated[
         bool, typer.Option("--shrink", help="Remove contacts of its problem while it still fails, and save the rest.")

@@ -30,17 +30,18 @@ def summary(folder: Path) -> str:
     """The verdicts of a finished run, one line per solver, its folder, and the command that makes the report."""
     rows = read_table(folder, "solves")
     ranked = rows[~rows["trivial"].eq(True) & ~rows["idle"].eq(True)]
-    lines = [_counted("cells of problems in which friction is at work", ranked)]
+    lines = [counted("cells of problems in which friction is at work", ranked)]
     if others := len(rows) - len(ranked):
         lines.append(f"cells of trivial and idle problems (nothing to solve, or friction not needed), not ranked: {others}")
-    lines += [_counted("simulations, scenes in closed loop", read_table(folder, "simulations"))]
+    lines += [counted("simulations, scenes in closed loop", read_table(folder, "simulations"))]
     batches = read_table(folder, "batches")
-    lines += [_counted("batches of small problems", batches), _reasons(rows), _reasons(batches)]
+    lines += [counted("batches of small problems", batches), _reasons(rows), _reasons(batches)]
     lines.append(f"results: {folder}\nreport:  frictionbench report {folder}")
     return "\n\n".join(filter(None, lines))
 
 
-def _counted(what: str, rows: pd.DataFrame) -> str:
+def counted(what: str, rows: pd.DataFrame) -> str:
+    """How many rows ended how, a line per variant; empty without rows."""
     if rows.empty:
         return ""
     counts = pd.crosstab(rows["variant"], np.array(endings(rows))).reindex(columns=list(ENDINGS), fill_value=0)

@@ -152,7 +152,10 @@ def _differences(stored: Row, wanted: Row) -> list[str]:
             there, here = old.get(name), values.get(name)
             if isinstance(there, list) and isinstance(here, list):  # only what the other one does not have
                 there, here = [entry for entry in there if entry not in here], [entry for entry in here if entry not in there]
-            found.append(f"{part}.{name}: {_words(there):.150} in the folder, {_words(here):.150} now")
+            told = f"{_words(there):.150} in the folder, {_words(here):.150} now"
+            if name == "plugins" and there and here and there[0]["source"] == here[0]["source"]:
+                told = f"{there[0]['source']} has changed ({there[0]['content'][:8]} → {here[0]['content'][:8]})"
+            found.append(f"{part}.{name}: {told}")
     return found
 
 

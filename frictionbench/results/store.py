@@ -27,6 +27,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
+from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.results.files import ResultsError, cleaned, opened, parsed, read_json, replaced, subfolder, write_text
 from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
 
@@ -125,7 +126,9 @@ def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simul
         return known[given]
     found = [key for key in known if key.startswith(given) or key.partition("-")[2].startswith(given)]
     if not found or not given:
-        raise ResultsError(f"{folder}: no row has the key {given!r}; the report lists the keys, and so does the column `key`")
+        failed = [key for key, (_, row) in known.items() if row.get("verdict") not in (*ACCEPTED, Verdict.SKIPPED)]
+        some = f"; rows that failed: {', '.join(failed[:5])}{', ...' * (len(failed) > 5)}" if failed else ""
+        raise ResultsError(f"{folder}: no row has the key {given!r}; the report and the column `key` list them{some}")
     if len(found) > 1:
         listed = ", ".join(found[:3])
         raise ResultsError(f"{folder}: {len(found)} rows have a key that begins with {given!r}: {listed}, ...")

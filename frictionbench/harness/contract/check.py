@@ -17,7 +17,7 @@ from scipy import sparse
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.answer import AnswerError, checked_copy
 from frictionbench.problems.catalogue import make_instance, scene
-from frictionbench.problems.check import Array, counted
+from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.problems.verify import Finding, verify
@@ -80,11 +80,6 @@ def check(advice: str) -> Callable[[Callable[[Subject], Violations]], Callable[[
         return violations
 
     return register
-
-
-def described(problem: FrictionProblem) -> str:
-    """Its size in words."""
-    return f"{counted(problem.contacts, 'contact')} of dimension {problem.dimension}"
 
 
 def ordinary() -> list[FrictionProblem]:

@@ -13,7 +13,6 @@ from frictionbench.harness.contract.check import (
     Violations,
     check,
     contact,
-    described,
     duplicated,
     in_units,
     mirrored,
@@ -40,7 +39,7 @@ def first_calls(subject: Subject) -> Violations:
     for problem in subject.takes(*ordinary()):  # no other check has met them
         fault = subject.fault(problem)
         if fault and not subject.fault(problem):
-            yield f"{described(problem)} when first met: {fault}"
+            yield f"{problem.summary} when first met: {fault}"
 
 
 @check(
@@ -51,8 +50,8 @@ def ordinary_problems(subject: Subject) -> Violations:
     faults: dict[str, list[str]] = {}
     for problem in subject.takes(*ordinary()):
         subject.fault(problem)  # a fault of the first call alone is that of first_calls
-        faults.setdefault(subject.fault(problem), []).append(described(problem))
-    yield from (f"{', '.join(met)}: {fault}" for fault, met in faults.items() if fault)
+        faults.setdefault(subject.fault(problem), []).append(problem.summary)
+    yield from (f"{'; '.join(met)}: {fault}" for fault, met in faults.items() if fault)
 
 
 @check("Copy arrays before changing them: those of the problem belong to the caller.")
@@ -62,7 +61,7 @@ def input_unchanged(subject: Subject) -> Violations:
         subject.solver.solve(subject.solver.prepare(given), TOL, None)
         handed: list[Any] = [[*one.dense(), *one.csr()] for one in (problem, given)]  # C may write to what is read-only here
         if not same(problem, given) or not all(np.array_equal(*pair) for pair in zip(*handed, strict=True)):
-            yield f"the problem of {described(problem)} was changed by the call"
+            yield f"the problem of {problem.summary} was changed by the call"
 
 
 @check("Return impulses of shape (0, dimension) where there is no contact.")
@@ -136,7 +135,7 @@ def _claimed(subject: Subject, problem: FrictionProblem, name: str, tol: float =
     for given in subject.takes(problem):
         _, finding = subject.solve(given, tol)
         if finding.verdict == Verdict.WRONG:
-            yield f"{described(given)} {name}: {finding.reason}"
+            yield f"{given.summary} {name}: {finding.reason}"
 
 
 @check("W is singular here and impulses are not unique: regularise, or solve for velocities, and verify the residual.")
@@ -162,7 +161,7 @@ def frictionless(subject: Subject) -> Violations:
         answer, finding = subject.solve(problem)
         most = 1e-6 * np.abs(answer.impulse).max(initial=1.0)
         if finding.verdict == Verdict.WRONG or not np.isfinite(answer.impulse).all():
-            yield f"{described(problem)}: {finding.verdict}, {finding.reason}"
+            yield f"{problem.summary}: {finding.verdict}, {finding.reason}"
         elif finding.verdict in ACCEPTED and np.abs(answer.impulse[:, 1:]).max(initial=0.0) > most:
             yield "tangential impulses without friction"
 
@@ -173,7 +172,7 @@ def correct_status(subject: Subject) -> Violations:
     for spec in (*random, "stack[blocks=4,push=1,mass_ratio=1e4]", "painleve_rod"):
         name, settings = parse("problem", spec)
         for tol in (1e-4, 1e-8):
-            yield from _claimed(subject, problem_of(name, **settings), f"of {spec} to {tol:g}", tol)
+            yield from _claimed(subject, problem_of(name, **settings), f"({spec}) to {tol:g}", tol)
 
 
 @check("Seed random numbers, and keep no state between solves: a benchmark solves the same problem many times.")
@@ -181,9 +180,9 @@ def deterministic(subject: Subject) -> Violations:
     for problem in subject.takes(*ordinary()):
         (first, _), (second, _) = (subject.solve(problem) for _ in range(2))
         if not np.array_equal(first.impulse, second.impulse, equal_nan=True):
-            yield f"{described(problem)}: impulses differ by {np.abs(first.impulse - second.impulse).max():.1e}"
+            yield f"{problem.summary}: impulses differ by {np.abs(first.impulse - second.impulse).max():.1e}"
         if first.work != second.work:
-            yield f"{described(problem)}: work {first.work}, then {second.work}"
+            yield f"{problem.summary}: work {first.work}, then {second.work}"
 
 
 @check("Stop after `limit` units of work, and return WORK_LIMIT if that was too few.")
@@ -207,7 +206,7 @@ def warm_start(subject: Subject) -> Violations:
         for name, start in (("its own answer", cold.impulse), ("zero", 0 * cold.impulse), ("nonsense", 1e3 + 0 * cold.impulse)):
             _, found = subject.solve(problem, start=np.ascontiguousarray(start))
             if found.verdict not in ACCEPTED:
-                yield f"{described(problem)}, from {name}: {found.verdict}, residual {found.model_residual:.1e}"
+                yield f"{problem.summary}, from {name}: {found.verdict}, residual {found.model_residual:.1e}"
 
 
 @check("The order of contacts is arbitrary: results may depend on it only by rounding.")
@@ -244,9 +243,9 @@ def _same(
         other = change(problem)
         again, found = subject.solve(other, TIGHT)
         if found.verdict not in ACCEPTED:
-            yield f"{described(problem)}: solved before, {found.verdict} after"
+            yield f"{problem.summary}: solved before, {found.verdict} after"
             continue
         off = np.abs(problem.velocity(answer.impulse) - other.velocity(again.impulse) / times).max(initial=0.0)
         gap = off / (problem.velocity_scale or 1.0)
         if gap > NEAR:
-            yield f"{described(problem)}: velocities differ by {gap:.1e}"
+            yield f"{problem.summary}: velocities differ by {gap:.1e}"

@@ -6,7 +6,7 @@ MOST_HUNG others is not tested further: each check would take its limit.
 
 from collections.abc import Iterable, Iterator
 from itertools import groupby, islice
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from frictionbench.harness.cells import worker
 from frictionbench.harness.contract import checks  # noqa: F401  # registers them
@@ -58,7 +58,10 @@ def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Pr
             ]
             for outcome in progress.follow(f"{'first' if stage is FIRST else 'other'} checks of {variant}", pool, tasks):
                 check = outcome.task.arguments[1]
-                texts = [outcome.reason] if outcome.failure else _texts(outcome.value)
+                replied = (
+                    [outcome.reason] if outcome.failure else outcome.value
+                )  # a plug-in may have made it reply with anything
+                texts = [*map(str, replied)] if isinstance(replied, list) else ["its worker returned a malformed reply"]
                 yield Found(variant, check, texts, outcome.failure)
                 hung += outcome.failure == Verdict.TIMEOUT
                 unsound = stage is FIRST and (outcome.failure or (check == FIRST[-1] and texts))
@@ -66,31 +69,22 @@ def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Pr
                     return
 
 
-def _texts(value: Any) -> list[str]:
-    """The violations that a worker reports; a plug-in may have made it reply with anything."""
-    return [str(text) for text in value] if isinstance(value, list) else ["its worker returned a malformed reply"]
-
-
 def format_findings(found: Iterable[Found]) -> str:
     """The findings as text, by variant: a line for each check, advice and violations if it failed, then how many passed."""
-    lines: list[str] = []
+    lines, names = [], {check: check.replace("_", " ") for check in CHECKS}
     for variant, own in groupby(found, key=lambda one: one.variant):
         findings = list(own)
         lines.append(variant)
         for one in findings:
             advice = {None: CHECKS[one.check].advice, Verdict.TIMEOUT: HANGS}.get(one.failure, CRASHES)
-            lines.append(f"  failed  {_named(one.check)}: {advice}" if one.violations else f"  passed  {_named(one.check)}")
+            lines.append(f"  failed  {names[one.check]}: {advice}" if one.violations else f"  passed  {names[one.check]}")
             lines += [f"            {violation}" for violation in one.violations]
-        rest = [_named(check) for check in CHECKS if check not in {one.check for one in findings}]
+        rest = [name for check, name in names.items() if check not in {one.check for one in findings}]
         lines += [f"  not tested before the above is mended  {', '.join(rest)}"] if rest else []
         failed = sum(bool(one.violations) for one in findings)
         counts = {"passed": len(findings) - failed, "failed": failed, "not tested": len(rest)}
         lines.append(", ".join(f"{n} {word}" for word, n in counts.items() if n or word == "passed"))
     return "\n".join(lines)
-
-
-def _named(check: str) -> str:
-    return check.replace("_", " ")
 
 
 def _violations(info: SolverInfo, solver: Solver, broken: list[str], check: str) -> list[str]:
