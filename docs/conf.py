@@ -10,6 +10,7 @@ project = "frictionbench"
 author = "The frictionbench developers"
 version = release = installed("frictionbench")
 extensions = ["myst_parser", "sphinx.ext.autodoc", "links", "command_line", "public_face", "published_results", "cells"]
+extensions += ["unbroken"]
 exclude_patterns = ["_build", "paper"]
 EXTRA = Path(__file__).parent / "_build" / "extra"  # the pages of published results, which are made before a build
 EXTRA.mkdir(parents=True, exist_ok=True)

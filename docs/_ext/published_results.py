@@ -13,8 +13,9 @@ from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
 from frictionbench.reports.accuracy import OVERALL
-from frictionbench.reports.drawing.text import count, power, seconds
+from frictionbench.reports.drawing.text import power, seconds
 from frictionbench.results import RankBy
+from frictionbench.results.conventions import count
 from tools.publish.site import Entry, write_site
 from tools.publish.summary import Summary, read
 

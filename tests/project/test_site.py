@@ -26,3 +26,4 @@ def site(tmp_path_factory) -> Path:
 @pytest.mark.parametrize("name", ["index", "published", "figures", "notebooks/choose", *LONG])
 def test_pages_look(site, name) -> None:
     assert faults(site / f"{name}.html", accessible=name not in LONG) == []
+    assert '<span class="option">--paper</span>' in (site / "figures.html").read_text(encoding="utf-8")
