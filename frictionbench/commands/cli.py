@@ -465,26 +465,19 @@ def rerun(
 
 def _jobs(jobs: int | None, progress: "Progress") -> int:
     """The number of workers; by default a core is left to this process and the system, whose work would disturb the timings."""
+    from numba.core import config
+
     from frictionbench.harness.process import cores, require_linux
-    from frictionbench.problems import InputError
+    from frictionbench.problems import InputError, compiled  # noqa: F401  # sets the folder of kernels
 
     require_linux()
     most = len(cores())
     if jobs is not None and jobs > most:
         raise InputError(f"jobs: at most {most} on this machine, one per core")
-    _tell_of_compilation(progress)
-    return jobs or max(1, most - 1)
-
-
-def _tell_of_compilation(progress: "Progress") -> None:
-    """Say before the wait that no kernel of this version has been compiled yet, where that is so."""
-    from numba.core import config
-
-    from frictionbench.problems import compiled  # noqa: F401  # sets the cache's folder
-
     if not any(Path(config.CACHE_DIR).rglob("*.nbi")):
         told = "kernels are compiled at their first use, once: one or two minutes on two cores, some more for every solver"
         progress.tell(f"{told}; later runs start at once")
+    return jobs or max(1, most - 1)
 
 
 class _Stopped(BaseException):

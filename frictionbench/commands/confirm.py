@@ -14,6 +14,7 @@ import tarfile
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,7 +28,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.results import cells, store
-from frictionbench.results.compare import Comparison, Limits, confirm, equal_loads
+from frictionbench.results.compare import Comparison, Limits, confirm, other_loads
 from frictionbench.results.conventions import RankBy, scene_title
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, may_be_slower
@@ -65,7 +66,8 @@ def confirmed(
         return comparison
     for variant in sorted(variants):
         trusted({"variant": variant}, settings, named)
-    outside = [spec for spec in named if variants & comparison.sources.keys()]
+    given = named if variants & comparison.sources.keys() else []
+    outside = [plugins.absolute(spec) if plugins.defines_all(spec) else spec for spec in given]
     options = [*_options(settings), *(part for variant in sorted(variants) for part in ("--solver", variant))]
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
@@ -74,7 +76,9 @@ def confirmed(
         timed = before is not None and limits.times
         sides = [side for side in (before, now) if side is not None]
         pairs: list[Pair] = []
-        equal: dict[str, list[str]] = {}
+        kept = [path for side in sides[:1] for spec in {*side.solvers} & {*outside} for path in plugins.files(spec)]
+        others: dict[str, list[str]] = {}
+        untimed = ""
         most, begun = PAIRS if timed else PAIRS_UNTIMED, time.monotonic()
         for i in range(most):
             left = f", about {(time.monotonic() - begun) / i * (most - i) / 60:.1f} min left" if i else ""
@@ -85,13 +89,16 @@ def confirmed(
             }
             base = found[id(before)] if before else stored
             pairs.append((base.table, found[id(now)].table))
-            equal |= equal_loads(stored, base, found[id(now)]) if before else {}
+            if before:
+                others |= other_loads(stored, base)
+                untimed = untimed or of_another_version(stored, base, found[id(now)], kept)
             if timed and PAIRS_UNTIMED <= i + 1 < most and not may_be_slower(pairs, most, limits.slowdown):
                 tell(f"confirm: ended after {i + 1} of {most} pairs: whatever the others show, no solver is found slower")
                 break
     if before:
         require_whole(f"code: {code}", stored.table, [table for table, _ in pairs])
-    return confirm(comparison, pairs, before is not None, limits, equal)
+    result = confirm(comparison, pairs, before is not None, limits, others)
+    return replace(result, unusable=f"code: {untimed}") if untimed and timed and not result.worse else result
 
 
 def _require_same(folder: Path, settings: dict[str, Any], named: list[str]) -> None:
@@ -109,6 +116,22 @@ def require_whole(code: str, stored: pd.DataFrame, runs: list[pd.DataFrame]) -> 
         if again and all(row["verdict"] in (Verdict.CRASHED, Verdict.SKIPPED) for row in again):
             told = f"{again[0]['verdict']} here and solved in the baseline: {again[0]['reason']}"
             raise ResultsError(f"{code}: {cell['variant']}, {cell['scene']} ({key}) is {told}")
+
+
+def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Cells, kept: list[Path]) -> str:
+    """Why times of a plug-in of the baseline's code are not those of the baseline, so that a slower solver could pass, or "".
+
+    kept: the plug-ins' files that both codes take from the same place.
+    """
+    own = {path.name for path in kept}
+    for variant, names in other_loads(stored, before).items():
+        known, then, now = (side.loaded.get(variant, {}) for side in (stored, before, after))
+        for name in names:
+            if name not in then:
+                return f"{variant} loads no {name} there, as for the baseline; give a checkout or an environment that holds it"
+            if name in own & known.keys() and then[name] == now.get(name):
+                return f"both versions run the current {name}, not the baseline's; give a checkout that holds it, or --no-times"
+    return ""
 
 
 def _options(settings: dict[str, Any]) -> list[str]:
@@ -150,8 +173,10 @@ def require_code(code: str) -> None:
 
 
 def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
-    """The baseline's code at `code`; a revision is unpacked in scratch. Errors: InputError where it cannot be used."""
-    require_code(code)
+    """The baseline's code at `code`; a revision is unpacked in scratch. named: outside solvers, by absolute paths.
+
+    Errors: InputError where it cannot be used.
+    """
     folder = Path(code).absolute()
     if (folder / "bin" / "python").exists():
         return Code([str(folder / "bin" / "python"), "-P", "-m", "frictionbench"], named)
@@ -159,8 +184,9 @@ def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
     home = Path(top.decode().strip()) if top else Path.cwd()
     if not folder.is_dir():
         folder = _unpacked(code, scratch / "code")
-    ours = (folder / "frictionbench" / "__main__.py").is_file()
-    moved = [_moved(spec, home, folder) if not ours else spec for spec in named]
+    ours, fork = ((place / "frictionbench" / "__main__.py").is_file() for place in (folder, home))
+    keeps = [ours and not (fork and any(_place(path, home) for path in plugins.files(spec))) for spec in named]
+    moved = [spec if keep else _moved(spec, home, folder) for keep, spec in zip(keeps, named, strict=True)]
     return Code([sys.executable, "-P", "-c", START, str(folder if ours else PACKAGE.parent)], moved)
 
 
@@ -168,9 +194,10 @@ def _moved(spec: str, home: Path, folder: Path) -> str:
     """The solver's file, or the files of its command, in another checkout of the repository at home."""
     if not plugins.defines_all(spec):
         raise InputError(f"code: {spec} is installed; give an environment with the baseline's version of it, like .venv-base")
-    moved = plugins.absolute(spec)
-    for path in plugins.files(moved):
-        other = folder / path.relative_to(home) if path.is_relative_to(home) else None
+    moved = spec
+    for path in plugins.files(spec):
+        place = _place(path, home)
+        other = folder / place if place else None
         if plugins.is_file(spec) and (other is None or not other.is_file()):
             raise InputError(f"code: {spec} is not in {folder}")
         if other is not None and not other.is_file():
@@ -179,12 +206,21 @@ def _moved(spec: str, home: Path, folder: Path) -> str:
     return moved
 
 
+def _place(path: Path, home: Path) -> Path | None:
+    """The path relative to home, also where it leads there by a link; None where it lies elsewhere."""
+    ways = path, path.parent.resolve() / path.name, path.resolve()
+    return next((way.relative_to(home) for way in ways if way.is_relative_to(home)), None)
+
+
 def _unpacked(revision: str, folder: Path) -> Path:
     archive = _git("archive", "--format=tar", revision)
     if archive is None:
         raise InputError(f"code: git cannot unpack {revision!r}")
-    with tarfile.open(fileobj=io.BytesIO(archive)) as packed:
-        packed.extractall(folder, filter="data")
+    try:
+        with tarfile.open(fileobj=io.BytesIO(archive)) as packed:
+            packed.extractall(folder, filter="data")
+    except tarfile.TarError as error:  # such as a link to a place outside
+        raise InputError(f"code: {revision} cannot be unpacked ({error}); give a checkout of it") from None
     return folder
 
 

@@ -184,13 +184,16 @@ def outcomes(rows: pd.DataFrame) -> "pd.Series[float]":
 
     Velocities at distances that differ by more than APART are apart by at least as much; those at the same one may differ.
     """
-    known = rows[rows["outcome_distance"].notna()].groupby("problem")["outcome_distance"].agg(_apart)
+    known = (
+        rows[rows["outcome_distance"].notna()]
+        .groupby("problem")["outcome_distance"]
+        .agg(
+            lambda distances: (
+                1 + (np.diff(np.sort(distances.to_numpy(float)), prepend=0.0) > APART).sum()
+            )  # with the reference's, 0
+        )
+    )
     return rows["problem"].map(known).fillna(rows["outcomes"]).astype(float)
-
-
-def _apart(distances: pd.Series) -> int:
-    """How many groups of distances there are, with that of the reference, 0."""
-    return 1 + int((np.diff(np.sort(distances.to_numpy(float)), prepend=0.0) > APART).sum())
 
 
 def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:

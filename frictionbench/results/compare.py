@@ -23,6 +23,11 @@ from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, times
 
 UNTIMED = "they are of other processes, elsewhere. `--confirm --code` runs both versions alternately on this machine"
+OTHER = (
+    "the version of --code loads {} with another content than the baseline was made with, or only one of the two loads it. "
+    "Give as --code an environment with the baseline's, or for an executable or a library a checkout in which it is built; "
+    "if the change is meant, accept the run as the baseline."
+)
 SHOWN = 5  # names in a note
 ROUNDED = 1e-5  # limits in a baseline have six digits
 HALF, FLAKY = 0.5, 0.25  # shares of the repeats above which a change stands; FLAKY for verdicts that no busy machine causes
@@ -158,31 +163,29 @@ def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
         yield "The baseline is this very run, which cannot be worse than itself."
 
 
-def equal_loads(recorded: Cells, before: Cells, after: Cells) -> dict[str, list[str]]:
-    """By variant the names of what both versions of a plug-in loaded, though the baseline was made with another content of it,
-    or of what the baseline loaded and neither of them: that they give the same result does not tell what this has done.
+def other_loads(recorded: Cells, before: Cells) -> dict[str, list[str]]:
+    """By variant the names of what a plug-in of the baseline's code loaded with another content than the baseline was made
+    with, or of what one of the two loaded alone: its results do not tell what the baseline's version would do here.
 
     A library of the suite's, of which the version is known, may be loaded in one run and not in another.
     """
     found: dict[str, list[str]] = {}
-    for variant, now in after.loaded.items():
+    for variant in before.table["variant"].unique():
         known, then = recorded.loaded.get(variant, {}), before.loaded.get(variant, {})
-        equal = {name for name, digest in now.items() if then.get(name) == digest}
-        versions = {name for name in equal - known.keys() if "." in now[name]}
-        names = [name for name in equal - versions if known.get(name) != now[name]]
-        names += [name for name in known.keys() - now.keys() - then.keys() if "." not in known[name]]
+        other = {name for name in known.keys() | then.keys() if known.get(name) != then.get(name)}
+        names = [name for name in other if name in known.keys() & then.keys() or "." not in (known | then)[name]]
         found |= {variant: sorted(names)} if names else {}
     return found
 
 
 def confirm(
-    comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: Limits, equal: Mapping[str, Sequence[str]] | None = None
+    comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: Limits, others: Mapping[str, Sequence[str]] | None = None
 ) -> Comparison:
     """The comparison with the alerts that remain after their cells ran again.
 
     pairs: of the alternating runs, the cells of the baseline's code and of the current code; if the baseline's code is not
     available, both is false and its recorded cells are used. An alert remains if it occurs in more than HALF of the pairs, or
-    if its solver did not run again, or is one of `equal` (equal_loads); a verdict other than a timeout remains if it is worse
+    if its solver did not run again, or is one of `others` (other_loads); a verdict other than a timeout remains if it is worse
     in more than FLAKY of the pairs, less those in which it is better; times are judged by their confidence intervals. A
     verdict that is so often worse is an alert also where the two runs did not show it: a timeout that the speed of another
     machine may explain is none of this machine's.
@@ -198,8 +201,8 @@ def confirm(
         seen |= {_name(flip): flip for flip in differences["flips"] if flip.worse}
     again = {variant for _, after in pairs for variant in after["variant"]}
     first: dict[str, Any] = {name: getattr(comparison, name) for name in ("flips", "gone", "added", "work")}
-    equal = equal or {}
-    repeated = again - equal.keys()
+    others = others or {}
+    repeated = again - others.keys()
     alerts = [found for kind in first.values() for found in kind if found.worse and found.variant in repeated]
     dismissed = {_name(found) for found in alerts if votes[_name(found)] <= _seldom(found) * len(pairs)}
     remaining: dict[str, Any] = {
@@ -210,7 +213,7 @@ def confirm(
     remaining["flips"] = (*remaining["flips"], *fresh)
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
-    notes += [f"{variant}: nothing is dismissed: {_same_on_both(names)}" for variant, names in equal.items()]
+    notes += [f"{variant}: nothing is dismissed: {OTHER.format(', '.join(names[:SHOWN]))}" for variant, names in others.items()]
     timed = {time.variant: time for time in (times(pairs, limits.slowdown) if both and limits.times else [])}
     return replace(
         comparison,
@@ -228,14 +231,6 @@ def _seldom(found: Change) -> float:
 
 def _name(found: Change) -> tuple[str, str]:
     return found.variant, found.name
-
-
-def _same_on_both(names: Sequence[str]) -> str:
-    return (
-        f"both versions load {', '.join(names[:SHOWN])} with another content than the baseline was made with, or not at all. "
-        "Give as --code an environment with the baseline's, or for an executable a checkout in which it is built; if the "
-        "change is meant, accept the run as the baseline."
-    )
 
 
 def accept(folder: Path, path: Path) -> tuple[Comparison | None, str]:

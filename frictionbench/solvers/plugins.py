@@ -3,10 +3,7 @@
 A source is a module that registers its classes with @solver when it is imported, or an executable. It is named by a string:
 the path of a file, which ends in .py and stands for all solvers that the file defines; a command of an executable, which begins
 with exec: (solvers.executable); or the name of an entry point in the group frictionbench.solvers, which is the name of the
-solver:
-
-    [project.entry-points."frictionbench.solvers"]
-    mine = "my_package.solvers"
+solver (docs/plugin.md).
 
 Importing a source runs its code, so the harness imports it only in worker processes. Installed plug-ins are listed from their
 metadata, without importing them. A plug-in cannot replace a solver of this package.

@@ -10,6 +10,7 @@ from frictionbench.commands import confirm
 from frictionbench.problems import InputError
 from frictionbench.results import baseline, cells
 from frictionbench.results.compare import Comparison, Limits, accept, compare
+from frictionbench.solvers import plugins
 from tests.helpers.command_line import frictionbench
 from tests.helpers.plugin import write
 
@@ -33,8 +34,8 @@ def seen(tmp_path_factory) -> Comparison:
     return compare(home / "smoke.tsv", out, UNTIMED)
 
 
-def again(seen: Comparison, code: str | None, named: tuple[str, ...] = ("solvers/guest.py",)) -> Comparison:
-    return confirm.confirmed(seen, UNTIMED, list(named), code, lambda line: None)
+def again(seen: Comparison, code: str | None, named: tuple[str, ...] = ("solvers/guest.py",), limits=UNTIMED) -> Comparison:
+    return confirm.confirmed(seen, limits, list(named), code, lambda line: None)
 
 
 def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> None:
@@ -56,6 +57,10 @@ def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> Non
         note.startswith("Not confirmed, both versions give the same result on this machine: guest")
         for note in falls.notes[-len(seen.worse) :]
     )
+    monkeypatch.setattr(confirm, "_cells", lambda *_: replace(cells.read(seen.current), loaded={}))
+    same = replace(seen, flips=())
+    assert [again(same, str(tmp_path / "base"), limits=each).exit_code for each in (UNTIMED, Limits())] == [0, 2]
+    assert "guest loads no guest.py there" in again(same, str(tmp_path / "base"), limits=Limits()).unusable
 
 
 def test_missing_code(seen, tmp_path, monkeypatch) -> None:
@@ -67,16 +72,27 @@ def test_missing_code(seen, tmp_path, monkeypatch) -> None:
         again(seen, None, ())
 
 
-def test_baseline_revision_is_unpacked(tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    write(tmp_path / "solvers" / "guest.py", body="pass")
+@pytest.mark.parametrize("fork", [False, True])
+def test_baseline_revision_is_unpacked(fork, tmp_path, monkeypatch) -> None:
+    """Also where the solver's file stands in a fork of frictionbench, or is an executable that is named through a link."""
+    home, link = tmp_path / "home", tmp_path / "link"
+    (home / "frictionbench").mkdir(parents=True)
+    (home / "frictionbench" / ("__main__.py" if fork else "other.py")).touch()
+    link.symlink_to(home)
+    monkeypatch.chdir(home)
+    guest = write(home / "solvers" / "guest.py", body="pass")
+    guest.chmod(0o755)
     for command in (("init", "-q"), ("add", "."), ("-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm", "first")):
         subprocess.run(["git", *command], check=True)
-    write(tmp_path / "solvers" / "guest.py", body="raise ValueError")
-    before = confirm.baseline_code("HEAD", ["solvers/guest.py"], tmp_path / "scratch")
-    (moved,) = before.solvers
-    assert Path(moved).is_relative_to(tmp_path / "scratch")
-    assert "raise" not in Path(moved).read_text(encoding="utf-8")
+    write(guest, body="raise ValueError")
+    command = f"exec:{link}/solvers/guest.py {{problem}} {{answer}}"
+    for moved in confirm.baseline_code("HEAD", [str(guest), command], tmp_path / "scratch").solvers:
+        (file,) = plugins.files(moved)
+        assert file.is_relative_to(tmp_path / "scratch")
+        assert "raise" not in file.read_text(encoding="utf-8")
+    if fork:
+        elsewhere = str(write(tmp_path / "elsewhere.py"))
+        assert confirm.baseline_code("HEAD", [elsewhere], tmp_path / "scratch").solvers == [elsewhere]
 
 
 def test_a_run_of_another_content_is_refused(seen, monkeypatch) -> None:

@@ -37,9 +37,8 @@ def test_file_is_solved_and_ranked(tmp_path, capsys) -> None:
 def test_export(tmp_path) -> None:
     (path,) = export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5")
     assert read(path).hash == make_instance("cubes", boxes=2, friction=0.3).hash
-    several = list(export("stack[blocks=2,push=1]", tmp_path / "stack", pick=2))
-    assert len(several) == 2
-    assert all(read(path).contacts == 4 for path in several)
+    several = export("stack[blocks=2,push=1]", tmp_path / "stack", pick=2)
+    assert [read(path).contacts for path in several] == [4, 4]
     with pytest.raises(InputError, match=r"^out: .* exists; it was not overwritten"):
         list(export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5"))
     with pytest.raises(InputError, match=r"^out: 2 problems need a folder"):
@@ -67,12 +66,8 @@ def test_run_of_bare_lcps(tmp_path) -> None:
     fclib.write(random_problem(1, contacts=4), data / "whole.hdf5")
     run(choose(RunOptions("recorded", tol="1e-8", data=[str(data)]), ("nsgs", "lemke")), out, 1, Progress())
     rows = read_table(out, "solves").set_index(["size", "variant"])
-    assert rows["verdict"].to_dict() == {
-        (2, "nsgs"): "skipped",
-        (2, "lemke"): "solved",
-        (16, "nsgs"): "solved",
-        (16, "lemke"): "solved",
-    }
+    assert rows["verdict"].value_counts().to_dict() == {"solved": 3, "skipped": 1}
+    assert rows["verdict"][(2, "nsgs")] == "skipped"
     lcp = rows.loc[(2, "lemke")]
     assert np.isnan(lcp["contacts"])
     assert lcp["solve_time"] > 0

@@ -22,19 +22,7 @@ from frictionbench.solvers import available, solve
 from tests.helpers.browser import browse, faults, in_browser
 from tests.helpers.page import Page, digest, with_more_script
 from tests.helpers.paths import BAD_SOLVERS
-
-OUTSIDER = """
-import os
-import numpy as np
-from frictionbench import Answer, Status, solver
-open({trace!r}, "w").write(str(os.getpid()))
-
-@solver("outsider", family="outside", model="coulomb")
-class Outsider:
-    'No answer.'
-    def solve(self, problem, tol, limit, start=None):
-        return Answer(np.full((problem.contacts, 2), np.nan), Status.SOLVED)
-"""
+from tests.helpers.plugin import write
 
 
 @pytest.mark.parametrize(
@@ -100,12 +88,15 @@ def test_failing_scheme_is_reported() -> None:
 
 def test_plugin_runs_in_separate_process(tmp_path) -> None:
     """It has no answer, which ends the motion, and says what it likes of the scene's name, which names a file."""
-    plugin = tmp_path / "outsider.py"
-    plugin.write_text(OUTSIDER.format(trace=str(tmp_path / "trace")), encoding="utf-8")
+    first, body = (
+        f"import os; open({str(tmp_path / 'trace')!r}, 'w').write(str(os.getpid()))",
+        "return Answer(np.full((1, 2), np.nan), Status.SOLVED)",
+    )
+    plugin = write(tmp_path / "guest.py", first=first, body=body)
     motion = recorded("stack[blocks=1]", str(plugin), "anitescu_potra", 5)
     assert (tmp_path / "trace").read_text() != str(os.getpid())
-    assert motion.ended.startswith("outsider returned no usable answer")
-    assert "outsider" not in available()
+    assert motion.ended.startswith("guest returned no usable answer")
+    assert "guest" not in available()
 
 
 def test_encoded_motion_round_trip() -> None:

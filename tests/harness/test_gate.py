@@ -2,7 +2,9 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ import pandas as pd
 import pytest
 from numba.core import config
 
-from frictionbench.commands.confirm import require_whole
+from frictionbench.commands.confirm import of_another_version, require_whole
 from frictionbench.harness import dependencies
 from frictionbench.harness.cells import batch, timing
 from frictionbench.harness.cells.batch import batch_of, time_batch
@@ -20,7 +22,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
 from frictionbench.reports.comparison.markdown import markdown
 from frictionbench.results import cells, store
-from frictionbench.results.compare import Limits, accept, compare, confirm, equal_loads
+from frictionbench.results.compare import Limits, accept, compare, confirm, other_loads
 from frictionbench.results.files import ResultsError
 from frictionbench.solvers import Answer, Status, find
 from frictionbench.solvers.interface import with_all_steps
@@ -116,8 +118,7 @@ def test_another_file_of_the_same_name(tmp_path: Path) -> None:
     accept(one, tmp_path / "made.tsv")
     assert "no cell was measured in both runs" in compare(tmp_path / "made.tsv", other).unusable
     found = compare(*(run(digest, solve_row("a", "q")) for digest in ("aaaa", "bbbb")))
-    assert [one.worse for one in found.gone] == [True]
-    assert found.exit_code == 1
+    assert ([one.worse for one in found.gone], found.exit_code) == ([True], 1)
 
 
 def loaded_by(folder: Path, digest: str, rows: list[store.Row]) -> Path:
@@ -136,14 +137,23 @@ def test_what_both_versions_load_dismisses_nothing(tmp_path: Path) -> None:
     limits = Limits(times=False)
     for old in (before, tmp_path / "made.tsv"):
         first, now, recorded = compare(old, after, limits), cells.read(after), cells.read(old)
-        equal = equal_loads(recorded, now, now)
+        equal = other_loads(recorded, now)
         assert equal == {"a": ["wrapped"]}
         stands = confirm(first, [(now.table, now.table)], True, limits, equal)
         assert stands.exit_code == 1
-        assert "both versions load wrapped with another content than the baseline was made with" in markdown(stands)
-        assert equal_loads(recorded, recorded, now) == {}  # in an environment with the package as it was
-    same = loaded_by(tmp_path / "same", "2", worse)
-    assert equal_loads(cells.read(before), cells.read(same), cells.read(same)) == {}
+        assert "the version of --code loads wrapped with another content than the baseline was made with" in markdown(stands)
+        assert other_loads(recorded, recorded) == {}  # in an environment with the package as it was
+
+
+def test_times_of_another_version_pass_nothing(tmp_path: Path) -> None:
+    """A library is not in git, and a slow fallback takes its place; or both versions run the plug-in's new file."""
+    stored = cells.read(loaded_by(tmp_path / "made", "2", [solve_row("a", "p")]))
+    lacks, changed = (replace(stored, loaded={"a": stored.loaded["a"] | part}) for part in ({}, {"wrapper.py": "2" * 12}))
+    del lacks.loaded["a"]["wrapped"]
+    assert other_loads(stored, lacks) == {"a": ["wrapped"]}
+    assert "a loads no wrapped there" in of_another_version(stored, lacks, stored, [])
+    assert "both versions run the current wrapper.py" in of_another_version(stored, changed, changed, [Path("wrapper.py")])
+    assert of_another_version(stored, stored, changed, [Path("wrapper.py")]) == ""
 
 
 @pytest.mark.parametrize(("place", "verdict"), [("first", "timeout"), ("body", "crashed")])
@@ -156,7 +166,7 @@ def test_what_ends_each_cell_is_known(place: str, verdict: str, tmp_path: Path) 
         (tmp_path / "wrapped.py").write_text(f"import os, time\ndef solve():\n    {body}", encoding="utf-8")
         assert set(run_of(tmp_path / name, plugin, time_limit=0.5)["verdict"]) == {"solved" if body == "pass" else verdict}
     now, limits = cells.read(tmp_path / "after"), Limits(times=False)
-    equal = equal_loads(cells.read(tmp_path / "before"), now, now)
+    equal = other_loads(cells.read(tmp_path / "before"), now)
     assert equal["guest"] == ["wrapped"]
     first = compare(tmp_path / "before", tmp_path / "after", limits)
     assert confirm(first, [(now.table, now.table)], True, limits, equal).exit_code == 1
@@ -263,14 +273,8 @@ class Dispatches:
 
 
 def test_work_done_while_an_answer_is_read_is_timed(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Clock:
-        now = 0.0
-
-        def __call__(self) -> float:
-            return self.now
-
-    clock = Clock()
-    monkeypatch.setattr(timing, "perf_counter", clock)
+    clock = SimpleNamespace(now=0.0)
+    monkeypatch.setattr(timing, "perf_counter", lambda: clock.now)
     solver = Dispatches(clock)
     found = timing.time_solver(solver, block(), lambda ready: solver.solve(ready, 1e-8, None), lambda: None)
     assert found.solve == [4.0]

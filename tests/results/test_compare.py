@@ -171,19 +171,10 @@ def test_work_of_commonly_solved_cells(runs):
     assert runs(pivots([10], verdict="unsolved"), pivots([90], verdict="unsolved")).exit_code == 0
 
 
-NO_COUNTS = [
-    '{"sweeps": 9}',
-    '{"pivots": -9}',
-    '{"pivots": 1e30}',
-    f'{{"pivots": {"9" * 5000}}}',
-    '{"pivots": true}',
-    "[1]",
-    "{",
-    "",
-]
+NO_PIVOTS = ["-9", "1e30", "9" * 5000, "true"]
 
 
-@pytest.mark.parametrize("text", NO_COUNTS)
+@pytest.mark.parametrize("text", ['{"sweeps": 9}', "[1]", "{", "", *(f'{{"pivots": {count}}}' for count in NO_PIVOTS)])
 def test_lost_counters_fail(runs, text):
     before, after = pivots([9, 9]), [*pivots([9]), solve_row("a", "p1", work=text)]
     result = runs(before, after)

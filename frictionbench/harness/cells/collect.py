@@ -298,7 +298,8 @@ def facts(source: Source, collected: Collected) -> Record:
     if planar and nc <= MAX_COUNTED:
         counted = census_labels(problem)
         row |= {"solutions": counted["solutions"], "outcomes": counted["velocity_count"]}
-    row["existence"] = "none" if infeasible else _existence(problem, found.pointedness, row["solutions"])
+    known = "none" if infeasible else existence(problem, found.pointedness <= POINTED)  # by theory, else by counting
+    row["existence"] = known or {None: "", "none": "none"}.get(row["solutions"], "counted")
     if nc <= MAX_PERTURBED:  # infinite where the problem, or one near it, has no answer that holds
         row["sensitivity"] = unless_unsolved(np.inf, lambda solve: sensitivity(problem, solve))
     if answer is not None and planar and 0 < nc <= MAX_PERTURBED:
@@ -316,12 +317,6 @@ def _size_facts(source: Source, collected: Collected) -> Record:
 def lcp_facts(source: Source, lcp: LCP) -> Record:
     """The columns of a row that describe a bare LCP, which has no contacts."""
     return blank_facts(source, lcp.hash, 0, "lcp") | {"size": lcp.size, "trivial": bool((lcp.q >= 0).all()), "idle": False}
-
-
-def _existence(problem: FrictionProblem, pointedness: float, solutions: str | None) -> str:
-    """Why a solution is known to exist: by theory, else by counting; "none" if counting finds none, "" if unknown."""
-    known = existence(problem, pointedness <= POINTED)
-    return known or ("" if solutions is None else "none" if solutions == "none" else "counted")
 
 
 def _idle(problem: FrictionProblem) -> bool:

@@ -8,7 +8,6 @@ middle velocity w = (v + v+)/2 the kinetic energy changes by exactly
 
 from functools import partial
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -52,10 +51,11 @@ def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps
     parts = [_balance(stage, before, after) for before, after in pairwise(taken)]
     work = np.cumsum([np.zeros(3), *(work for _, work, _ in parts)], axis=0)
     general = stage if isinstance(stage, GeneralisedScene) else None
+    usual = scenes()[stage.name].parameters if stage.name in scenes() else {}
     return Motion(
         scene=stage.name,
         parameters=stage.parameters,
-        changed=_changed(stage),
+        changed={name: value for name, value in stage.parameters.items() if name not in usual or value != usual[name]},
         solver=solver,
         scheme=scheme,
         step=stage.step,
@@ -74,12 +74,6 @@ def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps
         joints=work[:, 2],
         residual=np.array([*(worst for _, _, worst in parts), 0.0]),
     )
-
-
-def _changed(stage: Scene) -> dict[str, Any]:
-    """The parameters of a scene that are not its defaults."""
-    usual = scenes()[stage.name].parameters if stage.name in scenes() else {}
-    return {name: value for name, value in stage.parameters.items() if name not in usual or value != usual[name]}
 
 
 class _NoAnswer(Exception):  # noqa: N818  # a finding about the solver, which ends the motion

@@ -199,7 +199,9 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
     begun, waited = perf_counter(), process.waited()
     if not reason:
         try:
-            with _worker.deadline.within(limit, *_compiling(variant)):
+            # how long numba may compile or read its cache without counting, and whether only our kernels may
+            compiling = (FOREIGN_LOADING, True) if _foreign(variant) else (COMPILE_SECONDS, False)
+            with _worker.deadline.within(limit, *compiling):
                 found = measure()
             found = _machine_columns(waited, perf_counter() - begun) | found
         except BaseException as error:
@@ -252,11 +254,6 @@ def _machine_columns(waited: float, spent: float) -> Row:
 def _foreign(variant: str) -> bool:
     """Whether the solver is a plug-in's."""
     return plugin_of(variant, _worker.plugins) is not None
-
-
-def _compiling(variant: str) -> tuple[float, bool]:
-    """The seconds of a cell in which numba may compile or read its cache that do not count, and whether only our kernels do."""
-    return (FOREIGN_LOADING, True) if _foreign(variant) else (COMPILE_SECONDS, False)
 
 
 def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:

@@ -1,12 +1,7 @@
 """Running tasks on a dask cluster: one cell per task, isolated on its dask worker as on this machine.
 
-A dask worker must run the same code of this project as the main process:
-
-    dask scheduler --host 127.0.0.1 --port 8786
-    dask worker tcp://127.0.0.1:8786 --nthreads 1        (as many as there are cores)
-    frictionbench run standard --cluster tcp://127.0.0.1:8786
-
-A dask worker that joins later is checked as well, with every outcome. dask itself runs a task whose worker ends on other
+A dask worker must run the same code of this project as the main process (docs/cluster.md has the commands); one that joins
+later is checked as well, with every outcome. dask itself runs a task whose worker ends on other
 workers, as often as its scheduler's setting distributed.scheduler.allowed-failures says, by default three times. Rows hold the
 name of the host that timed them.
 """

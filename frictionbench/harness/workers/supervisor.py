@@ -197,8 +197,11 @@ class _Worker:
                     reply.clear()
                 if not received:
                     open_ends, poll = [channel], POLL_CLOSED
-            if (ended := self._ended()) is not None:
-                return _exit_failure(ended), False
+            if (
+                ended := self._ended()
+            ) is not None:  # SIGKILL comes from outside (out of memory, an operator): it is tried again
+                how = signal.Signals(-ended).name if ended < 0 else f"exit code {ended}"
+                return _failure(Verdict.CRASHED, f"the process ended: {how}", retry=ended == -signal.SIGKILL), False
         return _failure(Verdict.CRASHED, f"the worker's reply was longer than {LONGEST_REPLY} bytes"), False
 
     def _ended(self) -> int | None:
@@ -274,12 +277,6 @@ def _checked(line: bytes) -> tuple[bytes, bool]:
         ):
             return line, True
     return _failure(Verdict.CRASHED, "the worker returned a malformed reply"), False
-
-
-def _exit_failure(code: int) -> bytes:
-    """The reply for a worker that ended. SIGKILL comes from outside (out of memory, an operator), so the task is retried."""
-    how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-    return _failure(Verdict.CRASHED, f"the process ended: {how}", retry=code == -signal.SIGKILL)
 
 
 def _failure(verdict: Verdict, reason: str, **fields: Any) -> bytes:

@@ -184,9 +184,6 @@ class Geometry:
 def _convex(corners: Array) -> bool:
     edge = np.roll(corners, -1, axis=0) - corners
     following = np.roll(edge, -1, axis=0)
-    turn = np.arctan2(_cross(edge, following), np.sum(edge * following, axis=1))
+    cross = edge[:, 0] * following[:, 1] - edge[:, 1] * following[:, 0]
+    turn = np.arctan2(cross, np.sum(edge * following, axis=1))
     return bool(np.all(turn > 0) and abs(turn.sum() - 2 * np.pi) < 1e-6)
-
-
-def _cross(a: Array, b: Array) -> Array:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
