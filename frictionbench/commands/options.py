@@ -46,9 +46,7 @@ Suite = Annotated[
     typer.Argument(metavar="SUITE", help="smoke, standard, ...: see `frictionbench list suites`; by default standard."),
 ]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]
-Row = Annotated[
-    str, typer.Argument(metavar="ROW", help="The row's key, as in reports, or its beginning; without, some are listed.")
-]
+Row = Annotated[str, typer.Argument(metavar="ROW", help="The row's key, or its beginning; without, failed rows are listed.")]
 Scenes = Annotated[
     list[str] | None,
     typer.Option("--scene", metavar="SCENE", help="Only this scene, like stack or 'stack[blocks=5]'; may be repeated."),

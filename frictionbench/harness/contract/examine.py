@@ -58,9 +58,7 @@ def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Pr
             ]
             for outcome in progress.follow(f"{'first' if stage is FIRST else 'other'} checks of {variant}", pool, tasks):
                 check = outcome.task.arguments[1]
-                replied = (
-                    [outcome.reason] if outcome.failure else outcome.value
-                )  # a plug-in may have made it reply with anything
+                replied = [outcome.reason] if outcome.failure else outcome.value  # anything, from a plug-in
                 texts = [*map(str, replied)] if isinstance(replied, list) else ["its worker returned a malformed reply"]
                 yield Found(variant, check, texts, outcome.failure)
                 hung += outcome.failure == Verdict.TIMEOUT
