@@ -5,6 +5,8 @@ Large imports are inside the commands that need them, so that --help is fast.
 """
 
 import json
+import os
+import re
 import signal
 import sys
 import traceback
@@ -349,8 +351,12 @@ def export(
         return
     if out is None:
         raise InputError("out: name the file or folder to write with --out")
-    for path in export_problems(problems, out, pick):
-        typer.echo(path)
+    try:
+        for path in export_problems(problems, out, pick):
+            typer.echo(path)
+    except _Stopped as stopped:
+        stopped.add_note("run the same command again to go on: files that were named are whole")
+        raise
 
 
 @_command()
@@ -534,6 +540,11 @@ def main() -> None:
 
 
 def _run() -> None:
+    removed = "python -OO removes descriptions that commands print" if sys.flags.optimize > 1 else ""
+    threads = os.environ.get("NUMBA_NUM_THREADS", "")
+    if wrong := removed or ("NUMBA_NUM_THREADS must be at least 1" if re.fullmatch(r"-\d+|0+", threads.strip()) else ""):
+        typer.echo(f"frictionbench: {wrong}", err=True)
+        sys.exit(2)
     try:
         app()
     except (ValueError, OSError) as error:

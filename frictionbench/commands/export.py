@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from frictionbench.harness import process
-from frictionbench.harness.cells.collect import Record, collect, read_records, stored, stored_friction
+from frictionbench.harness.cells.collect import Record, collect, read_records, stored
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Source
 from frictionbench.harness.progress import Progress
-from frictionbench.problems import InputError
+from frictionbench.problems import LCP, InputError
 from frictionbench.problems.recorded import collection, fclib, own
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
@@ -33,7 +33,10 @@ def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
 
 
 def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
-    """A problem that several sources of a run share is written once."""
+    """A problem that several sources of a run share is written once; in a folder, as .npz what FCLIB's format cannot represent.
+
+    Files in a folder are named by their content: those that are there already, as after an interruption, are kept.
+    """
     named = {}
     for record in records:
         scene = re.sub(r"[^A-Za-z0-9_.-]", "_", record["scene"])
@@ -43,16 +46,21 @@ def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
     if out.suffix not in SUFFIXES:
         raise InputError(f"out: {out} must end in {', '.join(filter(None, SUFFIXES))}, or name a folder")
     for name, record in named.items():
-        path = out if out.suffix else out / f"{name}.hdf5"
-        if path.exists():
+        problem = stored(folder, record["problem"])
+        ours = isinstance(problem, LCP) or problem.friction_bias.any()
+        path = out if out.suffix else out / f"{name}{'.npz' if ours else '.hdf5'}"
+        if out.suffix and path.exists():
             raise InputError(f"out: {path} exists; it was not overwritten")
+        if ours and path.suffix != ".npz":
+            raise InputError(f"out: FCLIB's format has neither friction biases nor bare LCPs, as {name} is; write it as .npz")
         path.parent.mkdir(parents=True, exist_ok=True)
-        with replaced(path) as file:
-            if path.suffix == ".npz":
-                own.save(stored(folder, record["problem"]), file)
-            else:
-                title = f"frictionbench {record['scene']} {record['parameters']} step {record['step']}"
-                fclib.write(stored_friction(folder, record["problem"]), file, record["scene"], title)
+        if not path.exists():
+            with replaced(path) as file:
+                if isinstance(problem, LCP) or path.suffix == ".npz":
+                    own.save(problem, file)
+                else:
+                    title = f"frictionbench {record['scene']} {record['parameters']} step {record['step']}"
+                    fclib.write(problem, file, record["scene"], title)
         yield path
 
 

@@ -67,15 +67,10 @@ def read(path: Path, rank_by: RankBy = RankBy.BODIES) -> Cells:
     if found.table.index.has_duplicates:
         twice = found.table.index[found.table.index.duplicated()][0]
         raise ResultsError(f"{path}: duplicate key {twice!r}")
-    _require_residuals(path, found.table)
-    return found
-
-
-def _require_residuals(path: Path, table: pd.DataFrame) -> None:
-    """Errors: ResultsError naming a cell that is called solved and whose residual does not show it."""
-    solved = table[(table["verdict"] == Verdict.SOLVED) & table["table"].isin(["solve", "batch"])]
+    solved = found.table[(found.table["verdict"] == Verdict.SOLVED) & found.table["table"].isin(["solve", "batch"])]
     for key, row in solved[~(solved["residual"] <= ROUNDED * solved["tol"])].head(1).iterrows():
         raise ResultsError(f"{path}: {key}: solved, with a residual of {row['residual']:g} at a tolerance of {row['tol']:g}")
+    return found
 
 
 def _of_text(path: Path) -> Cells:

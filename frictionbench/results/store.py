@@ -55,16 +55,14 @@ def new_shard(folder: Path, table: str, writer: str) -> Iterator[Callable[[Row],
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(path)) from None
 
-    with open(path, "ab", buffering=0, opener=_new) as file:
+    with open(
+        path, "ab", buffering=0, opener=lambda name, flags: os.open(name, flags | os.O_EXCL | os.O_NOFOLLOW, 0o666)
+    ) as file:
         try:
             yield write
         finally:
             if not file.tell():
                 path.unlink(missing_ok=True)
-
-
-def _new(path: str, flags: int) -> int:
-    return os.open(path, flags | os.O_EXCL | os.O_NOFOLLOW, 0o666)
 
 
 def fitted(row: Row, schema: pa.Schema) -> Row:

@@ -13,6 +13,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.recorded import own
 from tests.helpers.command_line import frictionbench
+from tests.helpers.friction_problems import block
 from tests.helpers.made_results import write_folder
 
 MOTION = Source("stopping_block", {}, pick=3, steps=6)
@@ -21,10 +22,9 @@ MOTION = Source("stopping_block", {}, pick=3, steps=6)
 def test_export_writes_what_the_suffix_says(tmp_path) -> None:
     (path,) = export("stack[blocks=2]", tmp_path / "stack.npz")
     assert own.load(path).hash == scene("stack", blocks=2).problem().hash
-    for name in ("stack.txt", "stack.xyz"):
-        with pytest.raises(InputError, match=rf"^out: .*{name} must end in .hdf5, .h5, .npz, or name a folder"):
-            list(export("stack[blocks=2]", tmp_path / name))
-        assert not (tmp_path / name).exists()
+    with pytest.raises(InputError, match=r"^out: .*stack\.txt must end in .hdf5, .h5, .npz, or name a folder"):
+        list(export("stack[blocks=2]", tmp_path / "stack.txt"))
+    assert not (tmp_path / "stack.txt").exists()
 
 
 @pytest.fixture
@@ -40,6 +40,18 @@ def test_a_problem_of_two_sources_is_written_once(collected, tmp_path) -> None:
     path.with_name("source-2.json").write_bytes(path.read_bytes())
     written = list(export(str(collected), tmp_path / "files"))
     assert len(written) == len(set(written)) == len(json.loads(path.read_text(encoding="utf-8")))
+    written[0].unlink()
+    assert list(export(str(collected), tmp_path / "files")) == written  # as after an interruption
+
+
+def test_problems_that_fclib_cannot_represent(collected, tmp_path) -> None:
+    """In a folder they are .npz; a file of another kind is refused with the problem's name."""
+    biased = tmp_path / "biased.npz"
+    own.save(block().replace(friction_bias=np.ones(1)), biased)
+    collect(collected, Source("biased", {"file": biased.name}, file=str(biased)))
+    assert sorted(path.suffix for path in export(str(collected), tmp_path / "files")) == [".hdf5"] * 3 + [".npz"]
+    with pytest.raises(InputError, match=r"^out: FCLIB's format .* robot_step.*as \.npz"):
+        list(export("robot_step[case=adroit_door-grasp-429]", tmp_path / "one.hdf5"))
 
 
 EDITS = {

@@ -56,6 +56,12 @@ def test_comparison_in_ascii(runs, environment) -> None:
     assert shell(f"{SHELL} compare --history {runs['before']} {runs['worse']}", **environment) == (0, "")
 
 
+@pytest.mark.parametrize("environment", [{"PYTHONOPTIMIZE": "2"}, {"NUMBA_NUM_THREADS": "0"}])
+def test_environments_in_which_no_command_runs(environment) -> None:
+    code, told = shell(f"{SHELL} list scenes", **environment)
+    assert (code, len(told.splitlines())) == (2, 1)
+
+
 def test_error_of_our_own(monkeypatch, capsys) -> None:
     def broken() -> None:
         raise RuntimeError("broken")
