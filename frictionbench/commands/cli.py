@@ -44,8 +44,11 @@ class _Command(TyperCommand):
     def make_context(self, *given: Any, **named: Any) -> Any:
         try:
             return super().make_context(*given, **named)
-        except typer.BadParameter as error:
-            error.message = _reworded(error)
+        except Exception as error:
+            if getattr(error, "option_name", "") == "--suite":  # the class of this error is none of typer's public names
+                raise typer.BadParameter("--suite: the suite is an argument, as in `frictionbench run smoke`") from None
+            if isinstance(error, typer.BadParameter):
+                error.message = _reworded(error)
             raise
 
     def get_params(self, ctx: Any) -> Any:
@@ -374,17 +377,19 @@ def show(
     steps: Annotated[
         int | None, typer.Option("--steps", metavar="N", min=1, help="Number of steps; by default the scene's duration.")
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="SCENE.html by default.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="By default named by scene, solver and scheme.")
+    ] = None,
 ) -> None:
     """Animate a scene on an HTML page.
 
     It shows bodies, contact impulses, friction cones and the energy balance.
     """
-    from frictionbench.commands.show import recorded, told
+    from frictionbench.commands.show import page_name, recorded, told
     from frictionbench.reports.animation import write_animation
 
     motion = recorded(scene, solver, scheme, steps)
-    typer.echo(f"animation: {write_animation(motion, out or Path(f'{motion.scene}.html'))}")
+    typer.echo(f"animation: {write_animation(motion, out or Path(page_name(scene, solver and motion.solver, scheme)))}")
     typer.echo(told(motion))
     if motion.ended:
         typer.echo(f"the motion ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
@@ -456,7 +461,7 @@ def rerun(
         bool, typer.Option("--shrink", help="Remove contacts of its problem while it still fails, and save the rest.")
     ] = False,
 ) -> None:
-    """Run one cell of a results folder again, or reduce its problem."""
+    """Run one cell again, or reduce its problem."""
     if not shrink:
         from frictionbench.commands.single import show_rerun
 

@@ -44,14 +44,15 @@ def _words(values: Facts | list[Any]) -> str:
 
 
 def _number(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    text = f"{value:.4g}" if isinstance(value, float) else str(value)
+    return "1e-4" if text == "0.0001" else text.replace("e-0", "e-")
 
 
 def _scenes() -> dict[str, Facts]:
     made: dict[str, Any] = {**scenes(), **instances()}
     return {
         name: {
-            "summary": one.summary,
+            "summary": one.summary + (f" Another name of {own}." if (own := one.make.__name__) in made.keys() - {name} else ""),
             "dimension": one.dimension,
             "one_step": name in instances(),
             "parameters": dict(one.parameters),

@@ -1,5 +1,6 @@
 """`frictionbench show`: the motion of a scene, simulated in this process by our own solvers, in a worker by plug-ins."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import instances, scene, scenes
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
-from frictionbench.results.conventions import rough_percent
+from frictionbench.results.conventions import DEFAULT_SCHEME, rough_percent
 from frictionbench.results.motion import Motion, decoded
 
 EXACT = {2: "lemke", 3: "interior_point"}
@@ -26,10 +27,17 @@ def told(motion: Motion) -> str:
     energy = motion.energy
     scale = max(motion.kinetic.max(), 1e-3 * np.abs(energy).max(), np.finfo(float).tiny)
     shares = (energy[-1] - energy[0]) / scale, np.diff(energy, prepend=energy[0]).max() / scale
-    end, rise = (rough_percent(share, "+") for share in shares)
+    end, rise = (rough_percent(abs(share)) for share in shares)
     worst = motion.residual.max(initial=0.0, where=np.isfinite(motion.residual))
-    changes = f"energy: {end} at the end, at most {rise} in a step, of the largest kinetic energy"
-    return f"{changes}; worst residual {worst:.0e}"
+    most = f"rises by at most {rise} in a step" if shares[1] > 0 else "never rises in a step"
+    told = f"energy, kinetic and potential, in per cent of the largest kinetic energy ({motion.kinetic.max():.3g} J)"
+    return f"{told}: {'rises' if shares[0] > 0 else 'falls'} by {end} in all, {most}; worst residual {worst:.0e}"
+
+
+def page_name(scene: str, solver: str | None, scheme: str) -> str:
+    """The page's file, named by the scene and what is not the default: stack-blocks=5-moreau.html."""
+    given = (scene, solver or "", scheme if scheme != DEFAULT_SCHEME else "")
+    return "-".join(re.sub(r"[^\w.=]+", "-", text).strip("-") for text in given if text) + ".html"
 
 
 def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int | None) -> Motion:

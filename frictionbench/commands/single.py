@@ -68,11 +68,13 @@ def solve_one(
         tasks, rows, waiting = [cell_task(cell, time_limit, plugins, record) for cell in cells], [], True
         for outcome in progress.follow("solvers", pool, tasks):
             rows.append(row_of(outcome, plugins))
-            if waiting and rows[-1]["verdict"] == Verdict.SOLVED:
+            solved = [row for row in rows if row["verdict"] == Verdict.SOLVED]
+            if waiting and solved and time.monotonic() - begun > PATIENCE and len(rows) < len(tasks):
                 waiting = False
-                if time.monotonic() - begun > PATIENCE and len(tasks) > 1:
-                    found = f"{rows[-1]['variant']} solves it {rank_by.words} in {_time(_seconds(rows[-1], rank_by))}"
-                    progress.tell(f"{found}; the table follows when all have ended")
+                first = f"{solved[0]['variant']} solves it {rank_by.words} in {_time(_seconds(solved[0], rank_by))}"
+                progress.tell(f"{first}; the table follows when all have ended")
+    if solver_specs and all(row["verdict"] == Verdict.SKIPPED for row in rows):
+        raise InputError("solver: " + "; ".join(f"{row['variant']}: {row['reason']}" for row in rows))
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
     if as_json:
@@ -86,9 +88,8 @@ def solve_one(
     _show(title, {str(rank): row for rank, row in enumerate(applicable, start=1)}, rank_by)
     if refused := [row["variant"] for row in rows if row not in applicable]:
         print("\n".join(paragraph(f"not applicable to this problem: {', '.join(refused)}", screen(), "")))
-    for reason in unusable:
-        print("\n".join(paragraph(reason, screen(), "")))
-    print("\n".join(paragraph(advice(rows, rank_by), screen(), "")))
+    for text in (*unusable, advice(rows, rank_by)):
+        print("\n".join(paragraph(text, screen(), "")))
 
 
 def _data(row: Row) -> Row:

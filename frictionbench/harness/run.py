@@ -79,8 +79,7 @@ def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str
     takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in (least, most))
     cells_of = f"{count(len(cells), 'cell')} of {count(len(records), 'problem')}"
     told = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
-    told += f", some {longest} where all come to their time limit of {plan.time_limit:g} s"
-    return f"{told}; before that, kernels that were never used are compiled"
+    return f"{told}, some {longest} where all take their {plan.time_limit:g} s; kernels are compiled first, at their first use"
 
 
 def _run(
@@ -98,6 +97,8 @@ def _run(
     together, so that each worker loads it once.
     """
     left = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
+    if cells and not left:
+        progress.tell(f"{count(len(cells), 'cell')} had been run before, and none is left")
     tasks = [_task(cell, records, plan) for cell in left]
     writer, record = f"{os.getpid()}-{secrets.token_hex(4)}", dependencies.Record(folder)
     with ExitStack() as opened:

@@ -38,13 +38,6 @@ def near(name: str, known: Iterable[str]) -> str:
     return f" (did you mean {found[0]}?)" if found else ""
 
 
-def near_or_all(name: str, known: Iterable[str], words: str, listing: str) -> str:
-    """The same among many names: a near one and the command that lists all, or, after the words, all of them."""
-    if like := near(name, known):
-        return f"{like}; `frictionbench list {listing}` names all"
-    return f"; {words} {', '.join(known)}"
-
-
 def import_all(package: str, path: list[str]) -> None:
     """Import every module of a package, whose decorators then register what they define; path: the package's __path__."""
     for module in iter_modules(path):
@@ -94,7 +87,7 @@ def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
         raise InputError(f"{kind}: expected its name as text, got {name!r:.100}")
     known = scenes() | instances()
     if name not in known:
-        raise InputError(f"{kind}: unknown {kind} {name!r}{near_or_all(name, known, 'scenes and instances are', 'scenes')}")
+        raise InputError(f"{kind}: unknown {kind} {name!r}{near(name, known)}; `frictionbench list scenes` names all")
     found = known[name]
     if found.kind != kind:
         raise InputError(f"{kind}: {name!r} is no {kind}; frictionbench.problem({name!r}) makes the problem of one step")
@@ -210,10 +203,7 @@ def make_instance(name: str, **parameters: Any) -> FrictionProblem:
 
 def require_known(name: str, parameters: Iterable[str]) -> None:
     """Errors: InputError naming the scene or instance, or the parameter, that is unknown; nothing is built."""
-    if name in instances():
-        _find("instance", name, parameters)
-    else:
-        find_scene(name, parameters)
+    _find("instance" if name in instances() else "scene", name, parameters)
 
 
 def problem_of(name: str, **parameters: Any) -> FrictionProblem:

@@ -50,7 +50,7 @@ from numpy.typing import NDArray
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.answer import Answer, Status
-from frictionbench.problems.catalogue import near, near_or_all
+from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms.definite import DIGITS
 from frictionbench.problems.friction import require_problem
@@ -296,7 +296,9 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         return _found[spec]
     name, settings = split("solver", spec)
     if name not in _solvers:
-        raise InputError(f"solver: unknown solver {name!r}{near_or_all(name, sorted(_solvers), 'known are', 'solvers')}")
+        raise InputError(
+            f"solver: unknown solver {name!r}{near(name, sorted(_solvers))}; `frictionbench list solvers` names all"
+        )
     info = _solvers[name]
     instance: Any = info.make()
     kinds = {field.name: type(getattr(instance, field.name)) for field in fields(instance)}

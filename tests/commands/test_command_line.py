@@ -17,10 +17,6 @@ from frictionbench.results.files import ResultsError
 from frictionbench.results.store import new_shard
 
 
-def output_of(*arguments: str) -> str:
-    return CliRunner().invoke(app, arguments).output
-
-
 @pytest.mark.parametrize(("cores", "jobs"), [(1, 1), (2, 1), (8, 7)])
 def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
     asked = []
@@ -29,12 +25,12 @@ def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
     for option in ((), ("--jobs", str(cores))):
         CliRunner().invoke(app, ["solve", "stack", *option])
     assert asked == [jobs, cores]
-    assert "all cores but one" in " ".join(output_of("run", "--help").split())
+    assert "all cores but one" in " ".join(CliRunner().invoke(app, ["run", "--help"]).output.split())
 
 
 @pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
 def test_lists_are_json_too(what) -> None:
-    listed = json.loads(output_of("list", what, "--json"))
+    listed = json.loads(CliRunner().invoke(app, ["list", what, "--json"]).output)
     assert {"scenes": "cubes", "solvers": "lemke", "suites": "smoke"}[what] in listed
     assert all(facts["summary"].endswith((".", ")")) for facts in listed.values())
 
@@ -67,8 +63,7 @@ def test_interruption_message(tmp_path, command) -> None:
     call = [sys.executable, "-c", code, *command.split()]
     ended = subprocess.run(call, capture_output=True, text=True, check=False, timeout=60, cwd=tmp_path)
     assert ended.returncode == 128 + signal.SIGINT
-    assert "SIGINT" in ended.stderr
-    assert "Traceback" not in ended.stderr
+    assert ("SIGINT" in ended.stderr, "Traceback" in ended.stderr) == (True, False)
     if "--out" in command:
         assert "frictionbench report run" in ended.stderr
         assert store.read_manifest(tmp_path / "run")["settings"]["suite"] == "smoke"  # the same command continues it

@@ -68,9 +68,7 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
         ("report a --width 3m", "Invalid value for '--width': "),
         ("report a --font comic", "Invalid value for '--font': "),
         ("compare a", "frictionbench: DIR: "),
-        ("compare a b c", "frictionbench: DIR: "),
         ("compare --history a b --out c", "frictionbench: history: "),
-        ("compare --history a b --accept", "frictionbench: history: "),
         (f"compare a {__file__}", "frictionbench: DIR: "),
         ("export stack", "frictionbench: out: "),
         ("export fclib/Chain --out x", "frictionbench: out: "),
@@ -78,14 +76,15 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
         ("solve stack[block=2]", "block: the scene stack has no such parameter (did you mean blocks?)"),
         ("solve stack --solver lemka", "solver: unknown solver 'lemka' (did you mean lemke?)"),
         ("solve stack --solver nsgs[relax=1]", "solver: nsgs has no setting 'relax' (did you mean relaxation?)"),
+        (f"solve {__file__}", "no problem file; known are .npz"),
+        ("run --suite smoke", "the suite is an argument"),
         ("run smok", "suite: unknown suite 'smok' (did you mean smoke?)"),
         ("solve recorded_step[case=near_jab]", "case: unknown step 'near_jab' (did you mean near_jam?)"),
         ("solve cubs", "scene: unknown scene 'cubs' (did you mean cubes?)"),
         ("show stack --scheme moro", "scheme: unknown scheme 'moro' (did you mean moreau?)"),
     ],
 )
-def test_combinations_without_a_meaning(command, told, tmp_path) -> None:
-    """It is told, and nothing is written."""
+def test_combinations_without_a_meaning_are_told_and_write_nothing(command, told, tmp_path) -> None:
     done = frictionbench(*command.split(), cwd=tmp_path)
     assert done.returncode == 2
     assert told in done.stderr + done.stdout

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from frictionbench.commands.show import recorded, told
+from frictionbench.commands.show import page_name, recorded, told
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scene, scenes
@@ -107,7 +107,8 @@ def test_encoded_motion_round_trip() -> None:
         assert getattr(again, name) == pytest.approx(getattr(motion, name), rel=1e-11)
     assert [c.shape for c in again.contacts] == [c.shape for c in motion.contacts]
     assert [o.body for o in again.outlines] == [2, -1, -1, 0, 1]
-    assert "energy: <0.01 % at the end" in told(recorded("bouncing_ball[restitution=1]", None, "moreau", 200))
+    assert page_name("stack[blocks=5]", None, "moreau") == "stack-blocks=5-moreau.html"
+    assert "s by <0.01 % in all, " in told(recorded("bouncing_ball[restitution=1]", None, "moreau", 200))
 
 
 def test_invalid_motions_are_refused() -> None:

@@ -9,6 +9,7 @@ from frictionbench.commands.single import rerun_row
 from frictionbench.harness import run as run_module
 from frictionbench.harness.cells.rows import no_problem
 from frictionbench.harness.plans.plan import SolveCell, Source
+from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import cell_task, row_of, run
 from frictionbench.harness.workers.pool import Outcome
 from frictionbench.results import store
@@ -18,7 +19,7 @@ from tests.helpers.command_line import frictionbench
 from tests.helpers.runs import quiet, small_plan, verdicts
 
 
-def test_run_writes_every_row_once_and_resumes(tmp_path) -> None:
+def test_run_writes_every_row_once_and_resumes(tmp_path, capsys) -> None:
     folder = tmp_path / "run"
     run(small_plan(), folder, 1, quiet())
     whole = verdicts(folder)
@@ -32,6 +33,8 @@ def test_run_writes_every_row_once_and_resumes(tmp_path) -> None:
     assert verdicts(folder) == whole
     manifest = store.read_manifest(folder)
     assert manifest["finished"]
+    run(small_plan(), folder, 1, Progress())
+    assert "9 cells had been run before, and none is left" in capsys.readouterr().err
     assert set(manifest["problems"]) == set(store.read_table(folder, "solves")["problem"])
 
 

@@ -40,10 +40,8 @@ def test_scenes_are_picklable(name: str) -> None:
 
 
 def test_unknown_names_and_values() -> None:
-    with pytest.raises(InputError, match=r"^scene: unknown scene 'heap'; scenes and instances are .*stack"):
+    with pytest.raises(InputError, match=r"^scene: unknown scene 'heap'; `frictionbench list scenes` names all"):
         scene("heap")
-    with pytest.raises(InputError, match=r"^scene: unknown scene 'stak' \(did you mean stack\?\)"):
-        scene("stak")
     with pytest.raises(InputError, match=r"^brick: the scene stack has no such parameter; it has blocks, "):
         scene("stack", brick=3)
     for name, parameter, value in (

@@ -61,7 +61,7 @@ EXAMPLES = tuple(f"example_{i}" for i in range(1, 8))
 
 
 def smoke() -> Plan:
-    """A short check of everything, in under a minute: a few small problems, planar and spatial, and a short simulation."""
+    """A short check of everything: a few small problems, planar and spatial, and a short simulation."""
     return Plan(
         suite="smoke",
         sources=(

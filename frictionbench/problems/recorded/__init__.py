@@ -31,6 +31,7 @@ def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]
     require(bool(head), str(path), "is empty")
     require(not head.startswith(NUMPY), str(path), "holds one array; numpy.savez writes an .npz with those of a problem")
     hdf5 = head == HDF5
+    require(hdf5 or head.lstrip()[:1].isdigit(), str(path), "no problem file; known are .npz, FCLIB's .hdf5, Siconos' text")
     try:
         return fclib.read(path) if hdf5 else (siconos.read(path), ())
     except InputError as error:

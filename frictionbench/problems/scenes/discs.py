@@ -47,7 +47,7 @@ def bowl(radius: float = 1.0, angle: float = 1.0) -> Scene:
 
 @generator(friction=0.5, duration=1.0)
 def jam(speed: float = 1.0, overlap: float = 0.0, sideways: float = 0.0) -> Scene:
-    """A disc of 1 kg slides up between two vertical walls at its own distance: the talk's difficult friction configuration.
+    """A disc of 1 kg slides up between two vertical walls at its own distance: jammed, a hard case of Anitescu (1999).
 
     The normals cancel, so normal impulses of any size have no effect, and the friction cone is not pointed. The solutions are
     not unique, and their set is not convex: with V = speed - g h, normal impulses c = s V/(2 mu) on both walls slow the disc to
