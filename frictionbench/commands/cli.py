@@ -377,9 +377,7 @@ def show(
     steps: Annotated[
         int | None, typer.Option("--steps", metavar="N", min=1, help="Number of steps; by default the scene's duration.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="By default named by scene, solver and scheme.")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="By default by its settings.")] = None,
 ) -> None:
     """Animate a scene on an HTML page.
 

@@ -164,8 +164,7 @@ def _source(problem: str) -> Source:
     path = Path(problem)
     if path.is_dir():
         each, steps = (f"`frictionbench run {suite} --data {problem}`" for suite in ("recorded", "replay"))
-        share = "`frictionbench report DIR --budget 1ms` shows the share solved within a time"
-        raise InputError(f"problem: {problem} is a folder; {each} solves each problem, {steps} a sequence of steps; {share}")
+        raise InputError(f"problem: {problem} is a folder; {each} solves each problem, {steps} a sequence of steps")
     named = path.is_file() or Path(problem.partition("[")[0]).suffix
     if named:
         return Source(path.name, file=str(path.absolute()))

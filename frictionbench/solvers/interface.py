@@ -296,9 +296,7 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         return _found[spec]
     name, settings = split("solver", spec)
     if name not in _solvers:
-        raise InputError(
-            f"solver: unknown solver {name!r}{near(name, sorted(_solvers))}; `frictionbench list solvers` names all"
-        )
+        raise InputError(f"solver: unknown solver {name!r}{near(name, _solvers)}; `frictionbench list solvers` names all")
     info = _solvers[name]
     instance: Any = info.make()
     kinds = {field.name: type(getattr(instance, field.name)) for field in fields(instance)}
