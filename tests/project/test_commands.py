@@ -79,12 +79,13 @@ ON_LESS = {
     "map": ("--solver lemke", "--time-limit 1"),
 }
 GRID = ":30", ":16", ":13"  # along an axis of a map; a test has two
-# Commands that need a network, a cluster or fetched data: what is said where there is none.
+# Commands that need a network, a cluster, fetched data or a row: what is said where there is none.
 REFUSED = {
     "export fclib/": "Chain",
     "run recorded --data fclib": "frictionbench export fclib",
     "run standard --cluster": "cluster",
     "run smoke --cluster": "cluster",
+    "rerun runs/now --solver": "rows that failed",
 }
 
 

@@ -212,7 +212,7 @@ def test_a_pile_of_discs_has_several_motions_and_digits_of_residual_are_digits_o
 
 @pytest.mark.slow  # four methods are compiled; that a busy machine would find fewer answers
 def test_no_solve_is_ended_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("frictionbench.solvers.interface.within", None)  # called where a solve has a time limit
+    monkeypatch.setattr("frictionbench.solvers.interface.TimeLimit", None)  # called where a solve has a time limit
     pyramid = (("pyramid", {"rows": 3, "push": 1.0}),)
     assert all(row["refined"] for row in answers(pyramid, (0.8,), 0))
     assert {row["tol"] for row in digits(pyramid, (0.8,), (1e-4,))} == {1e-4}
