@@ -197,9 +197,8 @@ class _Worker:
                     reply.clear()
                 if not received:
                     open_ends, poll = [channel], POLL_CLOSED
-            if (
-                ended := self._ended()
-            ) is not None:  # SIGKILL comes from outside (out of memory, an operator): it is tried again
+            ended = self._ended()
+            if ended is not None:  # SIGKILL comes from outside (out of memory, an operator): it is tried again
                 how = signal.Signals(-ended).name if ended < 0 else f"exit code {ended}"
                 return _failure(Verdict.CRASHED, f"the process ended: {how}", retry=ended == -signal.SIGKILL), False
         return _failure(Verdict.CRASHED, f"the worker's reply was longer than {LONGEST_REPLY} bytes"), False
