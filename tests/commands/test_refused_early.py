@@ -84,7 +84,7 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
         ("show stack --scheme moro", "scheme: unknown scheme 'moro' (did you mean moreau?)"),
     ],
 )
-def test_combinations_without_a_meaning_are_told_and_write_nothing(command, told, tmp_path) -> None:
+def test_combinations_without_a_meaning(command, told, tmp_path) -> None:
     done = frictionbench(*command.split(), cwd=tmp_path)
     assert done.returncode == 2
     assert told in done.stderr + done.stdout
