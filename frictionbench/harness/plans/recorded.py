@@ -81,13 +81,14 @@ def spatial() -> Plan:
         Source("random_bodies", {"contacts": 1000, "seed": 2}),
         Source("rod_chain", {"links": 200, "pull": 0.05, "whirl": 0.2}),
     )
+    lineup = every(3)
     return Plan(
         suite="spatial",
         sources=(*families.halves(*families.SPACE), *large),
-        solvers=every(3),
+        solvers=lineup,
         tolerances=(1e-4, 1e-8),
         simulations=PHENOMENA,
-        simulation_solvers=every(3),
+        simulation_solvers=lineup,
         time_limit=2.0,
         simulation_limit=10.0,
         expects="twenty-five minutes",

@@ -1,9 +1,9 @@
 """Running tasks on a dask cluster: one cell per task, isolated on its dask worker as on this machine.
 
 A dask worker must run the same code of this project as the main process (docs/cluster.md has the commands); one that joins
-later is checked as well, with every outcome. dask itself runs a task whose worker ends on other
-workers, as often as its scheduler's setting distributed.scheduler.allowed-failures says, by default three times. Rows hold the
-name of the host that timed them.
+later is checked as well, with every outcome. dask itself runs a task whose worker ends on other workers, as often as its
+scheduler's setting distributed.scheduler.allowed-failures says, by default three times. Rows hold the name of the host that
+timed them.
 """
 
 from collections.abc import Callable, Iterable, Iterator
