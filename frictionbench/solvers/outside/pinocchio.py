@@ -78,7 +78,7 @@ class Pinocchio:
         given = scaled_delassus(problem, TANGENTS_FIRST, matrix=dense, size=_SIZES[self.method])
         if dense:
             return given, given.W.T
-        row, column, value = entries(problem, given.E, TANGENTS_FIRST).T
+        row, column, value = entries(*problem.blocks, given.E, TANGENTS_FIRST).T
         return given, sparse.csc_matrix((value, (row.astype(int), column.astype(int))), shape=(3 * n, 3 * n))
 
     def setup(self, formed: tuple[ScaledDelassus, Any]) -> Prepared:

@@ -26,7 +26,6 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.rows import row_of_entry
 from frictionbench.solvers.interface import Answer, Status, impulses
 
 PLANE, SPACE, TANGENTS_FIRST = (0, 1), (0, 1, 2), (2, 0, 1)
@@ -125,19 +124,20 @@ def _dense(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
     return W
 
 
-def entries(problem: FrictionProblem, E: Array, rows: tuple[int, ...]) -> Array:
-    """The entries (row, column, value) of W^ (k, 3), block by block."""
-    first, j, block = problem.blocks
-    i, d, m = row_of_entry(first), problem.dimension, len(rows)
-    place = np.array(rows[:d])
-    scaled = E[i, None, None] * block * E[j, None, None]
-    whole = np.broadcast_arrays((i * m)[:, None, None] + place[:, None], (j * m)[:, None, None] + place, scaled)
-    found = np.column_stack([part.ravel() for part in whole])
-    if d == m:
-        return found
-    own = i == j
-    third = i[own] * m + rows[d]  # the decoupled tangent
-    return np.vstack([found, np.column_stack([third, third, scaled[own, 1, 1]])])
+@kernel
+def entries(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
+    """The entries (row, column, value) of W^ (k, 3), block by block, a decoupled tangent's after its contact's own block."""
+    nc, m, d, at = len(E), len(rows), block.shape[1], 0
+    found = np.empty((len(neighbours) * d**2 + nc * (m - d), 3))
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            j = neighbours[k]
+            for a in range(m if i == j else d):
+                for b in range(d) if a < d else range(a, m):
+                    found[at, 0], found[at, 1] = i * m + rows[a], j * m + rows[b]
+                    found[at, 2] = E[i] * block[k, min(a, d - 1), min(b, d - 1)] * E[j]
+                    at += 1
+    return found
 
 
 class DualProgram(NamedTuple):

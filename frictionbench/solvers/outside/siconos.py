@@ -13,7 +13,7 @@ Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensi
     dimensionless. Setup: none. Solve: one message to the child and its reply.
 Clock: around Siconos' problem object and the driver's call, in the child, of matrices in its storage. Solvers are compared by
     it, as a user of Siconos has no child: the column solve_time is this clock, and call_time the whole call.
-Charged: W's entries and the units cost .1 to .3 ms, which counts below 50 contacts. friction_2d_nsgs is asked for more than by
+Charged: W's entries and the units cost .1 to .2 ms, which counts below 50 contacts. friction_2d_nsgs is asked for more than by
     hand, where its answers are near misses.
 Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho (by default
     constant), `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=friction_3d_admm]'
@@ -121,7 +121,7 @@ class Siconos:
             full = self.method in _FULL and 2 * len(problem.blocks.neighbours) > nc**2
             dense = kind != "global" and (full or nc <= _DENSE.get(self.method, 0))
             given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense)
-            W = given.W if dense else entries(problem, given.E, given.rows)
+            W = given.W if dense else entries(*problem.blocks, given.E, given.rows)
             message = global_form(problem, given) if kind == "global" else {"dense": dense, "W": W, "q": given.q}
             message["mu"] = problem.friction
         return kind, given, message

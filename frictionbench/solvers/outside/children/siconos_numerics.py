@@ -1,8 +1,8 @@
 """Siconos in a process of its own, for solvers.outside.siconos: Debian builds it for the system's Python only.
 
-A message is a problem and how to solve it. The clock is around Siconos' problem object and the driver, of matrices in the
-storage that its simulations have: blocks for W, compressed columns in the global form. Siconos' Python module makes blocks of
-scipy's matrices only, which this Python may not have; its library is therefore called directly for that.
+The clock is around Siconos' problem object and driver, of matrices in its simulations' storage (W in blocks, the global form in
+compressed columns); options and a guess of the velocities are at hand. Siconos' Python module makes blocks of scipy's matrices
+only, which this Python may not have; its library is therefore called directly for that.
 """
 
 import ctypes
@@ -51,7 +51,6 @@ def answer(
     problem = problem_object(kind, given, *matrices)
     seconds = perf_counter() - begun
     for _ in range(CALLS):
-        begun = perf_counter()
         options = sn.SolverOptions(getattr(sn, f"SICONOS_{solver.upper()}"))
         options.dparam[sn.SICONOS_DPARAM_TOL] = eps / size
         options.iparam[sn.SICONOS_IPARAM_MAX_ITER] = limit
@@ -62,6 +61,7 @@ def answer(
         if local:
             sn.solver_options_update_internal(options, 0, getattr(sn, f"SICONOS_{local}"))
         driver, arguments = call(kind, problem, given, dense, r)
+        begun = perf_counter()
         code = driver(*arguments, options)
         seconds += perf_counter() - begun
         iterations += max(int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE]), 0)
@@ -105,8 +105,8 @@ def blocks(entries: Array, n: int, size: int) -> Any:
 
 def product(entries: Array, r: Array) -> Array:
     """A square matrix of entries times r."""
-    row, column = entries[:, :2].T.astype(int)
-    return np.bincount(row, entries[:, 2] * r[column], len(r))
+    row, column, value = entries.T
+    return np.bincount(row.astype(int), value * r[column.astype(int)], len(r))
 
 
 def call(kind: str, problem: Any, given: dict[str, Array], dense: bool, r: Array) -> tuple[Any, tuple[Any, ...]]:
