@@ -94,7 +94,7 @@ class _Stage:
     free: Array
 
     def equations(self, mj: Any) -> Array:
-        return self.kind == mj.mjtConstraint.mjCNSTR_EQUALITY
+        return self.kind == int(mj.mjtConstraint.mjCNSTR_EQUALITY)
 
 
 def problem(model: Any, data: Any) -> FrictionProblem:
@@ -196,18 +196,16 @@ def _problem(mj: Any, model: Any, stage: _Stage) -> FrictionProblem:
 
 def _frames(mj: Any, data: Any) -> Array:
     """(nc, 3, 3): of contacts the frame that the impulses are told in, by rows; for rows of joints the unit matrix."""
-    frames = np.array([contact.frame.reshape(3, 3) for contact in data.contact if contact.efc_address >= 0]).reshape(-1, 3, 3)
+    frames = data.contact.frame[data.contact.efc_address >= 0].reshape(-1, 3, 3)
     joints = sum(int(rows.sum()) for rows in engine.limits_and_dry_friction(mj, data))
     return np.concatenate([frames, np.broadcast_to(np.eye(3), (joints, 3, 3))])
 
 
 def _keys(mj: Any, data: Any) -> list[Hashable]:
     """What is the same row in the next step: the geoms of a contact, the joint of a limit, and the how manieth of them."""
-    bases: list[Hashable] = [
-        ("contact", *contact.geom, *contact.flex, *contact.elem, *contact.vert)
-        for contact in data.contact
-        if contact.efc_address >= 0
-    ]
+    at = data.contact
+    pairs = np.column_stack([at.geom, at.flex, at.elem, at.vert])[at.efc_address >= 0]
+    bases: list[Hashable] = [("contact", *pair) for pair in pairs.tolist()]
     for rows in engine.limits_and_dry_friction(mj, data):
         bases += [(int(data.efc_type[i]), int(data.efc_id[i])) for i in np.flatnonzero(rows)]
     numbers = defaultdict[Hashable, Iterator[int]](numbered)  # of equal ones
@@ -222,7 +220,7 @@ def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, veloc
     total = stage.full @ (velocity - stage.free)
     forces = model.opt.timestep * data.qfrc_smooth - (stage.full - M) @ change
     work = impulse * (stage.contacts.rows @ mean).reshape(-1, 3)
-    touching = sum(contact.efc_address >= 0 for contact in data.contact)
+    touching = int((data.contact.efc_address >= 0).sum())
     middle = touching + int(engine.limits_and_dry_friction(mj, data)[0].sum())
     return {
         "kinetic": float(mean @ M @ change),
@@ -263,18 +261,17 @@ def _advance(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velo
 
 def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> Array:
     """The impulses of MuJoCo's own rows (nefc,)."""
-    at, equal, result = mj.mjtConstraint, stage.equations(mj), np.zeros(len(stage.kind))
-    i = 0
-    for contact in data.contact:
-        first, dim = contact.efc_address, contact.dim
+    equal, result, at = stage.equations(mj), np.zeros(len(stage.kind)), data.contact
+    i, pyramid = 0, int(mj.mjtConstraint.mjCNSTR_CONTACT_PYRAMIDAL)
+    for first, dim, friction in zip(at.efc_address, at.dim, at.friction, strict=True):
         if first < 0:
             continue
         force = np.zeros(dim)
         force[:3] = impulse[i, : min(dim, 3)]
         if dim > 1:
-            force[2] *= contact.friction[1] / contact.friction[0]
-        if dim > 1 and stage.kind[first] == at.mjCNSTR_CONTACT_PYRAMIDAL:
-            along = force[1:] / contact.friction[: dim - 1]  # edges may pull: the cone is wider than the pyramid
+            force[2] *= friction[1] / friction[0]
+        if dim > 1 and stage.kind[first] == pyramid:
+            along = force[1:] / friction[: dim - 1]  # edges may pull: the cone is wider than the pyramid
             force = np.stack([force[0] / (dim - 1) + along, force[0] / (dim - 1) - along], axis=1).ravel() / 2
         result[first : first + len(force)] = force
         i += 1

@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.reports import accuracy
-from frictionbench.reports.drawing.text import percent, power, seconds
+from frictionbench.reports.drawing.text import percent, power, ratio, seconds
 from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.conventions import COLD, WARM, RankBy, count, law
 from frictionbench.results.hardness import ILL
@@ -292,9 +292,9 @@ def _speed(by: RankBy, choice: Choice) -> str:
     mean = f"{by.words} {name} has the least mean, {seconds(best.mean, 3)}{form}"
     if choice.interval is None or choice.lead is None:
         return f"{mean}; {choice.unclear}" if choice.unclear else mean
-    ahead, other = f"{choice.lead:.3g} times ahead of", choice.places[1].label
+    ahead, other = f"{ratio(choice.lead)} times ahead of", choice.places[1].label
     low, high = choice.interval
-    return f"{mean}, {ahead} {other} ({low:.3g} to {high:.3g})" + (f": {choice.unclear}" if choice.unclear else "")
+    return f"{mean}, {ahead} {other} ({ratio(low)} to {ratio(high)})" + (f": {choice.unclear}" if choice.unclear else "")
 
 
 def _charges(choice: Choice) -> str:

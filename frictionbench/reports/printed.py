@@ -12,7 +12,7 @@ import pandas as pd
 from frictionbench.reports import tables
 from frictionbench.reports.accuracy import LEVELS, in_order, overall, percentiles, shown_levels
 from frictionbench.reports.choice import Choice, Kind, choices
-from frictionbench.reports.drawing.text import percent, power, residual, seconds
+from frictionbench.reports.drawing.text import percent, power, ratio, residual, seconds
 from frictionbench.reports.latex import cited
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import ENDINGS
@@ -53,13 +53,13 @@ def _choice(run: Run) -> list[Table]:
 
 def _first(kind: Kind, found: Choice, outside: Choice | None) -> list[str]:
     best = found.places[0]
-    ends = f"{found.interval[0]:.3g} to {found.interval[1]:.3g}" if found.lead and found.interval else found.unclear or "–"
+    ends = " to ".join(map(ratio, found.interval)) if found.lead and found.interval else found.unclear or "–"
     return [
         kind.name,
         str(kind.problems),
         best.label + (f" ({best.law})" if best.law else ""),
         seconds(best.mean, 3),
-        f"{found.lead:.3g}" if found.lead else "–",
+        ratio(found.lead) if found.lead else "–",
         ends,
         best.solved,
         f"{outside.places[0].label} {seconds(outside.places[0].mean, 3)}" if outside else "–",

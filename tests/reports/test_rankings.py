@@ -53,7 +53,8 @@ def test_order_is_reversed_without_form(tmp_path):
     same = run_of(*(row | {"form_time": 0.0, "form_times": [0.0] * 3} for row in robot()))
     (line,) = headline({one.rank_by: choice.choices(one) for one in (same, same.ranked_by(RankBy.FORM))}, 1e-8)
     assert line.endswith(
-        "4 times ahead of interior_point (4 to 4); from the method's own form the order of the first three is the same."
+        "4.00 times ahead of interior_point (4.00 to 4.00); "
+        "from the method's own form the order of the first three is the same."
     )
     mixed = run_of(*robot(), *(row | {"scene": "robot_step", "problem": f"r{row['problem']}"} for row in robot()))
     line = headline({one.rank_by: choice.choices(one) for one in (mixed, mixed.ranked_by(RankBy.FORM))}, 1e-8)[0]

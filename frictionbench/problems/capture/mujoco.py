@@ -105,45 +105,42 @@ def rows_of(mj: Any, model: Any, data: Any, J: Array) -> tuple[Contacts, dict[st
 
 def limits_and_dry_friction(mj: Any, data: Any) -> tuple[Array, Array]:
     """Which of MuJoCo's constraints are limits, and which dry friction (nefc,), of joints and tendons."""
-    kind, at = data.efc_type, mj.mjtConstraint
-    limit = (kind == at.mjCNSTR_LIMIT_JOINT) | (kind == at.mjCNSTR_LIMIT_TENDON)
-    return limit, (kind == at.mjCNSTR_FRICTION_DOF) | (kind == at.mjCNSTR_FRICTION_TENDON)
+    kind, at = data.efc_type, mj.mjtConstraint  # of which int() is the number: numpy compares the names one by one
+    limit = (kind == int(at.mjCNSTR_LIMIT_JOINT)) | (kind == int(at.mjCNSTR_LIMIT_TENDON))
+    return limit, (kind == int(at.mjCNSTR_FRICTION_DOF)) | (kind == int(at.mjCNSTR_FRICTION_TENDON))
 
 
 def _contacts(mj: Any, model: Any, data: Any, J: Array, h: float) -> tuple[Contacts, dict[str, Array]]:
     """The contacts, and the generalised impulses of their torsion and rolling."""
-    rows, impulses, friction, gaps = [np.zeros((0, model.nv))], [np.zeros((0, 3))], [], []
+    rows, impulses, friction = [np.zeros((0, model.nv))], [np.zeros((0, 3))], []
     others = {"torsional friction": np.zeros(model.nv), "rolling friction": np.zeros(model.nv)}
-    for number, contact in enumerate(data.contact):
-        first, dim = int(contact.efc_address), int(contact.dim)
-        if first < 0:
-            continue
+    at, touching = data.contact, np.flatnonzero(data.contact.efc_address >= 0)
+    moves = getattr(at, "surfacevel", np.zeros((len(at.dim), 1)))  # unknown to MuJoCo before 4.0
+    for number, first, dim in zip(touching.tolist(), at.efc_address[touching], at.dim[touching], strict=True):
         where = f"contact {number}"
-        require(not np.any(getattr(contact, "surfacevel", 0.0)), where, "its surfaces move, which a problem cannot express")
+        require(not moves[number].any(), where, "its surfaces move, which a problem cannot express")
         if dim == 1:
-            own = np.vstack([J[first], _tangents(mj, model, data, contact, where)])
+            own = np.vstack([J[first], _tangents(mj, model, data, at[number], where)])
             f, mu = np.array([data.efc_force[first], 0.0, 0.0]), 0.0
         else:
-            own, f = _decoded(mj, model, data, J, first, contact)
-            mu, ratio = float(contact.friction[0]), float(contact.friction[1] / contact.friction[0])
+            mu, other = at.friction[number, :2]
+            own, f = _decoded(mj, data, J, first, at.friction[number, : dim - 1])
             others["torsional friction"] += h * own[TORSION:ROLLING].T @ f[TORSION:ROLLING]
             others["rolling friction"] += h * own[ROLLING:].T @ f[ROLLING:]
-            own[2] *= ratio
-            f[2] /= ratio
+            own[2] *= other / mu
+            f[2] /= other / mu
         rows.append(own[:3])
         impulses.append(h * f[None, :3])
         friction.append(mu)
-        gaps.append(float(contact.dist - contact.includemargin))
-    given = np.vstack(rows), np.vstack(impulses), np.array(friction), np.array(gaps)
-    return Contacts(*given, np.zeros(len(gaps))), others
+    gap = (at.dist - at.includemargin)[touching]
+    return Contacts(np.vstack(rows), np.vstack(impulses), np.array(friction), gap, np.zeros(len(gap))), others
 
 
-def _decoded(mj: Any, model: Any, data: Any, J: Array, first: int, contact: Any) -> tuple[Array, Array]:
-    """The rows (dim, nv) and forces (dim,) of a contact with friction in its frame."""
-    dim = int(contact.dim)
-    if data.efc_type[first] == mj.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC:
+def _decoded(mj: Any, data: Any, J: Array, first: int, mu: Array) -> tuple[Array, Array]:
+    """The rows (dim, nv) and forces (dim,) of a contact in its frame, of its coefficients of friction mu (dim - 1,)."""
+    dim = len(mu) + 1
+    if data.efc_type[first] == int(mj.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC):
         return J[first : first + dim].copy(), data.efc_force[first : first + dim].copy()
-    mu = contact.friction[: dim - 1]
     up, down = (slice(first + k, first + 2 * (dim - 1), 2) for k in (0, 1))
     a, b = data.efc_force[up], data.efc_force[down]
     normal = (J[first] + J[first + 1]) / 2

@@ -49,6 +49,11 @@ def percent(share: float, decimals: int = 0) -> str:
     return f"{rounded / 10**decimals:g} %"
 
 
+def ratio(value: float) -> str:
+    """A ratio with three digits, zeros at the end too: 1.00, 12.3."""
+    return f"{value:#.3g}".rstrip(".")
+
+
 def power(value: float) -> str:
     """A power of ten: 1e-8."""
     return f"1e{round(np.log10(value))}" if value > 0 else "0"

@@ -15,7 +15,7 @@ from frictionbench.reports.accuracy import shown_levels
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.figures import inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
-from frictionbench.reports.drawing.text import percent, plain, power, residual, seconds
+from frictionbench.reports.drawing.text import percent, plain, power, ratio, residual, seconds
 from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import ENDINGS, count, ending, rough_percent, scene_title
 from frictionbench.results.hardness import HARDNESS
@@ -37,6 +37,7 @@ def environment(*folders: Path) -> Environment:
         "residual": lambda value: "–" if pd.isna(value) else residual(value),
         "digits": lambda value: "–" if pd.isna(value) else residual(value, 1),
         "power": power,
+        "ratio": ratio,
         "count": count,
         "levels": shown_levels,
         "share": lambda value: "–" if pd.isna(value) else percent(value),
