@@ -14,7 +14,7 @@ from tools import large_problems
 
 HEAD = """# Performance
 
-## By the thousand
+## Many small problems
 
 Made by `frictionbench run batch --out DIR`, and from that by `python -m tools.performance DIR`."""
 
