@@ -83,7 +83,7 @@ def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES)
     ran = ran[ran.groupby(["problem_class", "label"])["ran"].transform("any")]
     names = ("problem_class", "stratum", "dimension", "scene", "cluster", "model", "start", "host")
     times = ran.groupby(pair, sort=False).agg(**{name: (name, "first") for name in names}, limit=("time_limit", "max"))
-    times = times.join(best[["form_time", "setup_time", "solve_time", "time", "work", "repeats"]])
+    times = times.join(best[[*RankBy.BODIES.columns, "time", "work", "repeats"]])
     times["reached"] = times["time"].notna()
     times["unjudgeable"] = ~times["reached"] & times.index.isin(pd.MultiIndex.from_frame(open_cells[pair]))
     times["charged"] = times["time"].fillna(times["limit"])
@@ -127,7 +127,7 @@ def share_of_form(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":
     """The weighted mean, over the problems reached, of the share of form in form, setup and solve; by groups."""
     reached = times[times["reached"]]
     reached = reached.assign(weight=weights(reached, by))
-    parts = reached[["form_time", "setup_time", "solve_time"]].fillna(0.0)
+    parts = reached[RankBy.BODIES.columns].fillna(0.0)
     share = reached["weight"] * parts["form_time"] / parts.sum(axis=1)
     return share.groupby([reached[name] for name in by], sort=False).sum()
 

@@ -111,11 +111,11 @@ def count(number: int, noun: str) -> str:
     return f"{number} {noun}{'s' * (number != 1)}"
 
 
-def rough_percent(share: float, sign: str = "-") -> str:
-    """Two digits of a share in percent, all of a hundred and more; sign: "+" where gains have one."""
+def rough_percent(share: float) -> str:
+    """Two digits of a share in percent, all of a hundred and more."""
     if 0 < abs(share) < 1e-4:
         return "<0.01 %"
-    return f"{100 * share:{sign}.{'2g' if abs(share) < 0.995 else '0f'}} %"
+    return f"{100 * share:.{'2g' if abs(share) < 0.995 else '0f'}} %"
 
 
 def json_object(text: Any) -> dict[str, Any]:

@@ -16,7 +16,7 @@ import pandas as pd
 from pydantic import Field, FiniteFloat
 
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.conventions import count, rough_percent
+from frictionbench.results.conventions import RankBy, count, rough_percent
 from frictionbench.results.files import ResultsError, read_parsed, write_text
 from frictionbench.results.store import read_table
 
@@ -212,5 +212,4 @@ class Judged:
 def read_judged(folder: Path) -> Judged:
     """Errors: ResultsError where the folder holds no judgement, or a file that cannot be read."""
     rows = read_table(folder, "solves")
-    times = rows[["form_time", "setup_time", "solve_time"]].sum(axis=1, min_count=1)
-    return Judged(read_judgements(folder), rows.assign(time=times))
+    return Judged(read_judgements(folder), rows.assign(time=RankBy.BODIES.time(rows)))

@@ -12,6 +12,7 @@ that competes for its core, and counts.
 """
 
 from collections.abc import Sequence
+from functools import reduce
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -83,10 +84,5 @@ def estimate(shifts: np.ndarray) -> tuple[float, float, float, float]:
 
 def signed_ranks(n: int) -> np.ndarray:
     """The probabilities of the sums 0 ... n (n + 1) / 2 of the ranks of the positive ones among n differences."""
-    counts = np.ones(1)
-    for rank in range(1, n + 1):
-        longer = np.zeros(len(counts) + rank)
-        longer[: len(counts)] += counts
-        longer[rank:] += counts
-        counts = longer
-    return counts / 2.0**n
+    factors = (np.concatenate([[1.0], np.zeros(rank - 1), [1.0]]) for rank in range(1, n + 1))  # 1 + x^rank
+    return reduce(np.convolve, factors, np.ones(1)) / 2.0**n

@@ -5,7 +5,6 @@ comparison.json    all results as data
 junit.xml          a test suite per solver with a test case per cell, counter and time (JUnit)
 """
 
-import re
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -20,9 +19,7 @@ from frictionbench.reports.comparison.markdown import format_verdicts, markdown,
 from frictionbench.results.cells import read
 from frictionbench.results.changes import GONE, Change, Flip
 from frictionbench.results.compare import Comparison
-from frictionbench.results.files import replaced, write_text
-
-UNPRINTED = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # characters that XML 1.0 excludes
+from frictionbench.results.files import printable, replaced, write_text
 
 
 def write_files(comparison: Comparison, folder: Path) -> None:
@@ -50,25 +47,25 @@ def _values(comparison: Comparison, found: Change) -> dict[str, Any]:
 
 
 def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
-    """The comparison as JUnit's XML."""
+    """The comparison as JUnit's XML, each text `printable`, because XML 1.0 excludes most control characters."""
     root = ElementTree.Element("testsuites", name="frictionbench compare")
     worse = {(found.variant, getattr(found, "key", found.name)): found for found in comparison.worse}
     suites: dict[str, ElementTree.Element] = {}
 
     def case(variant: str, name: str, identity: str, skipped: str | None = None) -> None:
         if variant not in suites:
-            suites[variant] = ElementTree.SubElement(root, "testsuite", name=_xml(variant))
-        one = ElementTree.SubElement(suites[variant], "testcase", classname=_xml(variant), name=_xml(name))
+            suites[variant] = ElementTree.SubElement(root, "testsuite", name=printable(variant))
+        one = ElementTree.SubElement(suites[variant], "testcase", classname=printable(variant), name=printable(name))
         if found := worse.get((variant, identity)):
-            ElementTree.SubElement(one, "failure", message=_xml(message(found))).text = (
-                _xml(rerun_command(comparison, found)) if isinstance(found, Flip) else None
+            ElementTree.SubElement(one, "failure", message=printable(message(found))).text = (
+                printable(rerun_command(comparison, found)) if isinstance(found, Flip) else None
             )
         elif skipped is not None:
-            ElementTree.SubElement(one, "skipped", message=_xml(skipped))
+            ElementTree.SubElement(one, "skipped", message=printable(skipped))
 
     for key, cell in cells.iterrows():
         name = f"{cell['scene']} {cell['table']} {cell['step']} {cell['phase']} {cell['start']} to {cell['tol']:g}"
-        case(cell["variant"], " ".join(name.split()), str(key), cell["reason"] if cell["verdict"] == Verdict.SKIPPED else None)
+        case(cell["variant"], name, str(key), cell["reason"] if cell["verdict"] == Verdict.SKIPPED else None)
     for found in comparison.changes:
         if not isinstance(found, Flip):
             case(found.variant, found.name, found.name)
@@ -76,7 +73,7 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
             case(found.variant, found.name, found.key)
     if comparison.unusable:
         one = ElementTree.SubElement(ElementTree.SubElement(root, "testsuite", name="runs"), "testcase", name="comparable")
-        ElementTree.SubElement(one, "error", message=_xml(comparison.unusable))
+        ElementTree.SubElement(one, "error", message=printable(comparison.unusable))
     return root
 
 
@@ -91,7 +88,3 @@ def message(found: Change) -> str:
 
 def _plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else str(value)
-
-
-def _xml(text: str) -> str:
-    return UNPRINTED.sub("?", text)
