@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from frictionbench import InputError
-from frictionbench.results import ResultsError
+from frictionbench.results.files import ResultsError
 from studies.running import NAMES, compute, study, write_page
 
 

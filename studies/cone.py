@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.harness import Source
+from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import FrictionProblem, simulation
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK

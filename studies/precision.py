@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.harness import robots
+from frictionbench.harness.plans import robots
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.solvers import find
 from studies.study import Row, Study, Summary, Tables, curve, finish, listing, require

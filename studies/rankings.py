@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from scipy.stats import fisher_exact, hypergeom
 
 from frictionbench import Verdict
-from frictionbench.harness import Plan, families
+from frictionbench.harness.plans import families
+from frictionbench.harness.plans.plan import Plan
 from frictionbench.problems import measured
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import Look, looks

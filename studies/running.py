@@ -23,10 +23,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from frictionbench.harness import Progress, content, die_with_parent, run_plan
+from frictionbench.harness.machine import content
+from frictionbench.harness.process import die_with_parent
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run as run_plan
 from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.drawing.text import escaped
-from frictionbench.results import read_table, subfolder, write_text
+from frictionbench.results.files import subfolder, write_text
+from frictionbench.results.store import read_table
 from studies.study import Study, Summary, Tables
 
 NAMES = (  # in the order of the page

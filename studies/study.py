@@ -18,11 +18,11 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import binom
 
-from frictionbench.harness import Plan
+from frictionbench.harness.plans.plan import Plan
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import GRID, Look
 from frictionbench.reports.drawing.text import percent, plain
-from frictionbench.results import ResultsError
+from frictionbench.results.files import ResultsError
 
 Z = NormalDist().inv_cdf(0.975)
 COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a6761d", "#8c6bb1", "#7f7f7f")

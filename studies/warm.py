@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from frictionbench.harness import Plan, Source
+from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.problems import ACCEPTED
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
-from frictionbench.results import COLD, SHUFFLED, WARM
+from frictionbench.results.conventions import COLD, SHUFFLED, WARM
 from studies.study import Study, Summary, Tables, finish, listing, require
 
 STARTS = (COLD, WARM, SHUFFLED)

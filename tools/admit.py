@@ -21,9 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import frictionbench as fb
-from frictionbench.harness import Plan, Progress, Source, hard, run_plan, stored_friction
+from frictionbench.harness.cells.collect import stored_friction
+from frictionbench.harness.plans import hard
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run as run_plan
 from frictionbench.problems import Verdict
-from frictionbench.results import rows
+from frictionbench.results.store import rows
 
 COLUMNS = ("family", "scene", "parameters", "contacts", "known", "residual", "floor", "answer", "failed")
 FAILED = (Verdict.NEAR_MISS, Verdict.UNJUDGEABLE, Verdict.UNSOLVED, Verdict.CRASHED, Verdict.WRONG)

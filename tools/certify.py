@@ -33,7 +33,7 @@ from scipy.linalg import qr
 from scipy.optimize import linprog
 
 import frictionbench as fb
-from frictionbench.harness import hard
+from frictionbench.harness.plans import hard
 from frictionbench.problems import FrictionProblem, refined
 from tools.admit import kept_answer
 

@@ -5,7 +5,7 @@ python -m tools.columns > docs/columns.md
 
 from typing import Any
 
-from frictionbench.results import SCHEMA_VERSION, TABLES
+from frictionbench.results.schema import SCHEMA_VERSION, TABLES
 
 PAGE = """# Columns
 

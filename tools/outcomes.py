@@ -16,7 +16,9 @@ from email.message import Message
 from importlib.metadata import PackageNotFoundError, metadata
 from typing import Any
 
-from frictionbench.harness import Found, Progress, cores, examine
+from frictionbench.harness.contract.examine import Found, examine
+from frictionbench.harness.process import cores
+from frictionbench.harness.progress import Progress
 from frictionbench.solvers import available, find
 
 COLUMNS = ("variant", "versions", "licences", "date", "failed_checks")

@@ -9,7 +9,8 @@ from pathlib import Path
 from textwrap import fill
 
 from frictionbench.reports.batches import HEADER, METHOD, RateTable, rate_tables
-from frictionbench.results import ResultsError, read_table
+from frictionbench.results.files import ResultsError
+from frictionbench.results.store import read_table
 from tools import large_problems
 
 HEAD = """# Performance

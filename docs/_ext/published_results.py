@@ -14,8 +14,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from frictionbench.reports.accuracy import OVERALL
 from frictionbench.reports.drawing.text import power, seconds
-from frictionbench.results import RankBy
-from frictionbench.results.conventions import count
+from frictionbench.results.conventions import RankBy, count
 from tools.publish.site import Entry, write_site
 from tools.publish.summary import Summary, read
 

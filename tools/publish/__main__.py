@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from frictionbench.reports.run import read_run
-from frictionbench.results import ResultsError
+from frictionbench.results.files import ResultsError
 from tools.publish.site import Entry, write_site
 from tools.publish.summary import read, summarise, write
 

@@ -15,7 +15,10 @@ import pandas as pd
 from frictionbench.reports.accuracy import OVERALL
 from frictionbench.reports.page import write_report
 from frictionbench.reports.templates import environment
-from frictionbench.results import TABLES, RankBy, read_table, subfolder, write_text
+from frictionbench.results.conventions import RankBy
+from frictionbench.results.files import subfolder, write_text
+from frictionbench.results.schema import TABLES
+from frictionbench.results.store import read_table
 from tools.publish.summary import Summary, page_of, write
 
 HERE = Path(__file__).parent

@@ -19,20 +19,22 @@ Summaries may come from anybody: what does not have these fields and types is re
 
 import json
 import re
-from collections.abc import Callable, Iterator
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
+from pydantic import AfterValidator, Field, ValidationError, conlist, create_model
 
 import frictionbench as fb
+from frictionbench.problems import measured
 from frictionbench.reports import choice, robustness, tables
 from frictionbench.reports.choice import Kind
 from frictionbench.reports.robustness import MapCells
 from frictionbench.reports.run import Run
-from frictionbench.results import RankBy, ResultsError, measured, read_json, scene_title, write_text
+from frictionbench.results.conventions import RankBy, scene_title
+from frictionbench.results.files import ResultsError, read_json, write_text
 
 FORMAT = 1
 LARGEST = 4 * 2**20  # bytes of a summary
@@ -42,74 +44,52 @@ DIGITS = 6  # of times: pages show three, which rounding first to four can chang
 SHORT = 12  # characters of a problem's hash, enough to tell some thousands apart
 
 
-def _text(value: Any) -> bool:
-    return isinstance(value, str)
-
-
-def _whole(value: Any) -> bool:
-    return type(value) is int and 0 <= value < 2**63
-
-
-def _number(value: Any) -> bool:
-    return type(value) in (int, float) and 0 <= value < 1e300
-
-
-def _or_none(good: Callable[[Any], bool]) -> Callable[[Any], bool]:
-    return lambda value: value is None or good(value)
-
-
-def _texts(value: Any) -> bool:
-    return isinstance(value, dict) and all(map(_text, value.values()))
-
-
-def _all(good: Callable[[Any], bool]) -> Callable[[Any], bool]:
-    return lambda values: isinstance(values, list) and all(map(good, values))
-
-
-def _is_check(value: Any) -> bool:
-    return isinstance(value, list) and list(map(type, value)) == [str, bool, str]
-
-
-def _is_name(value: Any) -> bool:
-    """Whether it names a file, and a page that is not the index."""
-    return _text(value) and bool(re.fullmatch(r"[\w+-][\w.+-]{0,200}", value)) and page_of(value).casefold() != "index"
-
-
 def page_of(name: str) -> str:
     """The part of a run's name that its suite and version have in common with other runs."""
     return name.rsplit("-", 2)[0]
 
 
-# What each field has to be: a condition on it, its own fields, or, as a list of one, those of each row.
+def _named(name: str) -> str:
+    """The name, if it names a file, and a page that is not the index. Errors: ValueError."""
+    if not re.fullmatch(r"[\w+-][\w.+-]{0,200}", name) or page_of(name).casefold() == "index":
+        raise ValueError("names no page")
+    return name
+
+
+def _fields(**kinds: Any) -> Any:
+    """The type of an object that has these fields, and maybe others."""
+    required: dict[str, Any] = {name: (kind, ...) for name, kind in kinds.items()}
+    return create_model("Fields", **required)
+
+
+Whole = Annotated[int, Field(ge=0, lt=2**63)]
+Number = Annotated[float, Field(ge=0, lt=1e300)]
+# The type of each field.
 FIELDS: dict[str, Any] = {
-    "name": _is_name,
-    **dict.fromkeys(("suite", "version", "release", "finished"), _text),
-    **dict.fromkeys(("cells", "workers"), _whole),
-    "libraries": _texts,
-    "headline": _all(_text),
-    "checks": _all(_is_check),
-    "machine": {
-        **dict.fromkeys(("processor", "system", "python"), _or_none(_text)),
-        "cores": _whole,
-        "memory": _or_none(_number),
-    },
-    "settings": {"time_limit": _or_none(_number), "tolerances": _all(_number)},
-    "problems": {**dict.fromkeys(("ranked", "trivial", "idle"), _whole), "hashes": _texts},
-    "rankings": [
-        {
-            **dict.fromkeys(("kind", "by", "solver", "law", "unclear"), _text),
-            "target": lambda value: _number(value) and value > 0,
-            **dict.fromkeys(("mean", "p50", "p99", "worst"), _or_none(_number)),
-            **dict.fromkeys(("reached", "problems"), _whole),
-        }
-    ],
-    "reliability": [
-        {
-            **dict.fromkeys(("solver", "model"), _text),
-            **dict.fromkeys(("problems", "exact", "own", "near_miss", "wrong", "timeout", "crashed"), _whole),
-        }
-    ],
-    "scenes": [{**dict.fromkeys(("scene", "solver"), _text), **dict.fromkeys(("solved", "cells"), _whole)}],
+    "name": Annotated[str, AfterValidator(_named)],
+    **dict.fromkeys(("suite", "version", "release", "finished"), str),
+    **dict.fromkeys(("cells", "workers"), Whole),
+    "libraries": dict[str, str],
+    "headline": list[str],
+    "checks": list[tuple[str, bool, str]],
+    "machine": _fields(**dict.fromkeys(("processor", "system", "python"), str | None), cores=Whole, memory=Number | None),
+    "settings": _fields(time_limit=Number | None, tolerances=list[Number]),
+    "problems": _fields(**dict.fromkeys(("ranked", "trivial", "idle"), Whole), hashes=dict[str, str]),
+    "rankings": conlist(
+        _fields(
+            **dict.fromkeys(("kind", "by", "solver", "law", "unclear"), str),
+            target=Annotated[Number, Field(gt=0)],
+            **dict.fromkeys(("mean", "p50", "p99", "worst"), Number | None),
+            **dict.fromkeys(("reached", "problems"), Whole),
+        )
+    ),
+    "reliability": conlist(
+        _fields(
+            **dict.fromkeys(("solver", "model"), str),
+            **dict.fromkeys(("problems", "exact", "own", "near_miss", "wrong", "timeout", "crashed"), Whole),
+        )
+    ),
+    "scenes": conlist(_fields(**dict.fromkeys(("scene", "solver"), str), **dict.fromkeys(("solved", "cells"), Whole))),
 }
 
 
@@ -132,23 +112,13 @@ def read(path: Path) -> Summary:
     found = read_json(path, LARGEST)
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise ResultsError(f"{path}: not a published summary of format {FORMAT}")
-    for field in _unusable("", found, FIELDS):
-        raise ResultsError(f"{path}: {field} is missing or cannot be used")
+    kinds = FIELDS | ({"classes": list[str]} if "classes" in found else {})  # not in those of older runs
+    try:
+        _fields(**kinds).model_validate_json(json.dumps(found), strict=True)
+    except ValidationError as error:
+        field = ".".join(part for part in error.errors()[0]["loc"] if isinstance(part, str))
+        raise ResultsError(f"{path}: {field} is missing or cannot be used") from None
     return found
-
-
-def _unusable(name: str, given: Any, wanted: Any) -> Iterator[str]:
-    """The names of fields that are missing, or of another type or size."""
-    if callable(wanted):
-        yield from () if wanted(given) else (name,)
-    elif not isinstance(given, type(wanted)):
-        yield name
-    elif isinstance(wanted, list):
-        for row in given:
-            yield from _unusable(name, row, wanted[0])
-    else:
-        for part, own in wanted.items():
-            yield from _unusable(f"{name}.{part}".lstrip("."), given.get(part, ...), own)
 
 
 def summarise(run: Run) -> Summary:
