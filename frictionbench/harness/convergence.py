@@ -19,6 +19,7 @@ import numpy as np
 
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import Record
+from frictionbench.harness.cells.simulation import usable
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Pool, Task
@@ -50,9 +51,9 @@ def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[
     impulse = np.zeros((problem.contacts, problem.dimension))
     for limit in _limits():
         answer = checked_copy(solver.solve(solver.prepare(duplicate(problem)), tol, limit))
-        usable = answer.impulse.shape == impulse.shape and np.isfinite(answer.impulse).all()
-        if usable and np.isfinite(reached := residual(problem, answer.impulse)):
-            impulse = answer.impulse
+        found = usable(problem, answer.impulse)
+        if found is not None and np.isfinite(reached := residual(problem, found)):
+            impulse = found
             units.append(limit)
             residuals.append(reached)
         if answer.status is Status.SOLVED or perf_counter() - start_time > BUDGET:

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from frictionbench.harness.cells.simulation import DIVERGED, energy_scale
+from frictionbench.harness.cells.simulation import DIVERGED, energy_scale, usable
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import scenes
 from frictionbench.problems.check import Array
@@ -41,7 +41,7 @@ def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps
     ended, start = "", stage.energy(stage.q0, stage.v0)
     most = DIVERGED * energy_scale(stage, [start], [stage.kinetic(stage.q0, stage.v0)])
     try:
-        for step in simulate(stage, partial(_usable, solver=solver), SCHEMES[scheme], steps):
+        for step in simulate(stage, partial(_answered, solver=solver), SCHEMES[scheme], steps):
             if not abs(stage.energy(step.q, step.v) - start) <= most:
                 ended = f"diverged in step {len(taken)}"
                 break
@@ -80,10 +80,9 @@ class _NoAnswer(Exception):  # noqa: N818  # a finding about the solver, which e
     pass
 
 
-def _usable(problem: FrictionProblem, solver: str) -> Array:
+def _answered(problem: FrictionProblem, solver: str) -> Array:
     answer = solve(problem, solver, tol=TOLERANCE)
-    impulse = np.asarray(answer.impulse, dtype=float)
-    if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
+    if (impulse := usable(problem, answer.impulse)) is None:
         raise _NoAnswer(f"{solver} returned no usable answer: {answer.detail or answer.status.value}")
     return impulse
 

@@ -38,16 +38,16 @@ class _ClosedLoop:
     def __call__(self, problem: FrictionProblem) -> Array:
         verdict, impulse = self._verified(problem)
         self.verdicts[verdict] += 1
-        return impulse
+        return np.zeros((problem.contacts, problem.dimension)) if impulse is None else impulse
 
-    def _verified(self, problem: FrictionProblem) -> tuple[Verdict, Array]:
-        """The verdict on the solver's answer, and the impulses that were verified."""
+    def _verified(self, problem: FrictionProblem) -> tuple[Verdict, Array | None]:
+        """The verdict on the solver's answer, and its impulses; None where they are malformed."""
         given = duplicate(problem)
         try:
             call = clean_call(lambda: timed_call(self._solver, given, lambda ready: self._solver.solve(ready, self._tol, None)))
         except AnswerError as error:
             self.worst_residual = np.inf
-            return Verdict.WRONG if error.claimed else Verdict.UNSOLVED, np.zeros((problem.contacts, problem.dimension))
+            return malformed(error), None
         answered = perf_counter()
         self.solver_time += np.nan if call.loaded else sum(call.times)
         finding = verify(problem, call.answer, self._info.model, self._tol, quiet=bool(self._info.needs))
@@ -56,7 +56,7 @@ class _ClosedLoop:
             self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
         verdict = finding.verdict if same(problem, given) else Verdict.WRONG
         self.overhead += perf_counter() - answered
-        return verdict, _usable(problem, call.answer.impulse)
+        return verdict, usable(problem, call.answer.impulse)
 
     def verdict(self) -> tuple[Verdict, str]:
         """The worst verdict on any problem, and the number of problems with each verdict other than solved."""
@@ -65,11 +65,15 @@ class _ClosedLoop:
         return worst, f"of {self.verdicts.total()} problems {', '.join(failed)}" if failed else ""
 
 
-def _usable(problem: FrictionProblem, impulse: Array) -> Array:
-    """The impulses (nc, d); zero where the answer is malformed."""
-    zero = np.zeros((problem.contacts, problem.dimension))
-    usable = np.shape(impulse) == zero.shape and bool(np.isfinite(impulse).all())
-    return np.asarray(impulse, dtype=float) if usable else zero
+def usable(problem: FrictionProblem, impulse: Array) -> Array | None:
+    """The impulses (nc, d) of an answer; None where their shape is another or a number is not finite."""
+    fits = np.shape(impulse) == (problem.contacts, problem.dimension) and np.isfinite(impulse).all()
+    return np.asarray(impulse, dtype=float) if fits else None
+
+
+def malformed(error: AnswerError) -> Verdict:
+    """The verdict on an answer that cannot be read."""
+    return Verdict.WRONG if error.claimed else Verdict.UNSOLVED
 
 
 def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver: Solver) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.cells.collect import Record, collect, stored, stored_answer, stored_start
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.cells.rows import finding_columns, solver_facts
-from frictionbench.harness.cells.simulation import refusal, run_closed_loop
+from frictionbench.harness.cells.simulation import malformed, refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, time_solver
 from frictionbench.harness.contract.check import contact
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
@@ -162,7 +162,7 @@ def _solved(
             met=met,
         )
     except AnswerError as error:
-        return {"verdict": _malformed(error), "reason": str(error), "claimed": error.claimed}
+        return {"verdict": malformed(error), "reason": str(error), "claimed": error.claimed}
     _worker.deadline.allow(HARNESS_SECONDS)
     row = _machine_columns(waited, timing.spent)
     reference = stored_answer(_worker.folder, cell.problem)
@@ -293,16 +293,11 @@ def _failure(info: SolverInfo, solver: Solver, dimension: int, jointed: bool) ->
         finding = verify(_smallest(dimension, jointed), answer, info.model, FIRST_TOLERANCE)
         verdict, reason = finding.verdict, finding.reason
     except AnswerError as error:
-        verdict, reason = _malformed(error), str(error)
+        verdict, reason = malformed(error), str(error)
     except BaseException as error:
         verdict, reason = Verdict.CRASHED, plugins.describe_error(error)
     told = f"the first call in its process, on a problem of one contact, is {verdict}, and the second is not: {reason}"
     return {"verdict": verdict, "reason": told} if verdict in (Verdict.WRONG, Verdict.CRASHED) else {}
-
-
-def _malformed(error: AnswerError) -> Verdict:
-    """The verdict on an answer that cannot be read."""
-    return Verdict.WRONG if error.claimed else Verdict.UNSOLVED
 
 
 def _smallest(dimension: int, jointed: bool) -> FrictionProblem | LCP:
