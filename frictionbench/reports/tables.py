@@ -2,8 +2,7 @@
 states of their contacts and by what makes them hard (results.hardness), and which of them enter no ranking.
 
 An answer to another law, or with a polygon for the cone, solves its own model if the residual of that model is within the
-tolerance; its error is its residual by Coulomb's law. A problem has any number of labels of hardness and counts under each; the
-suite `hard` was chosen by failures, so that its shares compare kinds of problems, and not how often a method fails in general.
+tolerance; its error is its residual by Coulomb's law. A problem has any number of labels of hardness and counts under each.
 """
 
 from collections.abc import Collection, Mapping

@@ -15,7 +15,6 @@ others do to shards meanwhile does not count. Files that declare more than the l
 """
 
 import json
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -55,9 +54,7 @@ def new_shard(folder: Path, table: str, writer: str) -> Iterator[Callable[[Row],
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(path)) from None
 
-    with open(
-        path, "ab", buffering=0, opener=lambda name, flags: os.open(name, flags | os.O_EXCL | os.O_NOFOLLOW, 0o666)
-    ) as file:
+    with open(path, "xb", buffering=0) as file:  # refuses what is there, a link as well
         try:
             yield write
         finally:

@@ -1,9 +1,5 @@
 """What a run follows on a few problems (results.histories): the verified residual when a solver is stopped after a number of
-its iterations, and the impulses of the last answer.
-
-Each point of a history is the answer of a separate, untimed call with that limit. A body on more supports than it needs is
-hyperstatic: the motion and the net impulse are unique, their distribution over the contacts is not. Distributions are not
-compared; the chart shows what a simulator that uses contact forces would obtain.
+its iterations, and the impulses of the last answer, as a simulator that uses contact forces would obtain them.
 """
 
 from collections.abc import Iterable

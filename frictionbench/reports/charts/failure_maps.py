@@ -1,8 +1,7 @@
 """Failure maps: for each solver a panel over two parameters of a scene, coloured by verdict, and panels for the problem itself.
 
-The panels for the problem (number of solutions, sensitivity, distance to a change of mode, condition) distinguish ill-posed
-problems from unstable solvers. Dots are the thresholds that the run traced from the mechanics. The axes count grid
-lines, whatever the scale of the parameter.
+The panels for the problem distinguish ill-posed problems from unstable solvers. The axes count grid lines, whatever the scale
+of the parameter.
 """
 
 import re

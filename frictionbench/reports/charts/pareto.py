@@ -3,8 +3,7 @@ front.
 
 Time is the weighted shifted geometric mean over the problems, with problems not solved charged the time limit; accuracy is the
 weighted median of the verified residual, a missing answer counting as infinite. Only labels that ran on every problem are
-drawn, because means over different problems are not comparable. The front joins the points for which no other is both faster
-and more accurate.
+drawn, because means over different problems are not comparable.
 """
 
 from functools import partial
@@ -72,6 +71,6 @@ CHART = Chart(
     title="Speed against accuracy",
     ranked=True,
     caption="The mean time and the median verified residual by Coulomb's law at each tolerance, for the solvers that ran on "
-    "every problem. Lower and further left is better; the grey line is "
-    "the Pareto front, formed by the solvers for which no other is both faster and more accurate.",
+    "every problem. Lower and further left is better; the grey line is the Pareto front, formed by the solvers for which no "
+    "other is both faster and more accurate.",
 )

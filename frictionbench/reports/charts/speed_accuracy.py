@@ -1,9 +1,4 @@
-"""The speed-accuracy chart: verified residual against time, one panel per problem class.
-
-Dots are cells; a line joins the medians of a solver at its tolerances. A solver of a relaxation cannot be more accurate than
-its model; its residual on the model itself is dotted. A ring is a wrong claim. The strip at the
-top counts the cells without an answer.
-"""
+"""The speed-accuracy chart: verified residual against time, one panel per problem class; its caption names the marks."""
 
 from functools import partial
 

@@ -1,8 +1,7 @@
 """Ill-posed problem or unstable solver: the backward error of every answer against the sensitivity of its problem.
 
 The backward error is the smallest relative change of the data (q, mu) for which the answer is exact; a stable solver has a
-small one on any problem (Higham 2002, section 1.5). Sensitivity is the relative change of the solution over that of q; it is
-large for an ill-posed problem and any solver. Thus unstable solvers are at the upper left, ill-posed problems at the right.
+small one on any problem (Higham 2002, section 1.5). Sensitivity is the relative change of the solution over that of q.
 """
 
 from functools import partial
