@@ -20,7 +20,7 @@ from studies.study import Array, Row, Study, Summary, Tables, curve, finish, lis
 
 PARTED = 20.0  # times the change of the start: farther apart at the end than smooth growth in so short a motion explains
 SAME = 1e-6  # m/s: answers of two solvers that differ by less
-JAM, RODS, LANDING = "jam", ("rod at p > 0", "rod at p < 0"), "flat landing"
+JAM, RODS = "jam", ("rod at p > 0", "rod at p < 0")
 EDGE = "rod leaving at p < 0"
 EVENTS = "event_driven"
 STEP, STEPS = 0.002, 10  # s, and their number

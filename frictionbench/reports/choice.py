@@ -44,7 +44,7 @@ GLOSS = {
 class Place(NamedTuple):
     """A solver in an order. law: what it solves in place of Coulomb's law. reached, unjudgeable: problems solved to the target,
     and those in which rounding leaves it open. fastest: problems on which no solver is faster. mean, p50, p99, worst: times in
-    s; common: the mean over the problems that all solvers with a mean solve. form: its share of form, setup and solve. within:
+    s; common: the mean over the problems that all solvers with a mean solve. written: the share of form in its time. within:
     the share of the problems solved within the budget."""
 
     label: str
@@ -54,7 +54,7 @@ class Place(NamedTuple):
     reached: int
     unjudgeable: int
     fastest: int
-    form: float
+    written: float
     p50: float
     p99: float
     worst: float
@@ -165,7 +165,7 @@ def choose(
     facts = accuracy.percentiles(own, budget).assign(reached=groups["reached"].sum(), unjudgeable=groups["unjudgeable"].sum())
     models = groups[["model", "dimension"]].first().reindex(facts.index)
     facts["law"] = [law(*what) for what in models.itertuples(index=False)]
-    facts["form"] = accuracy.share_of_form(own, ["label"])
+    facts["written"] = accuracy.share_of_form(own, ["label"])
     has_mean = (facts["law"] == "") | (facts["reached"] == len(charged))
     means = {n: charged.where(reached, n * charged).apply(accuracy.shifted_geometric_mean, weight=weight) for n in CHARGES}
     facts["mean"] = means[1].where(has_mean)
@@ -288,7 +288,7 @@ def _speed(by: RankBy, choice: Choice) -> str:
     """The first by its mean, the share of form in it, and its lead; or why it is not called the winner."""
     best = choice.places[0]
     name = f"{best.label} ({best.law})" if best.law else best.label
-    form = f" ({percent(best.form)} of it to write the problem down)" if by is RankBy.BODIES else ""
+    form = f" ({percent(best.written)} of it to write the problem down)" if by is RankBy.BODIES else ""
     mean = f"{by.words} {name} has the least mean, {seconds(best.mean, 3)}{form}"
     if choice.interval is None or choice.lead is None:
         return f"{mean}; {choice.unclear}" if choice.unclear else mean

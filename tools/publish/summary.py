@@ -219,7 +219,7 @@ def _places(run: Run, by: RankBy, kind: Kind) -> list[dict[str, Any]]:
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:
     """A row as JSON has it: the solver first, numbers short, what is not finite null."""
-    kept = {"solver": row["label"]} | {name: value for name, value in row.items() if name not in ("label", "form", "within")}
+    kept = {"solver": row["label"]} | {name: value for name, value in row.items() if name not in ("label", "written", "within")}
     return {name: value if isinstance(value, bool | str | int) else _short(float(value)) for name, value in kept.items()}
 
 
