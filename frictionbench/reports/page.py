@@ -159,8 +159,7 @@ def _maps(run: Run) -> Values:
     failed = robustness.failures(cells)
     smallest = robustness.smallest(failed).to_dict("records")
     changes = {one.spec.name: robustness.changes(one) for one in cells if one.spec.constant}
-    tables = {"robustness": robustness.robustness(cells), "changes": changes}
-    return tables | {"failed": len(failed), "smallest": smallest}
+    return {"robustness": robustness.robustness(cells), "changes": changes, "failed": len(failed), "smallest": smallest}
 
 
 def _simulated(run: Run) -> dict[str, Records]:

@@ -24,13 +24,10 @@ ALL, NONE = "all", "none of these"
 def solvability(run: Run) -> pd.DataFrame:
     """A row per label: left_out (cells of trivial and idle problems, not counted in the others), cells, claimed, each verdict,
     with the answers to another law and to a polygon apart, and error: the median residual of these, by Coulomb's law."""
-    real = run.ranked.assign(ending=endings(run.ranked))
+    groups, ended = run.ranked.groupby("label"), pd.Series(endings(run.ranked), index=run.ranked.index, dtype=object)
     table = pd.DataFrame({"left_out": run.rows.groupby("label", sort=False).size()})
-    table["cells"] = real.groupby("label").size()
-    table["claimed"] = real.groupby("label")["claimed"].sum()
-    for ending in ENDINGS:
-        table[ending] = real[real["ending"] == ending].groupby("label").size()
-    table = table.fillna(0).astype(int)
+    table = table.assign(cells=groups.size(), claimed=groups["claimed"].sum())
+    table = table.join(pd.crosstab(run.ranked["label"], ended).reindex(columns=list(ENDINGS))).fillna(0).astype(int)
     table["left_out"] -= table["cells"]
     return table.assign(error=model_errors(run.ranked)).reset_index()
 

@@ -8,7 +8,7 @@ timed them.
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from functools import cache
 from itertools import islice
@@ -33,7 +33,7 @@ Settings = tuple[tuple[tuple[Plugin, Files], ...], int]
 _pools: dict[tuple[Any, ...], Pool] = {}  # of a dask worker process, by the plug-ins' content and the memory limit
 
 
-class Cluster:
+class Cluster(AbstractContextManager["Cluster"]):
     """Runs tasks like harness.workers.pool.Pool; use as a context manager. Errors: InputError naming `cluster`."""
 
     def __init__(self, address: str, folder: Path, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
@@ -55,9 +55,6 @@ class Cluster:
             raise InputError(
                 f"cluster: {f'its workers run {codes}' if codes else 'it has no workers'}; they must run {machine.content()}"
             )
-
-    def __enter__(self) -> "Cluster":
-        return self
 
     def __exit__(self, *_: object) -> None:
         with suppress(Exception):  # a scheduler that does not answer cannot be told

@@ -7,6 +7,7 @@ import json
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -57,14 +58,12 @@ def _load(sources: list[str], named: list[str]) -> list[Plugin]:
 
 def _described(source: str, value: Any) -> Plugin:
     """The plug-in as its worker describes it. Errors: InputError where the reply is another: a plug-in may write anything."""
-    try:
+    with suppress(ResultsError):
         found = parsed(value, Plugin, source)
-    except ResultsError:
-        found = None
-    described = found is not None and all(facts.keys() == COLUMNS for facts in found.solvers.values())
-    if not found or not described or (found.source, found.content) != (cleaned(source), plugins.content(source)):
-        raise InputError(f"solver: {source} cannot be imported (its worker returned a malformed description)")
-    return replace(found, source=source)
+        named = (found.source, found.content) == (cleaned(source), plugins.content(source))
+        if named and all(facts.keys() == COLUMNS for facts in found.solvers.values()):
+            return replace(found, source=source)
+    raise InputError(f"solver: {source} cannot be imported (its worker returned a malformed description)")
 
 
 BUILD_SECONDS = 60.0  # seconds to build a scene and its first problem: the largest of the suites takes one

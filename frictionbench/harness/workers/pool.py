@@ -11,7 +11,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -203,7 +203,7 @@ class _Slot:
         self.connection.close()
 
 
-class Pool:
+class Pool(AbstractContextManager["Pool"]):
     """Workers for one run; use as a context manager.
 
     folder: that of the run. sandbox: what keeps plug-ins from the files and processes of the run, see harness.workers.sandbox.
@@ -217,9 +217,6 @@ class Pool:
         self._slots = [_Slot((self.folder, plugins, memory_limit)) for _ in range(jobs)]
         assert _server is not None
         self.sandbox = _server.sandbox
-
-    def __enter__(self) -> "Pool":
-        return self
 
     def __exit__(self, *_: object) -> None:
         for slot in self._slots:
