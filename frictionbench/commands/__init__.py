@@ -1,1 +1,1 @@
-"""The commands of the command line, one file each."""
+"""The command line: its commands in cli, and what a command does beyond other folders in a file of its own."""

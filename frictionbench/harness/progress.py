@@ -11,8 +11,6 @@ from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
 
 T = TypeVar("T")
-
-
 COLUMNS = (
     progress.TextColumn("{task.description}"),
     progress.BarColumn(20),  # characters

@@ -58,7 +58,8 @@ class RankBy(StrEnum):
     @property
     def columns(self) -> list[str]:
         """The columns of the solves table that add up to the time."""
-        return ["form_time", "setup_time", "solve_time"][self is RankBy.FORM :]
+        times = ["form_time", "setup_time", "solve_time"]
+        return times[1:] if self is RankBy.FORM else times
 
     @property
     def other(self) -> "RankBy":

@@ -5,7 +5,8 @@
     DIR/maps/NAME.json            thresholds on the maps, see results.maps
     DIR/problems/HASH.npz         the problems, so that any cell can be rerun
     DIR/shards/TABLE-*.jsonl      rows in order of arrival, one file per writer, appended and flushed row by row
-    DIR/solves.parquet, simulations.parquet    the merged shards
+    DIR/TABLE.parquet             the merged shards
+    DIR/judgement.json, judged/   judged steps of an engine, see results.judgement, and the problems by which they are judged
     DIR/shrunk/                   failing problems reduced in size, see commands.shrink
     DIR/report.html, report.md, paper/    made from the files above, see reports
 

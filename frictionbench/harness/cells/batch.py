@@ -5,7 +5,7 @@ ROUNDS times, in turn with single calls of BASE on the same problems, each round
 that no answer is one of before; the answers of the first call and of the last round are verified. The time is that of the
 processor, children's included, which another process on the core does not change; where the call took more than WAITS times
 as long without waiting for the core, it waited for something else, and its duration counts. Kernels are compiled and loaded
-before the first timing. Every answer of every problem is verified.
+before the first timing.
 
 A warm start is the answer of the same problem with a push smaller by NEARBY, as of the step before in a simulation.
 """

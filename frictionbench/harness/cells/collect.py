@@ -20,7 +20,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, Json
 
-from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference, reference_answer, unless_unsolved
+from frictionbench.harness.cells.reference import LARGEST, NoReference, Reference, reference_answer, unless_unsolved
 from frictionbench.harness.cells.rows import blank_facts
 from frictionbench.harness.plans import robots
 from frictionbench.harness.plans.plan import Source, origin
@@ -284,7 +284,7 @@ def facts(source: Source, collected: Collected) -> Record:
     problem, answer = collected.problem, collected.impulse
     nc, planar, found = problem.contacts, problem.dimension == 2, labels(problem)
     proof = contradiction(problem) if answer is None else None
-    infeasible = proof is not None and bool(proof.least_residual > ACCEPTED)  # no answer would be accepted
+    infeasible = proof is not None and bool(proof.least_residual > LARGEST)  # no answer would be accepted
     row = blank_facts(source, problem.hash, collected.step, collected.phase, collected.reference) | vars(found)
     row |= {
         "contacts": nc,

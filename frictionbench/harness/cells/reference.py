@@ -17,7 +17,7 @@ from frictionbench.problems.verify import verify
 from frictionbench.solvers import available, solve
 
 T = TypeVar("T")
-TOL, ACCEPTED = 1e-10, 1e-8  # residuals: the tolerance given to solvers; the largest accepted, the tightest of most suites
+TOL, LARGEST = 1e-10, 1e-8  # residuals: the tolerance given to solvers; the largest accepted, the tightest of most suites
 # In the order tried: an exact method first, then methods of other kinds, which fail on other problems.
 SMALL_PLANAR = ("lemke", "path_search", "interior_point")
 OTHERS = ("hybrid", "nsgs", "interior_point")
@@ -41,7 +41,7 @@ class Reference:
         failed = []
         for name in _names(problem):
             try:
-                finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name].model, ACCEPTED)
+                finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name].model, LARGEST)
             except Exception as error:  # the next may solve it
                 failed.append(f"{name}: {type(error).__name__}")
                 continue
@@ -49,7 +49,7 @@ class Reference:
                 self._answered[name] += 1
                 return np.asarray(answer.impulse, dtype=float)
             failed.append(f"{name}: {finding.residual:.1e}")
-        raise NoReference(f"no reference answer within {ACCEPTED:g} ({', '.join(failed)})")
+        raise NoReference(f"no reference answer within {LARGEST:g} ({', '.join(failed)})")
 
     def __str__(self) -> str:
         counts = self._answered.most_common()
