@@ -28,11 +28,10 @@ def test_shares_by_label(tmp_path) -> None:
 
 
 def test_plane_and_space_have_a_table_each(tmp_path) -> None:
-    """Solvers of the plane alone leave no gap in space."""
+    """Solvers of the plane alone leave no gap in space, nor does a start that only some problems have."""
     rows = [*ROWS, *(solve_row(name, "d", step=3, dimension=3, **HEAVY) for name in ("one", "four"))]
-    run = read_run(write_folder(tmp_path, rows))
+    run = read_run(write_folder(tmp_path, [*rows, solve_row("one", "b", key="warm", start="warm", step=1, **HEAVY, **LARGE)]))
     plane, space = hard_shares(run)
-    assert (plane.where, space.where) == ("in the plane", "in space")
-    assert (plane.problems["all"], space.problems["all"]) == (3, 1)
+    assert [(one.where, one.problems["all"]) for one in (plane, space)] == [("in the plane", 3), ("in space", 1)]
     assert set(space.table["label"]) == {"one", "four"}
     assert gaps(run) == 2  # solver three has a row of one planar problem of three

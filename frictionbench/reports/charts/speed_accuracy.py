@@ -1,6 +1,7 @@
 """The speed-accuracy chart: verified residual against time, one panel per problem class; its caption names the marks."""
 
 from functools import partial
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -14,6 +15,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM, INK, WORST, ZERO, Look, name_axes, residual_axis, time_axis
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.run import Run
+from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import scene_title
 
 STRIP = 2e3  # the strip above WORST
@@ -29,16 +31,17 @@ def panels(run: Run) -> list[Panel]:
     draw = partial(_draw, looks=run.looks, ends=ends, lowest=lowest, across=f"time, {run.rank_by.parts}")
     few = len(run.ranked) <= MOST_TOOLTIPS
     classes = run.ranked.groupby("problem_class", sort=False)
-    return [Panel(name, partial(draw, rows=group), _tooltips(group, run.looks) if few else {}) for name, group in classes]
+    return [Panel(name, partial(draw, rows=group), _tooltips(group, run) if few else {}) for name, group in classes]
 
 
-def _tooltips(rows: pd.DataFrame, looks: dict[str, Look]) -> dict[str, list[str]]:
+def _tooltips(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
     """For each dot the solver, problem, accuracy and time, and the command that runs the cell again."""
     answers = rows[rows["answered"]]
     return {
-        looks[str(label)].tag: [
+        run.looks[str(label)].tag: [
             f"{label}\n{scene_title(row.scene, row.parameters)}, step {row.step}, tolerance {row.tol:g}\n"
-            f"residual {row.residual:.1e} in {seconds(row.time)}: {row.verdict}\nfrictionbench rerun DIR {row.key}"
+            f"residual {row.residual:.1e} in {seconds(row.time)}: {row.verdict}\n"
+            + rerun(Path("DIR"), row.key, row.variant, run.plugins)
             for row in own.itertuples()
         ]
         for label, own in answers.groupby("label")
