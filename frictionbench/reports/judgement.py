@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import ALARM, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
+from frictionbench.reports.drawing.style import ALARM, COLOURS, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
@@ -23,7 +23,6 @@ MOST = 12  # steps in the table of the worst
 ROUNDING = 1e-9  # of the largest component of a net impulse: smaller ones are shown as 0
 MOST_VELOCITIES = 12  # whose net impulses are shown: those of two free bodies in space
 DRAWN = 6  # of them with a picture of their forces
-COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7")
 LEAST = 1e-12  # m/s: where smaller violations are drawn
 
 
@@ -71,7 +70,8 @@ def _residuals(ax: Axes, found: list[Judgement], solved: dict[str, pd.DataFrame]
     ax.plot(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, marker=".", label="the engine")
     for k, (variant, own) in enumerate(solved.items()):
         by_problem = own["residual"].reindex([one.problem for one in found]).to_numpy(float)
-        ax.plot(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % 4], marker=".", label=plain(variant))
+        colour = COLOURS[k % len(COLOURS)]
+        ax.plot(at, np.clip(by_problem, ZERO, WORST), color=colour, marker=".", label=plain(variant))
     residual_axis(ax)
     ax.set_ylim(ZERO / 3, WORST * 3)
     _steps(ax, "verified residual")
@@ -79,7 +79,7 @@ def _residuals(ax: Axes, found: list[Judgement], solved: dict[str, pd.DataFrame]
 
 def _violations(ax: Axes, found: list[Judgement]) -> None:
     at = np.arange(1, len(found) + 1)
-    for colour, law in zip(COLOURS, LAWS, strict=True):
+    for colour, law in zip(COLOURS, LAWS, strict=False):
         values = np.array([getattr(one, law) for one in found])
         if values.any():
             ax.plot(at, np.clip(values, LEAST, None), color=colour, marker=".", label=law)

@@ -44,7 +44,7 @@ RC: Any = {
 }
 # On the page, where a panel is at least 340 px wide: 9.2 of its points, the size of all but few words, are then 11 px.
 ON_PAGE: Any = {"font.size": 11.0, "axes.labelsize": "small", "axes.titlesize": "small"}
-_COLOURS = (
+COLOURS = (
     *("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a6761d"),
     *("#8c6bb1", "#8a9a3b", "#e7298a", "#00a5a5", "#c49a6c", "#7f7f7f"),
 )
@@ -79,7 +79,7 @@ def looks(labels: Iterable[str]) -> dict[str, Look]:
         place, shift = _place(label)
         marks = [look[1:3] for look in [*found.values()][1 - len(_MARKERS) * len(_DASHES) :]]
         dots = [look[:2] for look in found.values()]
-        each = [_drawn(place + k, shift + j) for k in range(len(_COLOURS)) for j in range(len(_MARKERS) * len(_DASHES))]
+        each = [_drawn(place + k, shift + j) for k in range(len(COLOURS)) for j in range(len(_MARKERS) * len(_DASHES))]
         drawn = next((one for one in each if one[1:] not in marks and one[:2] not in dots), each[0])
         found[label] = Look(*drawn, f"label-{_number(label):x}")
     return dict(sorted(found.items()))
@@ -97,8 +97,8 @@ def _place(label: str) -> tuple[int, int]:
 
 
 def _drawn(place: int, shift: int) -> tuple[str, str, Any]:
-    other = place // len(_COLOURS) + place + shift
-    return (_COLOURS[place % len(_COLOURS)], _MARKERS[other % len(_MARKERS)], _DASHES[other % len(_DASHES)])
+    other = place // len(COLOURS) + place + shift
+    return (COLOURS[place % len(COLOURS)], _MARKERS[other % len(_MARKERS)], _DASHES[other % len(_DASHES)])
 
 
 def _number(text: str) -> int:
