@@ -93,13 +93,13 @@ def ranking(summaries: dict[float, pd.DataFrame], problem_class: str) -> list[tu
 
 
 def gaps(run: Run) -> int:
-    """The number of pairs of a problem and a label that have no row, as in a run that has not finished.
+    """The number of pairs of a problem and a solver's variant that have no row, as in a run that has not finished.
 
     In the plane and in space a plan may have other solvers, and some problems have no warm start: pairs are counted for each
     dimension and start.
     """
-    pairs = run.ranked.drop_duplicates(["problem_id", "label"]).groupby(["dimension", "start"])
-    return sum(rows["problem_id"].nunique() * rows["label"].nunique() - len(rows) for _, rows in pairs)
+    pairs = run.ranked.drop_duplicates(["problem_id", "variant", "start"]).groupby(["dimension", "start"])
+    return sum(rows["problem_id"].nunique() * rows["variant"].nunique() - len(rows) for _, rows in pairs)
 
 
 def clocks(run: Run) -> pd.DataFrame:
