@@ -108,11 +108,11 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
 
 
 def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:
-    """Of one panel and of several, with legends of short and of long names; and no text stands on another panel's."""
+    """Of one panel and of several, with legends of short and of long names."""
     paper = write_paper(tmp_path, run, ["profiles", "speed_accuracy", "energy"], 85 / 25.4)
-    for file in paper.glob("*.svg"):
-        width = float(re.search(r'width="([\d.]+)pt"', file.read_text(encoding="utf-8"))[1])
-        assert width == pytest.approx(72 * 85 / 25.4, abs=0.5), file.name
+    texts = {file.stem: file.read_text(encoding="utf-8") for file in paper.glob("*.svg")}
+    widths = [float(re.search(r'width="([\d.]+)pt"', texts[name])[1]) for name in ("profiles", "speed_accuracy", "energy")]
+    assert widths == pytest.approx([72 * 85 / 25.4] * 3, abs=0.5)
 
 
 def compile_latex(folder, name, *commands) -> str:

@@ -60,7 +60,7 @@ def test_site_of_summaries_alone(site: Path, tmp_path: Path) -> None:
 
 
 @in_browser  # which enforces the security policy of the page's script
-def test_history_filters_and_sorts(site: Path, tmp_path: Path) -> None:
+def test_history_offers_its_solvers(site: Path, tmp_path: Path) -> None:
     shown = browse(site, "--dump-dom")
     assert '<option value="lemke">lemke</option>' in shown
 
