@@ -16,10 +16,6 @@ is charged for these. Over all problems of the plane, and over all of space, the
 that every problem skipped counts as not solved.
 
 A solver of single precision is ranked only at the targets for which it was asked: no tighter one is a failure of the method.
-
-The performance profile of Dolan and Moré (2002) is the weighted share of these problems solved to the target within tau times
-the time of the fastest solver. A solver that was skipped on whole classes is also compared with the others on the problems that
-it ran on.
 """
 
 from collections.abc import Sequence

@@ -8,9 +8,9 @@ last.
 
 The lead is the mean of the second solver over that of the first. Its interval holds 95 % of DRAWS bootstrap samples. A sample
 draws scenes with replacement, because problems of one scene are similar, and of robots' steps the models; of each drawn scene
-its problems, stratum by stratum;
-and of each cell its repeats, whose median is its time. In each sample the lead is over the best of the RIVALS next solvers,
-whichever that is. The first is called the winner only where the interval excludes 1; of too few problems there is no interval.
+its problems, stratum by stratum; and of each cell its repeats, whose median is its time. In each sample the lead is over the
+best of the RIVALS next solvers, whichever that is. The first is called the winner only where the interval excludes 1; of too
+few problems there is no interval.
 
 Beside the mean stand the share solved, on how many problems a solver is the fastest, and its mean over the problems that all
 solvers with a mean solve, in which no charge counts. `headline` says it in sentences.

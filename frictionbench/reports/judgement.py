@@ -1,7 +1,6 @@
 """The page on an engine's judged steps: percentiles, the laws, the solvers beside, and the worst steps with their forces.
 
-It is one self-contained file, made from DIR/judgement.json and the table of solves alone. All text of the
-files is escaped.
+It is one self-contained file, made from DIR/judgement.json and the table of solves alone. All text of the files is escaped.
 """
 
 from functools import partial
