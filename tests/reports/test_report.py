@@ -350,7 +350,7 @@ def test_accuracy_by_hand(tmp_path):
     assert dict(sentences(run_of(*rows, *space)))["Every problem that it takes solved to 1e-8"] == "a, b (in the plane)"
     told = write_markdown(folder, read_run(folder)).read_text(encoding="utf-8")
     assert "**Crashed**: weak (1 of 2 problems to 1e-8)." in told
-    assert "| in the plane | 2 | a | 3 ms | 1 | too few to rank | 2 |" in told
+    assert "| in the plane | 2 | a | 3 ms | 1.00 | too few to rank | 2 |" in told
     assert "Wrong claims, with a residual above ten times the tolerance" in write_report(folder).read_text(encoding="utf-8")
 
 
