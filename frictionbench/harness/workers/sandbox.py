@@ -1,12 +1,11 @@
 """The sandbox of a plug-in: what keeps it from the files and the processes of the run, by the best means of this kernel.
 
-SECURITY.md says what each of the four promises. A worker has a home, a cache and a temporary folder of its own as well, so that
-what a solver keeps there is not found by the next, and none of its files can be larger than MOST_FILE.
+SECURITY.md says what each of the four promises. A worker has a home, a cache and a temporary folder of its own as well.
 
 Namespaces, with the processes keeper - init - plug-in: the keeper makes a user namespace, in which it may do what follows
 without privileges outside; a mount namespace, in which the protected folders and the kernel's settings are read-only, and the
-folders above them cannot be moved, because each is a mount; and one of processes, whose first is init. When init ends the
-kernel kills all of them, however they were detached. The keeper ends as the plug-in's process ended, and init with the keeper.
+folders above them cannot be moved, because each is a mount; and one of processes, all of which the kernel kills when its first,
+init, ends. The keeper ends as the plug-in's process ended, and init with the keeper.
 
 Landlock (Linux 5.13) grants rights beneath folders and refuses them everywhere else, for good and for all descendants. The
 rights to write are granted to all that neither is nor holds a protected folder; beside one nothing can be created.
@@ -39,7 +38,7 @@ def best() -> str:
     pid = os.fork()
     if pid == 0:
         try:
-            _enter_namespaces([Path(sys.prefix).resolve()], Path(config.CACHE_DIR))
+            _enter_namespaces([Path(sys.prefix).resolve()], [Path(config.CACHE_DIR)])
         except OSError:
             os._exit(1)
         os._exit(0)
@@ -62,18 +61,19 @@ def use_scratch(scratch: Path, kernels: Path) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (bound, bound))
 
 
-def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], writable: Path) -> None:
+def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], *own: Path) -> None:
     """Confine the calling process, before it runs a plug-in's code; with namespaces it returns in another process.
 
-    writable: a folder to which it may write wherever that lies. Errors: OSError.
+    own: folders to which it may write, beside which lie those of other workers. Errors: OSError.
     """
     if sandbox == GROUPS:
         return
     caches = Path(config.CACHE_DIR).parent
     named = [file for plugin in plugins for file in files(plugin.source)]
     code: list[str | Path] = [PACKAGE.parent, sys.prefix, sys.base_prefix, site.getusersitepackages(), *filter(None, sys.path)]
-    protected = _outermost([folder, folder / "problems", caches, *map(Path, code), *named])
-    (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, writable.resolve())
+    others = [writable.parent for writable in own]
+    protected = _outermost([folder, folder / "problems", caches, *others, *map(Path, code), *named])
+    (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, [writable.resolve() for writable in own])
     _tolerate_read_only_caches()
 
 
@@ -117,8 +117,8 @@ def landlock_version() -> int:
     return found if found >= TRUNCATES else 0
 
 
-def _restrict(protected: Sequence[Path], writable: Path) -> None:
-    """Give up writing to the protected folders, except for the folder writable, and, from version 6 on, signalling others.
+def _restrict(protected: Sequence[Path], own: Sequence[Path]) -> None:
+    """Give up writing to the protected folders, except for those of its own, and, from version 6 on, signalling others.
 
     Errors: OSError.
     """
@@ -127,7 +127,7 @@ def _restrict(protected: Sequence[Path], writable: Path) -> None:
     size = ctypes.sizeof(rules) if scopes else ctypes.sizeof(ctypes.c_uint64)
     ruleset = checked("landlock_create_ruleset", libc.syscall(CREATE_RULESET, ctypes.byref(rules), size, 0))
     try:
-        for path in (*_beside(protected), writable):
+        for path in (*_beside(protected), *own):
             _grant(ruleset, path)
         forbid_new_privileges()
         checked("landlock_restrict_self", libc.syscall(RESTRICT_SELF, ruleset, 0))
@@ -169,8 +169,8 @@ class _Attributes(ctypes.Structure):
     _fields_ = tuple((name, ctypes.c_uint64) for name in ("set", "clear", "propagation", "users"))
 
 
-def _enter_namespaces(protected: Sequence[Path], writable: Path) -> None:
-    """Return in a new process of new namespaces, where only `writable` can be written to beneath the protected folders.
+def _enter_namespaces(protected: Sequence[Path], own: Sequence[Path]) -> None:
+    """Return in a new process of new namespaces, where beneath the protected folders only its own can be written to.
 
     The calling process becomes its keeper and does not return. Errors: OSError, in the calling process or in the new one.
     """
@@ -185,8 +185,9 @@ def _enter_namespaces(protected: Sequence[Path], writable: Path) -> None:
     for path in (*protected, Path("/sys")):
         _mount(path, path, BIND | RECURSIVE)
         _set_attributes(path, _Attributes(set=READ_ONLY))
-    _mount(writable, writable, BIND)
-    _set_attributes(writable, _Attributes(clear=READ_ONLY))
+    for path in own:
+        _mount(path, path, BIND)
+        _set_attributes(path, _Attributes(clear=READ_ONLY))
     os.chdir(os.getcwd())  # into the new mounts; by the old ones all could be written to
     said, says = os.pipe()
     if os.fork():

@@ -3,9 +3,8 @@
 The server imports what workers need once, and forks a supervisor for every socket that the main process sends it. A supervisor
 forks its worker, sends it tasks, and kills it at its deadline. It is the subreaper of all processes that its worker starts, and
 ends them after each task, except for the package's own helper processes (solvers.outside.children). When its socket to the
-main process closes, because that process has finished or was killed, a supervisor ends all its descendants and exits; the
-kernel kills a worker whose supervisor is killed, and the server what that worker had started. A worker that runs a solver from
-outside this repository (Task.owner) runs no other solver, in a sandbox (harness.workers.sandbox).
+main process closes, a supervisor ends all its descendants and exits; the kernel kills a worker whose supervisor is killed, and
+the server what that worker had started. A worker of a plug-in (Task.owner) runs no other solver, in a sandbox.
 """
 
 import json
@@ -226,7 +225,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
         if child.owner:
             kernels = child.scratch.with_name(sha256(f"{folder}\0{child.owner}".encode()).hexdigest())
             kernels.mkdir(exist_ok=True)
-            sandbox.confine(confined, folder, plugin_files, kernels)
+            sandbox.confine(confined, folder, plugin_files, kernels, child.scratch)
             sandbox.use_scratch(child.scratch, kernels)
             dependencies.watch(folder)
         process.use_temporary(child.scratch)

@@ -29,6 +29,7 @@ ATTEMPTS = {
     "edit another solver": "open(LEMKE, 'r+').close()",
     "poison the cache of kernels": "open(CACHE + '/kernel.nbc', 'w').close()",
     "poison that of another version": "open(os.path.dirname(CACHE) + '/0123456789abcdef', 'w').close()",
+    "poison what another worker keeps": "open(os.path.dirname(FREE) + '/kernel.nbc', 'w').close()",
     "remount": "libc = ctypes.CDLL(None); assert libc.mount(None, RUN.encode(), None, 4096 | 32, None) == 0 or 1 / 0",
 }
 KERNEL = {
@@ -131,11 +132,6 @@ def test_root_is_warned(tmp_path, monkeypatch, capfd) -> None:
         monkeypatch.setattr(os, "geteuid", lambda user=user: user)
         load_plugins([str(plugin)])
         assert ("run with root's rights" in capfd.readouterr().err) == warned
-
-
-def test_nothing_is_promised_without_walls(tmp_path) -> None:
-    attempts = {"forge": ATTEMPTS["forge a shard"], "kill": SIGNALS["kill"]}
-    assert refused(sandbox.GROUPS, tmp_path, attempts) == set()
 
 
 # On its first call it does what it can to the run, and afterwards answers with zeros.
