@@ -77,7 +77,8 @@ def finding_columns(
     reference: impulses (nc, d) with whose velocities those of the answer are compared.
     disturbed: another process ran on the core meanwhile, which may be why the first call was slow.
     """
-    findings = [(verify(problem, answer, info.model, tol, quiet=bool(info.needs)), answer) for answer in timing.answers]
+    answers = [*((problem, answer) for answer in timing.answers), *timing.unmet]  # results that are kept may be of other code
+    findings = [(verify(given, answer, info.model, tol, quiet=bool(info.needs)), answer) for given, answer in answers]
     finding, answer = max(findings, key=lambda found: (RANK[found[0].verdict], found[0].residual))
     row: Row = {
         "status": answer.status.name,
@@ -90,8 +91,8 @@ def finding_columns(
         **({} if isinstance(problem, LCP) else _contact_columns(problem, finding, answer, reference)),
     }
     remarks = [finding.reason]
-    if len(findings) > 1:
-        remarks.append(f"the repeats disagree ({len(findings)} different answers); the worst is reported")
+    if len(timing.answers) > 1:
+        remarks.append(f"the repeats disagree ({len(timing.answers)} different answers); the worst is reported")
     if not timing.solve:
         remarks.append("every call compiled or loaded something; no times are reported")
         return row | {"reason": "; ".join(filter(None, remarks))}

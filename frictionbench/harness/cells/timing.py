@@ -2,11 +2,10 @@
 
 A call in which anything was compiled or loaded (numba compiling or reading its cache, Python importing a module) is never a
 sample: it is repeated, and a solver whose every call loads something has no times. The first call gives the answer. If it was
-short its times are discarded, because it also warmed caches, and repeats follow until a budget is spent: at least three, at
-most fifteen. A long call is its own sample. Garbage collection is disabled meanwhile. Times are raw, in seconds. Answers are
-copied when they are returned, so that each timed answer can be verified. An answer that is not plain arrays and numbers is
-converted within the time of its solve: work that is done when the answer is read, or awaited from another thread or a device,
-is work of the solver.
+short its times are discarded, because it also warmed caches, and repeats follow until a budget is spent. A long call is its own
+sample. Garbage collection is disabled meanwhile. Answers are copied when they are returned, so that each timed answer can be
+verified. One that is not plain arrays and numbers is converted within the time of its solve: what is computed when it is read,
+or awaited from another thread or a device, is work of the solver.
 
 A library in another process, which a user of it would not need, is timed by its own clock there (SolverInfo.remote): setup and
 solve are then that clock, but no more than the call took, and the call's time is kept beside them.
@@ -14,8 +13,8 @@ solve are then that clock, but no more than the call took, and the call's time i
 Repeats could be answered from a cache, also innocently, by a memoised matrix, and so could a first call, where the solver met
 the problem in an earlier cell or process. A last call is therefore made on a problem that differs in the last bits, by another
 number of units in each call, so that no file can hold its answer. If it takes much longer, the same problem is solved again,
-and then both with another such problem: where each is slow once and quick afterwards, the solver reuses results, and the
-samples are the calls on the problems that it had not met.
+and then both with another such problem: where each is slow once and quick afterwards, the solver reuses results, and samples
+and answers are those of the problems that it had not met.
 """
 
 import gc
@@ -64,7 +63,7 @@ class Timing:
     first: of the first call, None if it loaded something. spent: of all calls. clock: the samples' times by the library's own
     clock, if it has one. answers: the distinct answers of the first call and of the samples. remote: as above; calls: the time
     of setup and solve with the transfer, of each such sample. reused: how many times as long a problem took that the solver had
-    not met, where it reuses results; else None.
+    not met, where it reuses results, else None; unmet: such problems, then, with the answers.
     """
 
     remote: bool = False
@@ -78,6 +77,7 @@ class Timing:
     spent: float = 0.0
     answers: list[Answer] = field(default_factory=list)
     reused: float | None = None
+    unmet: list[tuple[FrictionProblem | LCP, Answer]] = field(default_factory=list)
 
     def add_answer(self, answer: Answer) -> None:
         if not any(identical(answer, known) for known in self.answers):
@@ -128,7 +128,7 @@ def time_solver(
             for _ in range(max(min(FEWEST, most), min(most, int(BUDGET / max(seconds, 1e-9))))):
                 timing.add_sample(clean_call(lambda: _timed(solver, problem, solve, timing)))
         if timing.solve and (seconds <= BUDGET or met):
-            _question(timing, problem, lambda other: _timed(solver, other, solve, timing), answered)
+            question(timing, problem, lambda other: _timed(solver, other, solve, timing), answered)
     finally:
         if enabled:
             gc.enable()
@@ -140,9 +140,7 @@ def drawn_ulps() -> int:
     return 1 + secrets.randbelow(MOST_ULPS)
 
 
-def _question(
-    timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any], Call], answered: Callable[[], None]
-) -> None:
+def question(timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any], Call], answered: Callable[[], None]) -> None:
     """Replace the samples where the solver is found to reuse results: see above."""
     usual, new = statistics.median(map(sum, zip(timing.form, timing.setup, timing.solve, strict=True))), []
     with suppress(Exception):  # it may fail on the new problem, which is not its cell's
@@ -152,9 +150,10 @@ def _question(
             made = call(other)
             if made.running <= max(SLOW_FIRST * usual, SLOW_NEW) or made.running <= SLOW_FIRST * sum(call(other).times):
                 return
-            new.append(made.times)
-        timing.form, timing.setup, timing.solve = map(list, zip(*new, strict=True))
-        timing.reused, timing.clock, timing.calls = min(map(sum, new)) / max(usual, 1e-9), [], []
+            new.append((other, made))
+        times, timing.unmet = [made.times for _, made in new], [(other, made.answer) for other, made in new]
+        timing.form, timing.setup, timing.solve = map(list, zip(*times, strict=True))
+        timing.reused, timing.clock, timing.calls = min(map(sum, times)) / max(usual, 1e-9), [], []
 
 
 def clean_call(call: Callable[[], Call]) -> Call:

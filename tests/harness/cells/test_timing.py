@@ -8,6 +8,7 @@ import pytest
 from numba import njit
 
 from frictionbench.harness.cells import simulation, timing, worker
+from frictionbench.harness.cells.rows import finding_columns
 from frictionbench.harness.deadline import Deadline
 from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.problems.catalogue import scene
@@ -114,6 +115,16 @@ def test_reused_results_are_not_timed(clock, seconds, loads, known):
     else:
         assert found.solve == pytest.approx([4 * seconds] * 2)
         assert found.reused == pytest.approx(1000)
+        assert len(found.unmet) == 2
+
+
+def test_answers_to_new_problems_are_verified() -> None:
+    """The others are kept on disk, and of a version that was right."""
+    good, bad, info = solve(block(), "lemke"), Answer(np.ones((1, 2)), Status.SOLVED), find("lemke")[0]
+    for unmet, verdict in (good, "solved"), (bad, "wrong"):
+        timing_of = timing.Timing(False, [1.0], [1.0], [1.0], answers=[good], reused=9.0, unmet=[(block(), unmet)])
+        row = finding_columns(block(), timing_of, info, 1e-8, 10.0, None, disturbed=False)
+        assert (row["verdict"], "it reuses earlier results" in row["reason"]) == (verdict, True)
 
 
 def test_long_call_on_a_problem_met_before_is_questioned(clock):
