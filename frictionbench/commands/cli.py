@@ -229,7 +229,7 @@ def compare(
 
     Exit code 0: nothing is worse; 1: a regression; 2: unusable input.
     """
-    from frictionbench.problems import InputError
+    from frictionbench.problems.check import InputError, require
     from frictionbench.reports.comparison.files import write_files
     from frictionbench.reports.comparison.history import history as over_time, lines
     from frictionbench.reports.comparison.markdown import markdown, summarise
@@ -240,8 +240,7 @@ def compare(
     if history:
         typer.echo(over_time(lines(runs)))
         return
-    if len(runs) != 2:
-        raise InputError("DIR: give a baseline and one results folder, or --history for a table of many")
+    require(len(runs) == 2, "DIR", "give a baseline and one results folder, or --history for a table of many")
     baseline, folder = runs
     if folder.is_file():
         raise InputError(f"DIR: {folder} is a file; the second is the folder of a run, which a baseline's file cannot replace")
@@ -251,8 +250,7 @@ def compare(
             typer.echo(markdown(before))
         typer.echo(accepted)
         return
-    if code and not confirm:
-        raise InputError("code: names the code that --confirm runs; give --confirm as well")
+    require(code is None or confirm, "code", "names the code that --confirm runs; give --confirm as well")
     limits = Limits(slowdown, times=not no_times, rank_by=rank_by)
     comparison = compare_runs(baseline, folder, limits)
     if confirm:
@@ -345,11 +343,10 @@ def export(
     lists all.
     """
     from frictionbench.commands.export import export as export_problems, fetch
-    from frictionbench.problems import InputError
+    from frictionbench.problems.check import InputError, require
 
     if problems.startswith("fclib/"):
-        if out:
-            raise InputError("out: a family of fclib is fetched into the user's cache")
+        require(out is None, "out", "a family of fclib is fetched into the user's cache")
         fetch(problems)
         return
     if out is None:

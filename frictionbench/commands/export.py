@@ -11,6 +11,7 @@ from frictionbench.harness.cells.collect import Record, collect, read_records, s
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.problems import LCP, InputError
+from frictionbench.problems.check import require
 from frictionbench.problems.recorded import collection, fclib, own
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
@@ -41,16 +42,14 @@ def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
     for record in records:
         scene = re.sub(r"[^A-Za-z0-9_.-]", "_", record["scene"])
         named[f"{scene}-{record['step']:05d}-{record['contacts']}-{record['problem']}"] = record
-    if len(named) != 1 and out.suffix:
-        raise InputError(f"out: {len(named)} problems need a folder, and {out} has the suffix of a file")
-    if out.suffix not in SUFFIXES:
-        raise InputError(f"out: {out} must end in {', '.join(filter(None, SUFFIXES))}, or name a folder")
+    one = len(named) == 1 or not out.suffix
+    require(one, "out", f"{len(named)} problems need a folder, and {out} has the suffix of a file")
+    require(out.suffix in SUFFIXES, "out", f"{out} must end in {', '.join(filter(None, SUFFIXES))}, or name a folder")
     for name, record in named.items():
         problem = stored(folder, record["problem"])
         ours = isinstance(problem, LCP) or problem.friction_bias.any()
         path = out if out.suffix else out / f"{name}{'.npz' if ours else '.hdf5'}"
-        if out.suffix and path.exists():
-            raise InputError(f"out: {path} exists; it was not overwritten")
+        require(not (out.suffix and path.exists()), "out", f"{path} exists; it was not overwritten")
         if ours and path.suffix != ".npz":
             raise InputError(f"out: FCLIB's format has neither friction biases nor bare LCPs, as {name} is; write it as .npz")
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -11,8 +11,8 @@ from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.plans.plan import MEMORY_LIMIT
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Task, scratch_pool
-from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import instances, scene, scenes
+from frictionbench.problems.check import InputError, require
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DEFAULT_SCHEME, rough_percent
@@ -53,8 +53,7 @@ def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int |
         stage = scene(name, **settings)
     solver_spec = solver_spec or EXACT[stage.dimension]
     variants, plugins = load_plugins([solver_spec])
-    if len(variants) != 1:
-        raise InputError(f"solver: {solver_spec} defines {len(variants)} solvers; name one of them")
+    require(len(variants) == 1, "solver", f"{solver_spec} defines {len(variants)} solvers; name one of them")
     (variant,) = variants
     if not plugins:
         with process.memory_within(MEMORY_LIMIT):

@@ -4,9 +4,8 @@ The problems are the largest of up to MOST contacts of different scenes, and the
 none of them trivial or idle. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
 
 A history has the residual of the solver's answer with work limits of 1, 2, 3, 5, ... units, which are the solver's own: sweeps,
-iterations or pivots. Every answer comes from a new call on a copy of the problem, and its residual is computed on the original;
-no call is timed. So the curve shows the answers that a user gets with these limits, and not the residuals that the method
-computes internally.
+iterations or pivots. Every answer comes from a new call on a copy of the problem, and its residual is computed on the original,
+so that the curve shows what a user gets with these limits; no call is timed.
 """
 
 from collections.abc import Iterable

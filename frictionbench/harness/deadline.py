@@ -1,8 +1,7 @@
 """The deadline of a worker, in memory that it shares with its supervisor.
 
-The worker writes the time until which it may run; its supervisor (harness.workers.supervisor), another process, kills it after
-that. A solver cannot block this as it could block a signal, and native code is stopped like any other. Times are of the
-system's monotonic clock, which does not change when the date is set.
+The worker writes the time until which it may run; its supervisor, another process, kills it after that. A solver cannot block
+this as it could block a signal. Times are of the monotonic clock, which does not change when the date is set.
 """
 
 import os

@@ -1,12 +1,11 @@
 """What a run's results depend on besides this package: the files of its problems, and what its plug-ins load.
 
-The main process hashes it. A run is resumed only where all of it is as it was; a baseline holds the hashes, so that a change of
-a package that a plug-in wraps is not taken for noise where both versions of the plug-in load the changed package.
+The main process hashes it. A run is resumed only where all of it is as it was. The hashes in a baseline show where a package
+that both versions of a plug-in load has changed.
 
 A plug-in's worker reports, after each task, what was loaded or read since it began: modules, shared libraries, files that
-Python or a forked child opened for reading, and programs that it started. Left out are the standard library, the system's
-folders, temporary and compiled files, and what the worker had loaded before; of a library of the suite's the version is
-reported. What native code or a started program reads by itself is not seen.
+Python or a forked child opened for reading, and programs that it started; of a library of the suite's the version. Left out
+are the standard library, the system's folders, temporary and compiled files, and what the worker had loaded before.
 """
 
 import os
@@ -39,7 +38,7 @@ class _Watch:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()
-        self.known = {name.partition(".")[0] for name in sys.modules} | sys.stdlib_module_names
+        self.known = {name.partition(".")[0] for name in sys.modules}
         self.before, self.libraries = set(sys.modules), set(_mapped())
         self.read: set[str] = set()
         self.written: set[str] = set()
@@ -95,18 +94,17 @@ def loaded() -> Loaded:
         for part, place in enumerate(getattr(module, "__path__", None) or [getattr(module, "__file__", None)], 1):
             if place:  # a namespace has several
                 folder = Path(place).name if name.startswith(plugins.MODULE) else top
-                found[f"{folder} {part}" if part > 1 else folder] = str(Path(place).resolve())
-    places = [Path(place) for place in found.values()]
+                found[f"{folder} {part}" if part > 1 else folder] = os.path.abspath(place)  # a link may lead elsewhere later
+    places = [Path(place).resolve() for place in found.values()]
     places += [_watch.folder, *_left_out()]
     _watch.add_forked()
     read = {*_mapped(), *_watch.read} - _watch.libraries - _watch.written
-    others = {_source(Path(path)).resolve() for path in read}
     ours = [module for name, module in list(sys.modules.items()) if name.partition(".")[0] in _watch.known]
-    others -= {Path(file).resolve() for module in ours if (file := getattr(module, "__file__", None))}
-    for path in sorted(others):
-        metadata = path.parent.suffix in (".dist-info", ".egg-info")
-        if path.is_file() and path.suffix not in COMPILED and not metadata and not any(map(path.is_relative_to, places)):
-            found[_named(path)] = str(path)
+    known = {Path(file).resolve() for module in ours if (file := getattr(module, "__file__", None))}
+    for path in sorted(_source(Path(path)) for path in read):
+        real, metadata = path.resolve(), path.parent.suffix in (".dist-info", ".egg-info")
+        if real.is_file() and path.suffix not in COMPILED and not metadata and real not in known:
+            found |= {} if any(map(real.is_relative_to, places)) else {_named(path): str(path)}
     return found
 
 
@@ -144,9 +142,9 @@ def _left_out() -> list[Path]:
 
 
 def _named(path: Path) -> str:
-    """The path below the first place where Python finds code, or the file's name."""
-    homes = [Path(place).resolve() for place in sys.path if place]
-    return next((str(path.relative_to(home)) for home in homes if path.is_relative_to(home)), path.name)
+    """The path below the first place where Python finds code, or the whole path."""
+    homes = [home for place in sys.path if place for home in (Path(place).absolute(), Path(place).resolve())]
+    return next((str(path.relative_to(home)) for home in homes if path.is_relative_to(home)), str(path))
 
 
 def differing(plan: Plan, recorded: dict[str, str]) -> list[str]:

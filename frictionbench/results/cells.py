@@ -9,6 +9,7 @@ its core and had few repeats.
 """
 
 import json
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -37,7 +38,7 @@ class Cells:
     """The cells of one run, and facts about it.
 
     sources: of solvers from plug-ins, by variant, a file or a name. loaded: what they loaded, by variant and name a hash or a
-    version. finished: whether all cells were run.
+    version; places: and from where, which a baseline does not tell. finished: whether all cells were run.
     """
 
     path: Path
@@ -50,6 +51,7 @@ class Cells:
     sources: dict[str, str] = field(default_factory=dict)
     loaded: dict[str, dict[str, str]] = field(default_factory=dict)
     finished: bool = True
+    places: dict[str, dict[str, str]] = field(default_factory=dict)
 
     @property
     def measured(self) -> pd.DataFrame:
@@ -122,6 +124,8 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
         key=_with_files(rows, manifest),
         limit=rows["time_limit"],
     )
+    content, places = manifest.get("content", {}), _places(manifest)
+    loaded = {name: {part: (content.get(place) or "-")[:HASH] for part, place in own.items()} for name, own in places.items()}
     return Cells(
         folder,
         _typed(rows),
@@ -131,8 +135,9 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
         manifest.get("versions", {}).get("frictionbench", ""),
         str(manifest.get("finished") or manifest.get("started") or ""),
         sources(settings),
-        _loaded(manifest),
+        loaded,
         bool(manifest.get("finished")),
+        places,
     )
 
 
@@ -151,14 +156,18 @@ def _with_files(rows: pd.DataFrame, manifest: dict[str, Any]) -> list[str]:
     return [f"{key}{FILE}{hashes[place][:HASH]}" if (place := (scene, text)) in hashes else key for key, scene, text in places]
 
 
-def _loaded(manifest: dict[str, Any]) -> dict[str, dict[str, str]]:
-    """What the plug-ins loaded, by variant and name, as the manifest states it."""
-    loaded, content = manifest.get("loaded", {}), manifest.get("content", {})
-    return {
-        variant: {name: (content.get(place) or "-")[:HASH] for name, place in loaded[source].items()}
-        for variant, source in sources(manifest["settings"]).items()
-        if source in loaded
-    }
+def _places(manifest: dict[str, Any]) -> dict[str, dict[str, str]]:
+    """From where the plug-ins loaded what, by variant and name. Of names, which may be paths, as much of the end as tells them
+    from others, and is the same on other machines."""
+    found = {}
+    for variant, source in sources(manifest["settings"]).items():
+        own, ends = manifest.get("loaded", {}).get(source, {}), dict[str, list[str]]()
+        for name in own:
+            parts = Path(name).parts
+            ends[name] = ["/".join(parts[k:]) for k in reversed(range(len(parts)))] if name.startswith("/") else [name]
+        often = Counter(end for each in ends.values() for end in each)
+        found[variant] = {next((end for end in ends[name] if often[end] == 1), name): place for name, place in own.items()}
+    return found
 
 
 def _counted(work: Any, **found: float) -> str:

@@ -1,9 +1,8 @@
 """Comparison of two runs, as a gate for CI: verdicts first, deterministic work counters next, times last.
 
 Verdicts and work are comparable across machines and raise an alert by themselves. Times raise an alert only if processes of
-both versions ran alternately (results.times); two runs are one process each, which is not enough for a statistical statement.
-`confirm` takes into account the results of running the alerting cells again. Exit codes: 0 nothing worse, 1 a regression,
-2 unusable input, which includes two runs without a common cell.
+both versions ran alternately (results.times). `confirm` takes into account the results of running the alerting cells again.
+Exit codes: 0 nothing worse, 1 a regression, 2 unusable input, which includes two runs without a common cell.
 """
 
 from collections import Counter
@@ -163,9 +162,9 @@ def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
         yield "The baseline is this very run, which cannot be worse than itself."
 
 
-def other_loads(recorded: Cells, before: Cells) -> dict[str, list[str]]:
+def other_loads(recorded: Cells, before: Cells, alone: bool = True) -> dict[str, list[str]]:
     """By variant the names of what a plug-in of the baseline's code loaded with another content than the baseline was made
-    with, or of what one of the two loaded alone: its results do not tell what the baseline's version would do here.
+    with, or, if `alone`, of what one of the two loaded: its results do not tell what the baseline's version would do here.
 
     A library of the suite's, of which the version is known, may be loaded in one run and not in another.
     """
@@ -173,7 +172,8 @@ def other_loads(recorded: Cells, before: Cells) -> dict[str, list[str]]:
     for variant in before.table["variant"].unique():
         known, then = recorded.loaded.get(variant, {}), before.loaded.get(variant, {})
         other = {name for name in known.keys() | then.keys() if known.get(name) != then.get(name)}
-        names = [name for name in other if name in known.keys() & then.keys() or "." not in (known | then)[name]]
+        both = known.keys() & then.keys()
+        names = [name for name in other if name in both or (alone and "." not in (known | then)[name])]
         found |= {variant: sorted(names)} if names else {}
     return found
 
@@ -186,9 +186,8 @@ def confirm(
     pairs: of the alternating runs, the cells of the baseline's code and of the current code; if the baseline's code is not
     available, both is false and its recorded cells are used. An alert remains if it occurs in more than HALF of the pairs, or
     if its solver did not run again, or is one of `others` (other_loads); a verdict other than a timeout remains if it is worse
-    in more than FLAKY of the pairs, less those in which it is better; times are judged by their confidence intervals. A
-    verdict that is so often worse is an alert also where the two runs did not show it: a timeout that the speed of another
-    machine may explain is none of this machine's.
+    in more than FLAKY of the pairs, less those in which it is better. A verdict that is so often worse is an alert also where
+    the two runs did not show it. Times are judged by their confidence intervals.
     """
     votes: Counter[tuple[str, str]] = Counter()
     seen: dict[tuple[str, str], Flip] = {}

@@ -1,10 +1,9 @@
 """Files of others: read only if they are regular and not too large, and written atomically inside the folder that was given.
 
 A results folder may come from an untrusted source. A symbolic link in it could redirect what is written; subfolders that are
-symbolic links are therefore refused, and a file is written under a temporary name in the same folder and then renamed, which
-replaces a link instead of following it. What is read could be a pipe or a device, or a link to one, at which a read never ends;
-every file is therefore opened by `opened` or `read_text`. Texts can hold characters that a terminal or a browser would obey:
-those of files, and of what workers reply, pass through `cleaned` once, where they are read.
+links are therefore refused, and a file is written under a temporary name in the same folder and then renamed, which replaces a
+link. What is read could be a pipe or a device, at which a read never ends; every file is therefore opened by `opened`. Texts
+can hold characters that a terminal or a browser would obey: those of files and replies pass through `cleaned` once.
 """
 
 import json

@@ -4,9 +4,8 @@
     simulations   a row per scene, scheme and solver, run in closed loop
     batches       a row per batch of small problems, solver, way to solve them all, start and tolerance
 
-Rows are in the order of the run's plan; while the run has not finished they are ordered by key. Lists hold single repeats or
-curves. The text columns `parameters` and `work` hold JSON objects. A number that was not measured is null. docs/columns.md is
-made from this file by tools/columns.py.
+Rows are in the order of the run's plan, of one that has not finished by key. Lists hold single repeats or curves. The columns
+`parameters` and `work` hold JSON. A number that was not measured is null. tools/columns.py makes docs/columns.md from it.
 """
 
 import re

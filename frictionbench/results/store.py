@@ -10,9 +10,8 @@
     DIR/shrunk/                   failing problems reduced in size, see commands.shrink
     DIR/report.html, report.md, paper/    made from the files above, see reports
 
-A line that is not a row, as where a writer was killed, is ignored, and its cell runs again. Of several rows with the same key
-the first counts. The tables are written from the rows of before the run and those that its main process keeps in memory: what
-others do to shards meanwhile does not count. Files that declare more than the limits below are refused before they are read.
+A line that is not a row, as where a writer was killed, is ignored, and its cell runs again. Of several rows of a key the first
+counts. Tables are written from the rows of before the run and those that its main process keeps in memory.
 """
 
 import json

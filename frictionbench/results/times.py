@@ -1,10 +1,8 @@
 """Comparison of the times of two codes over pairs of processes, one of each code, that ran alternately.
 
-Repeats within a process share its memory layout, its core and its period of time, so that they are one sample (results.cells).
-A pair gives one number per solver, the mean over its cells of log(after / before). From n pairs follow the ratio, as the
-Hodges-Lehmann estimate (1963) of the centre, its exact confidence interval by Wilcoxon's signed ranks (1945), and p, the
-two-sided test of no change. No model of the noise is needed, and outliers among the pairs have little influence. One pair gives
-no information on the variation: the interval is (0, inf).
+A process is one sample. A pair gives one number per solver, the mean over its cells of log(after / before). From n pairs follow
+the ratio, as the Hodges-Lehmann estimate (1963) of the centre, its exact confidence interval by Wilcoxon's signed ranks (1945),
+and p, the two-sided test of no change. One pair gives no information on the variation: the interval is (0, inf).
 
 A disturbed cell (results.cells) is left out of its pair, because its time says more of the machine than of the code. One that
 is disturbed in every process of the later code and in few of the earlier is slow by that code's own doing, such as a child

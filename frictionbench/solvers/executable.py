@@ -6,8 +6,7 @@ is a source of solvers.plugins: a command, in the quoting of a shell, though no 
 the paths of the two files; a word that names an existing file is made absolute, as the command runs in a temporary folder that
 is removed afterwards. docs/executable.md documents both files.
 
-The text of the problem is made in form; writing it, the process, and reading the answer count as solve. A clock of the
-executable's own is the column clock_time.
+The text of the problem is made in form; writing it, the process, and reading the answer count as solve.
 """
 
 import errno

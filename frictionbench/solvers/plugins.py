@@ -1,9 +1,8 @@
 """Solvers from outside this repository: a file given on the command line, or an entry point of an installed distribution.
 
-A source is a module that registers its classes with @solver when it is imported, or an executable. It is named by a string:
-the path of a file, which ends in .py and stands for all solvers that the file defines; a command of an executable, which begins
-with exec: (solvers.executable); or the name of an entry point in the group frictionbench.solvers, which is the name of the
-solver (docs/plugin.md).
+A source is a module that registers its classes with @solver when it is imported, or an executable. It is named by the path of
+a file, which ends in .py and stands for all solvers that the file defines; by a command of an executable, which begins with
+exec: (solvers.executable); or by an entry point in the group frictionbench.solvers, whose name is that of the solver.
 
 Importing a source runs its code, so the harness imports it only in worker processes. Installed plug-ins are listed from their
 metadata, without importing them. A plug-in cannot replace a solver of this package.
@@ -20,7 +19,7 @@ from pathlib import Path
 from numba import config
 from numba.core import caching
 
-from frictionbench.problems import InputError
+from frictionbench.problems.check import InputError, require
 from frictionbench.solvers import executable
 from frictionbench.solvers.interface import available
 
@@ -101,20 +100,17 @@ def load(source: str) -> tuple[str, ...]:
     except BaseException as error:  # a plug-in may also call sys.exit
         raise InputError(f"solver: {source}{by} cannot be imported ({describe_error(error)})") from error
     added = tuple(sorted(available().keys() - before))
-    if point and source not in added:
-        raise InputError(f"solver: {name}{by} defines no solver {source}")
-    if not added:
-        raise InputError(f"solver: {source} defines no solver; decorate a class with @solver")
+    require(point is None or source in added, "solver", f"{name}{by} defines no solver {source}")
+    require(bool(added), "solver", f"{source} defines no solver; decorate a class with @solver")
     return (source,) if point else added
 
 
 def _import_file(name: str, path: str) -> None:
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
-    assert spec.loader is not None
     sys.modules[name] = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(sys.modules[name])
+    try:  # its compiled file is of any source of the same size and second, as where a link leads elsewhere now
+        exec(compile(Path(path).read_bytes(), path, "exec"), vars(sys.modules[name]))
     except BaseException:
         del sys.modules[name]
         raise
@@ -138,8 +134,7 @@ def describe_error(error: BaseException) -> str:
 def _point(name: str) -> EntryPoint:
     """The entry point of this name. Errors: InputError if no distribution, or more than one, declares it."""
     points = {(point.value, distribution(point)): point for point in entry_points(group=GROUP, name=name)}
-    if not points:
-        raise InputError(f"solver: no installed distribution declares an entry point {name} in the group {GROUP}")
+    require(bool(points), "solver", f"no installed distribution declares an entry point {name} in the group {GROUP}")
     if len(points) > 1:
         raise InputError(
             f"solver: {name} is declared by {' and by '.join(sorted(where for _, where in points))}; uninstall all but one"

@@ -1,6 +1,7 @@
 """`compare --confirm` repeats alerts with the old and the new code in turn before it fails."""
 
 import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from frictionbench.results import baseline, cells
 from frictionbench.results.compare import Comparison, Limits, accept, compare
 from frictionbench.solvers import plugins
 from tests.helpers.command_line import frictionbench
+from tests.helpers.made_results import SETTINGS, solve_row, write_folder
 from tests.helpers.plugin import write
 
 pytestmark = pytest.mark.slow  # whole runs in new processes: what a pair of codes does, which no quick test sees
@@ -65,9 +67,15 @@ def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> Non
 
 def test_missing_code(seen, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(seen.current.parent)
-    for code, told in (("nowhere", "neither a folder nor a revision"), (str(tmp_path), "solvers/guest.py is not in")):
+    for code, told in (("nowhere", "neither a folder nor"), ("", "is empty"), (str(tmp_path), "solvers/guest.py is not in")):
         with pytest.raises(InputError, match=f"code: .*{told}"):
             again(seen, code)
+    for place, told in ((str(tmp_path), "both versions would run it"), (sys.prefix, "holds no other executable")):
+        with pytest.raises(InputError, match=told):
+            confirm.baseline_code(place, ["exec:/bin/true {problem} {answer}"], tmp_path)
+    ours = [write_folder(tmp_path / name, [solve_row("lemke", "p")], settings=SETTINGS | {"suite": "smoke"}) for name in "ab"]
+    with pytest.raises(InputError, match=r"code: .* holds no frictionbench"):
+        confirm.confirmed(compare(*ours, UNTIMED), UNTIMED, [], str(tmp_path), print)
     with pytest.raises(InputError, match="solver: guest is not part of frictionbench"):
         again(seen, None, ())
 
@@ -86,20 +94,34 @@ def test_baseline_revision_is_unpacked(fork, tmp_path, monkeypatch) -> None:
         subprocess.run(["git", *command], check=True)
     write(guest, body="raise ValueError")
     command = f"exec:{link}/solvers/guest.py {{problem}} {{answer}}"
-    for moved in confirm.baseline_code("HEAD", [str(guest), command], tmp_path / "scratch").solvers:
-        (file,) = plugins.files(moved)
-        assert file.is_relative_to(tmp_path / "scratch")
-        assert "raise" not in file.read_text(encoding="utf-8")
+    for scratch, place in ((tmp_path / "scratch", home), (tmp_path / "below", home / "solvers")):
+        monkeypatch.chdir(place)
+        code = confirm.baseline_code("HEAD", [str(guest), command], scratch)
+        assert (code.command[-1] == str(scratch / "code")) == fork
+        for moved in code.solvers:
+            (file,) = plugins.files(moved)
+            assert file.is_relative_to(scratch)
+            assert "raise" not in file.read_text(encoding="utf-8")
     if fork:
         elsewhere = str(write(tmp_path / "elsewhere.py"))
         assert confirm.baseline_code("HEAD", [elsewhere], tmp_path / "scratch").solvers == [elsewhere]
+    Path("HEAD").mkdir()
+    with pytest.raises(InputError, match=r"both a folder and a revision; write \./HEAD or HEAD"):
+        confirm.require_code("HEAD")
 
 
 def test_a_run_of_another_content_is_refused(seen, monkeypatch) -> None:
     monkeypatch.chdir(seen.current.parent)
-    guest = Path("solvers/guest.py")
-    before = guest.read_bytes()
-    guest.write_bytes(before + b"# changed")
-    with pytest.raises(InputError, match=r"^DIR: .* was made with another content of solvers/guest\.py"):
+    changed, guest = cells.read(seen.current), Path("solvers/guest.py")
+    changed.loaded["guest"]["guest.py"] = "0"
+    monkeypatch.setattr(confirm, "_cells", lambda *_: changed)
+    with pytest.raises(InputError, match=r"was made with another content of guest\.py"):
         again(seen, None)
-    guest.write_bytes(before)
+    write(Path("other.py"))  # of a solver of the same name
+    guest.write_bytes(guest.read_bytes() + b"# changed")
+    for named in ("solvers/guest.py", "other.py"):
+        with pytest.raises(InputError, match=rf"^DIR: .* was made with another content of .*/{named}"):
+            again(seen, None, (named,))
+    monkeypatch.setattr(confirm.machine, "revision", lambda: "another")
+    with pytest.raises(InputError, match="was made with another content of frictionbench"):
+        again(seen, None)

@@ -84,13 +84,16 @@ def test_fewer_failures_make_up_for_none(tmp_path: Path) -> None:
 
 def test_a_baselines_code_that_crashes_excuses_nothing(tmp_path: Path) -> None:
     """As where a file that it needs is not in the revision: neither verdicts nor times can be compared with it."""
-    stored, crashed = (
-        cells.read(write_folder(tmp_path / name, [solve_row("a", "p"), row])).table
-        for name, row in (("stored", solve_row("a", "q")), ("crashed", unanswered_row("a", "q", "crashed")))
+    stored, crashed, lacking, slow = (
+        cells.read(write_folder(tmp_path / row["verdict"], [solve_row("a", "p"), row])).table
+        for row in (solve_row("a", "q"), *(unanswered_row("a", "q", verdict) for verdict in ("crashed", "unsolved", "timeout")))
     )
-    require_whole("code: main", stored, [crashed, stored])
+    for ran in ([crashed, stored], [slow, slow], [lacking, lacking]):  # of two cells one, which is not the code's doing
+        require_whole("code: main", stored, ran)
     with pytest.raises(ResultsError, match=r"^code: main: a, bar\[friction=0.2\] \(a-q-1e-08\) is crashed here and solved"):
         require_whole("code: main", stored, [crashed, crashed])
+    with pytest.raises(ResultsError, match="of 1 cells of a that the baseline solved 1 are not solved here, as if it lacked"):
+        require_whole("code: main", stored.tail(1), [lacking])  # an executable behind a script, which is not in git
 
 
 def test_unfinished_runs_are_no_baseline(tmp_path: Path) -> None:
@@ -150,8 +153,9 @@ def test_times_of_another_version_pass_nothing(tmp_path: Path) -> None:
     del lacks.loaded["a"]["wrapped"]
     assert other_loads(stored, lacks) == {"a": ["wrapped"]}
     assert "a loads no wrapped there" in of_another_version(stored, lacks, stored, [])
-    assert "both versions run the current wrapper.py" in of_another_version(stored, changed, changed, [Path("wrapper.py")])
-    assert of_another_version(stored, stored, changed, [Path("wrapper.py")]) == ""
+    assert "both versions run the current wrapper.py" in of_another_version(stored, changed, changed, [Path("/here")])
+    assert of_another_version(stored, changed, changed, [Path("/elsewhere")]) == ""
+    assert of_another_version(stored, stored, changed, [Path("/here")]) == ""
 
 
 @pytest.mark.parametrize(("place", "verdict"), [("first", "timeout"), ("body", "crashed")])
@@ -176,15 +180,15 @@ sys.path[:0] = [{home!r}, {home!r} + '/one', {home!r} + '/two']
 import wrapped, spread.first, spread.second
 """
 READS = (
-    "import numpy, runpy; numpy.load({home!r} + '/gains.npy'); runpy.run_path({home!r} + '/run.py'); "
+    "import sched, numpy, runpy; numpy.load({home!r} + '/a.npy'); runpy.run_path({home!r} + '/run.py'); "
     "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close(); import os, subprocess; "
-    "subprocess.run([{home!r} + '/started.sh']); subprocess.run({home!r} + '/shell.sh', shell=True); "
+    "subprocess.run([{home!r} + '/run.sh']); subprocess.run({home!r} + '/sh.sh', shell=True); "
     "os.system({home!r} + '/by_os.sh 1'); import multiprocessing; fork = multiprocessing.get_context('fork'); "
     "opened = (numpy.load, 'child.npy'), (open, 'made.txt', 'w'), (open, 'made.txt'); "
     "children = [fork.Process(target=call, args=({home!r} + '/' + name, *mode)) for call, name, *mode in opened]; "
     "[child.start() or child.join() for child in children]"
 )
-READ = ("gains.npy", "child.npy", "two/one.py", "run.py", "named.txt", "both.txt", "started.sh", "shell.sh", "by_os.sh")
+READ = ("a.npy", "child.npy", "wrapped/to/one.py", "run.py", "named.txt", "both.txt", "run.sh", "sh.sh", "by_os.sh", "sched.py")
 SPREAD = {"spread": "one/spread", "spread 2": "two/spread"}  # a package of two folders
 
 
@@ -195,10 +199,10 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
         (tmp_path / folder / "spread").mkdir(parents=True)
         (tmp_path / folder / "spread" / f"{module}.py").write_text("GAIN = 1.0", encoding="utf-8")
     (tmp_path / "wrapped").mkdir()
-    (tmp_path / "wrapped" / "linked").symlink_to(tmp_path / "two")
-    (tmp_path / "wrapped" / "__init__.py").write_text("import wrapped.core, wrapped.linked.one", encoding="utf-8")
+    (tmp_path / "wrapped" / "to").symlink_to(tmp_path / "two")
+    (tmp_path / "wrapped" / "__init__.py").write_text("import wrapped.core, wrapped.to.one", encoding="utf-8")
     (tmp_path / "wrapped" / "core.py").write_text("GAIN = 1.0", encoding="utf-8")
-    np.save(tmp_path / "gains.npy", np.ones(3))
+    np.save(tmp_path / "a.npy", np.ones(3))
     np.save(tmp_path / "child.npy", np.ones(3))
     for name in READ[2:]:
         (tmp_path / name).write_text("#!/bin/sh" if name.endswith(".sh") else "1", encoding="utf-8")
@@ -222,6 +226,15 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     place = changed if changed in (*READ, "problem.npz") else changed.rpartition("/")[0]
     with pytest.raises(ResultsError, match=f"{tmp_path / place}: has another content"):
         again()
+
+
+def test_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
+    paths = {"/x/a/a.npy": "1", "/x/b/a.npy": "2", "/y/wrapper.py": "3"}
+    loaded = {"wrapper.py": {dependencies._named(Path(path)): path for path in paths} | {"wrapper.py": "/x/a/a.npy"}}
+    plugins = [{"source": "wrapper.py", "solvers": {"a": {}}}]
+    made = write_folder(tmp_path, [], settings=SETTINGS | {"plugins": plugins}, loaded=loaded, content=paths)
+    wanted = {"a/a.npy": "1", "b/a.npy": "2", "y/wrapper.py": "3", "wrapper.py": "1"}
+    assert cells.read(made).loaded["a"] == wanted
 
 
 def test_a_run_does_not_finish_with_inputs_that_changed(tmp_path: Path) -> None:

@@ -37,7 +37,6 @@ STANDS_FOR = {
     "[SUITE]": "smoke",
     "SUITE": "smoke",
     "ADDRESS": "tcp://127.0.0.1:8786",
-    "--out SITE": "--out site",
     "run batch --out DIR": "run batch --out runs/batch",
     "BASELINE": "baselines/smoke.tsv",
     "FILE.hdf5": "made.hdf5",
@@ -53,7 +52,6 @@ STANDS_FOR = {
     "[--figures A,B]": "--figures profiles",
     "DIR": "runs/now",
     "--solver NAME": "--solver lemke",
-    "NAME": "mine.py",
     "FILE": "problem.npz",
 }
 # What is added, by how a command begins, unless it is named in the command: fewer problems, solvers, steps.
@@ -92,7 +90,7 @@ REFUSED = {
 def commands(text: str) -> list[str]:
     """The commands of a document: indented lines without their remarks, and those in a line of text."""
     found = re.findall(r"^    frictionbench (.+?)(?:\s+# .*)?$|`frictionbench ([^`\n]+ [^`\n]+)`", text, re.MULTILINE)
-    return [own for pair in found for own in pair if own and not own.startswith("study ")]  # tests/studies run them on less
+    return [own for pair in found for own in pair if own]
 
 
 def executable(command: str, row: str) -> str:

@@ -99,17 +99,18 @@ def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
     return long.set_column(SCHEMA.names.index("reason"), "reason", pa.array(["x" * length]).take(pa.array([0] * rows)))
 
 
-def test_a_deeply_nested_text_has_no_counts() -> None:
-    assert counts(f'{{"sweeps": {"[" * 600}{"]" * 600}}}') == {}
-
-
 @pytest.mark.parametrize(
     "text",
-    ["[" * 10**6, '{"settings": {"a": ' + "9" * 5000, f'{{"settings": {{}}, "schema": {SCHEMA_VERSION}, "machine": "x"}}'],
+    [
+        "[" * 10**6,
+        '{"settings": {"a": ' + "9" * 5000,
+        f'{{"settings": {{}}, "schema": {SCHEMA_VERSION}, "machine": "x"}}',
+        f'{{"settings": {{}}, "schema": {SCHEMA_VERSION + 1}}}',
+    ],
 )
 def test_invalid_manifest(tmp_path, text) -> None:
     (tmp_path / "manifest.json").write_text(text, encoding="utf-8")
-    with pytest.raises(ResultsError, match=r"manifest\.json: "):
+    with pytest.raises(ResultsError, match=r"manifest\.json: |has schema version"):
         store.read_manifest(tmp_path)
 
 
@@ -213,11 +214,3 @@ def test_edited_maps(change) -> None:
     assert maps_of({"settings": {"maps": [MAP]}})[0].name == "m"
     with pytest.raises(ResultsError, match="maps: cannot be read"):
         maps_of({"settings": {"maps": [MAP | change]}})
-
-
-def test_other_schema_is_refused(tmp_path) -> None:
-    folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
-    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-    (folder / "manifest.json").write_text(json.dumps(manifest | {"schema": SCHEMA_VERSION + 1}), encoding="utf-8")
-    with pytest.raises(ResultsError, match="schema version"):
-        store.read_manifest(folder)

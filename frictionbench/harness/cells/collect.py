@@ -1,9 +1,8 @@
 """The problems of the cells: recorded along a simulation with verified reference answers, labelled, and stored by their hash.
 
 A recorded problem also has starts, the same for every solver that takes one: `warm`, the impulses of the previous problem of
-the same phase, and `shuffled`, those of a problem drawn from the whole motion; both transferred contact by contact. An initial
-guess in a file of FCLIB's is `warm` as well, unless it is zero; so is, in a sequence of files, the answer of the file before,
-where both have as many contacts.
+the same phase, and `shuffled`, those of a problem drawn from the whole motion; both transferred contact by contact. `warm` is
+also a guess in a file of FCLIB's, unless it is zero, and the answer of the file before where it has as many contacts.
 
 The reference answer, refined to what rounding allows, stands beside its problem: velocities are compared with it.
 
@@ -34,7 +33,7 @@ from frictionbench.problems.analysis.outcomes import refined
 from frictionbench.problems.analysis.stability import sensitivity
 from frictionbench.problems.analysis.thresholds import existence
 from frictionbench.problems.catalogue import instances, make_instance, scene
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, require
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.recorded import read_recording
 from frictionbench.problems.recorded.archive import read_arrays
@@ -135,8 +134,7 @@ def stored(folder: Path, problem: str) -> FrictionProblem | LCP:
     """A stored problem by its hash. Errors: InputError where the file is missing, damaged, or holds another problem."""
     path = folder / "problems" / f"{problem}.npz"
     found = load(path)
-    if found.hash != problem:
-        raise InputError(f"{path}: holds another problem, {found.hash}, than the one its name is the hash of")
+    require(found.hash == problem, str(path), f"holds another problem, {found.hash}, than the one its name is the hash of")
     return found
 
 
@@ -171,8 +169,8 @@ def stored_start(folder: Path, problem: str, source_origin: str, start: str, dig
         impulses = read_arrays(path)[start]
     except (InputError, KeyError):
         raise InputError(f"{path}: the start {start} cannot be read: the file is missing or damaged") from None
-    if digest and _digest(impulses) != digest:
-        raise InputError(f"{path}: holds another start {start} than the one that was collected")
+    same = not digest or _digest(impulses) == digest
+    require(same, str(path), f"holds another start {start} than the one that was collected")
     return impulses
 
 
@@ -229,8 +227,7 @@ def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
     if source.pick == 0:
         return [(Collected(0, first_phase(source.scheme), first_problem_of(stage, source.scheme)), {})]
     found, ended = _motion(stage, source.steps)
-    if not found:
-        raise InputError(f"scene: {source.scene} yields no problem{': ' if ended else ''}{ended}")
+    require(bool(found), "scene", f"{source.scene} yields no problem{': ' if ended else ''}{ended}")
     found = [each._replace(idle=_idle(each.problem)) for each in found]
     working = [i for i, each in enumerate(found) if not each.idle] or range(len(found))
     chosen = [working[i] for i in np.unique(np.linspace(0, len(working) - 1, min(source.pick, len(working))).astype(int))]

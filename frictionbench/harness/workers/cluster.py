@@ -2,8 +2,7 @@
 
 A dask worker must run the same code of this project as the main process (docs/cluster.md has the commands); one that joins
 later is checked as well, with every outcome. dask itself runs a task whose worker ends on other workers, as often as its
-scheduler's setting distributed.scheduler.allowed-failures says, by default three times. Rows hold the name of the host that
-timed them.
+scheduler's setting distributed.scheduler.allowed-failures says, by default three times.
 """
 
 from collections.abc import Callable, Iterable, Iterator

@@ -1,9 +1,8 @@
 """Tasks in isolated worker processes.
 
 Each worker runs one task at a time on a core of its own. A task that crashes its worker, hangs, or leaves processes running
-affects no other task: its supervisor (harness.workers.supervisor) ends it, and ends everything when this process ends. A
-worker killed from outside, or whose supervisor was killed, says nothing about the solver: the task is run again, up to TRIES
-times in all.
+affects no other task: its supervisor (harness.workers.supervisor) ends it, and ends everything when this process ends. Where a
+worker or its supervisor was killed from outside, the task is run again, up to TRIES times in all.
 """
 
 import json

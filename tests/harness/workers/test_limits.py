@@ -5,8 +5,6 @@ import subprocess
 import sys
 from functools import partial
 
-from frictionbench.commands.single import solve_one
-from frictionbench.harness.cells import worker
 from frictionbench.harness.deadline import Deadline
 from tests.helpers.paths import ROOT
 
@@ -38,12 +36,6 @@ def test_worker_that_cannot_start_ends_the_command() -> None:
     assert done.returncode == 2
     assert "ulimit -v" in done.stderr or "MemoryError" in done.stderr
     assert "crashed" not in done.stdout
-
-
-def test_scenes_are_built_in_a_worker(monkeypatch, capsys) -> None:
-    monkeypatch.setattr(worker, "collect", lambda *_: 1 / 0)  # in this process; workers are not its copies
-    solve_one("stack[blocks=1]", ["lemke"], 1e-6, 10.0, 1)
-    assert "solved" in capsys.readouterr().out
 
 
 OURS = """

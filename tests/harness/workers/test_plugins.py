@@ -80,11 +80,18 @@ def test_edited_plugin_is_refused(tmp_path) -> None:
 
 def test_files_of_equal_name(tmp_path) -> None:
     one, other = write(tmp_path / "one" / "guest.py"), tmp_path / "other" / "guest.py"
-    write(other, body="return None")
+    write(other, body="PASS")
     other.write_text(other.read_text(encoding="utf-8").replace('"guest"', '"visitor"'), encoding="utf-8")
     variants, plugins = load_plugins([str(one), str(other)])
     assert variants == ("guest", "visitor")
     assert len({plugin.content for plugin in plugins}) == 2
+    link = tmp_path / "link.py"
+    for made, name in (one, "guest"), (other, "visit"):  # of one size and time: its compiled file would be of both
+        made.write_text(made.read_text(encoding="utf-8").replace('"visitor"', '"visit"'), encoding="utf-8")
+        os.utime(made, (1, 1))
+        link.unlink(missing_ok=True)
+        link.symlink_to(made)
+        assert load_plugins([str(link)])[0] == (name,)
     with pytest.raises(InputError, match="guest is defined by two plug-ins; give one of them"):
         load_plugins([str(one), str(write(tmp_path / "other" / "guest.py"))])
 
@@ -112,7 +119,6 @@ def test_revision(tmp_path, monkeypatch) -> None:
 
     def revision(root: Path) -> str:
         monkeypatch.setattr(machine, "PACKAGE", root / "frictionbench")
-        machine.content.cache_clear()
         return machine.revision.__wrapped__()
 
     (tmp_path / "site-packages" / "frictionbench").mkdir(parents=True)
@@ -124,19 +130,16 @@ def test_revision(tmp_path, monkeypatch) -> None:
     git("init", "--quiet")
     git("add", ".")
     git("commit", "--quiet", "--message=a")
-    try:
-        installed = revision(tmp_path / "site-packages")  # a plain install in somebody's repository
-        clean = revision(tmp_path)
-        code.write_text("x = 2", encoding="utf-8")
-        dirty = revision(tmp_path)
-        code.write_text("x = 3", encoding="utf-8")
-        assert installed.startswith(f"{version('frictionbench')}+")
-        assert "dirty" not in clean
-        assert dirty.startswith(f"{clean}-dirty-")
-        assert revision(tmp_path) not in (clean, dirty)
-        (code.parent / "new.py").write_text("", encoding="utf-8")
-        code.write_text("x = 1", encoding="utf-8")
-        assert "dirty" in revision(tmp_path)  # for a file that nobody added
-    finally:
-        monkeypatch.undo()
-        machine.content.cache_clear()
+    monkeypatch.setattr(machine, "content", machine.content.__wrapped__)
+    installed = revision(tmp_path / "site-packages")  # a plain install in somebody's repository
+    clean = revision(tmp_path)
+    code.write_text("x = 2", encoding="utf-8")
+    dirty = revision(tmp_path)
+    code.write_text("x = 3", encoding="utf-8")
+    assert installed.startswith(f"{version('frictionbench')}+")
+    assert "dirty" not in clean
+    assert dirty.startswith(f"{clean}-dirty-")
+    assert revision(tmp_path) not in (clean, dirty)
+    (code.parent / "new.py").write_text("", encoding="utf-8")
+    code.write_text("x = 1", encoding="utf-8")
+    assert "dirty" in revision(tmp_path)  # for a file that nobody added
