@@ -62,7 +62,6 @@ def threshold(ratios: Iterable[float] = (0.25, 0.5, 0.9, 1.1, 2, 3, 4, 6), draws
 def summary(found: Tables) -> Summary:
     random, piles, threshold = (found[name] for name in ("random", "piles", "threshold"))
     below, beyond = threshold[threshold["p0"]], threshold[~threshold["p0"]]
-    everywhere = below["plain"].sum() == below["draws"].sum()
     modest, wide = random[random["friction"] <= 1], random[random["friction"] > 1]
     ratio = (random["plain_work"] / random["relaxation_work"]).median()
     tall = piles[piles["blocks"] == piles["blocks"].max()]
@@ -79,8 +78,6 @@ def summary(found: Tables) -> Summary:
         "tall_most": f"{tall['plain_work'].max():.0f}",
         "piles_solved": piles["plain"].sum(),
         "piles": len(piles),
-        "p0_solved": everywhere,
-        "p0_draws": below["draws"].sum(),
         "p0_share": share(below["plain"].sum(), below["draws"].sum()),
         "lost": int((beyond["draws"] - beyond["plain"]).sum()),
         "beyond": beyond["draws"].sum(),
