@@ -60,7 +60,7 @@ from frictionbench.problems.spec import split
 from frictionbench.problems.verdicts import SINGLE
 from frictionbench.solvers.balanced import with_balance
 from frictionbench.solvers.clock import TimeLimit, is_over
-from frictionbench.solvers.needs import installed_version
+from frictionbench.solvers.needs import LICENSED, installed_version
 
 __all__ = ["Answer", "Solved", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]
 
@@ -182,7 +182,8 @@ class SolverInfo:
         """The reason why the solver cannot be used on this machine, or None."""
         absent = [need for need in self.needs if installed_version(need) is None]
         extra = "; pip install 'frictionbench[relaxation]'" if RELAXATION.intersection(absent) else ""
-        return f"{', '.join(absent)} not installed{extra}" if absent else None
+        licence = " or without a valid licence" if LICENSED.keys() & absent else ""
+        return f"{', '.join(absent)} not installed{licence}{extra}" if absent else None
 
     @property
     def version(self) -> str:

@@ -83,8 +83,9 @@ class Path:
     settings: default, tuned or velocities. Work: pivots (minor iterations) if the log contains them.
 
     Licence: GAMSPy MIT; GAMS and PATH proprietary, with a demonstration licence in the package gamspy_base, which forbids
-        commercial use, covers at most 1000 rows and may expire; it is never a dependency. GAMS' free licences are for academic
-        or personal use and for five months; results may be published only with the method documented and with no COPT, CPLEX,
+        commercial use, covers at most 1000 rows and expires (that of 54.6.1 on 26 November 2026): GAMS then fails without a
+        reason, and the solver counts as not installed. It is never a dependency. GAMS' free licences are for academic or
+        personal use and for five months; results may be published only with the method documented and with no COPT, CPLEX,
         Gurobi, Knitro, LINDO or Xpress in the table. Its library is not linked here.
     Form: the friction LCP's M, dense and scaled, and q; with settings=velocities the mixed problem, a sparse M, of velocities,
         impulses and the joints' multipliers, where the mechanics are known. Setup: the records of GAMSPy's model, which is made

@@ -20,7 +20,7 @@ from frictionbench.problems.spec import parse
 from frictionbench.problems.verify import verify
 from frictionbench.results import store
 from frictionbench.solvers import Answer, Status, available, find, plugins, solve
-from frictionbench.solvers.needs import installed_version
+from frictionbench.solvers.needs import LICENSED, installed_version
 from frictionbench.solvers.outside.children.child import Child, DiedError
 from frictionbench.solvers.outside.mujoco import MuJoCo
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
@@ -232,13 +232,14 @@ def test_commands_of_flaws_and_settings(field, command, name) -> None:
         assert not default or less <= work / 1.5
 
 
-def test_missing_requirements() -> None:
+def test_missing_requirements(monkeypatch) -> None:
     plugins.load(str(FAKE_LIBRARIES))
-    missing = "no-such-distribution, no.such.module@/usr/bin/python3 not installed"
-    assert find("missing_library")[0].missing == missing
+    assert find("missing_library")[0].missing == "no-such-distribution, no.such.module@/usr/bin/python3 not installed"
     with pytest.raises(InputError, match="not installed"):
         solve(block(), "missing_library")
     assert installed_version("numpy") == np.__version__
+    monkeypatch.setitem(LICENSED, "numpy", "raise SystemExit('the licence has expired')")
+    assert installed_version.__wrapped__("numpy") is None
 
 
 def test_crashed_child_is_restarted() -> None:
