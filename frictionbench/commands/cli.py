@@ -534,7 +534,12 @@ def main() -> None:
             _run()
         except Unwritable:
             raise
-        except Exception:  # Python would exit with 1, which means a regression
+        except Exception as error:  # Python would exit with 1, which means a regression
+            if traceback.extract_tb(error.__traceback__)[-1].filename.endswith("numba/core/caching.py"):
+                from frictionbench.solvers.plugins import describe_error
+
+                typer.echo(f"frictionbench: {describe_error(error)}", err=True)
+                sys.exit(2)
             traceback.print_exc()
             sys.exit(3)
 

@@ -13,6 +13,7 @@ from numba.core import caching
 from frictionbench.problems import compiled
 from frictionbench.problems.forms.cone import nearest
 from frictionbench.solvers.plugins import describe_error
+from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT
 
 KERNEL = """
@@ -78,12 +79,15 @@ def test_temporary_cache_folder(package) -> None:
     assert folder.parent.stat().st_mode & 0o077 == 0
 
 
-def test_damaged_kernels_are_told(tmp_path) -> None:
+def test_damaged_kernels_are_told(tmp_path, monkeypatch) -> None:
     kept = caching.IndexDataCacheFile(str(tmp_path), "kernel", None)
     (tmp_path / "kernel.nbi").touch()
     with pytest.raises(EOFError) as caught:
         kept.load("signature")
     assert describe_error(caught.value).endswith(f"; compiled kernels are damaged: delete {config.CACHE_DIR}")
+    monkeypatch.setattr("frictionbench.commands.cli._run", lambda: kept.load("signature"))
+    done = frictionbench("export")
+    assert (done.returncode, done.stderr.endswith(f"are damaged: delete {config.CACHE_DIR}\n")) == (2, True)
 
 
 def test_intrinsic_called_from_python() -> None:
