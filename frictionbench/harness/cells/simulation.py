@@ -2,7 +2,8 @@
 
 An answer moves the bodies also where its verdict is not `solved`; a malformed one (of the wrong shape, or not finite) is
 replaced by zero impulses. The motion ends as diverged when its energy is not finite or a million times the scene's; it also
-ends when the scheme's equations have no solution.
+ends when the scheme's equations have no solution. It has no time where every call loaded something, or where the last problem
+is answered much faster than one that differs in the last bits: by results that were kept, as in files of an earlier run.
 """
 
 from collections import Counter
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness.cells.timing import clean_call, timed_call
+from frictionbench.harness.cells.timing import Call, Timing, clean_call, question, timed_call
 from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.answer import AnswerError
@@ -34,6 +35,7 @@ class _ClosedLoop:
         self._info, self._solver, self._tol = info, solver, cell.tol
         self.verdicts: Counter[Verdict] = Counter()
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
+        self._last: tuple[FrictionProblem, Call] | None = None
 
     def __call__(self, problem: FrictionProblem) -> Array:
         verdict, impulse = self._verified(problem)
@@ -44,11 +46,11 @@ class _ClosedLoop:
         """The verdict on the solver's answer, and its impulses; None where they are malformed."""
         given = duplicate(problem)
         try:
-            call = clean_call(lambda: timed_call(self._solver, given, lambda ready: self._solver.solve(ready, self._tol, None)))
+            call = clean_call(lambda: self._timed(given))
         except AnswerError as error:
             self.worst_residual = np.inf
             return malformed(error), None
-        answered = perf_counter()
+        answered, self._last = perf_counter(), (given, call)
         self.solver_time += np.nan if call.loaded else sum(call.times)
         finding = verify(problem, call.answer, self._info.model, self._tol, quiet=bool(self._info.needs))
         self.worst_residual = max(self.worst_residual, finding.residual)
@@ -57,6 +59,18 @@ class _ClosedLoop:
         verdict = finding.verdict if same(problem, given) else Verdict.WRONG
         self.overhead += perf_counter() - answered
         return verdict, usable(problem, call.answer.impulse)
+
+    def _timed(self, problem: FrictionProblem) -> Call:
+        return timed_call(self._solver, problem, lambda ready: self._solver.solve(ready, self._tol, None))
+
+    def time(self) -> float | None:
+        """The solver's time, s, or None."""
+        timing = Timing()
+        if self._last and np.isfinite(self.solver_time):
+            problem, call = self._last
+            timing.add_sample(call)
+            question(timing, problem, self._timed, lambda: None)
+        return self.solver_time if np.isfinite(self.solver_time) and timing.reused is None else None
 
     def verdict(self) -> tuple[Verdict, str]:
         """The worst verdict on any problem, and the number of problems with each verdict other than solved."""
@@ -120,7 +134,7 @@ def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver
         "worst_penetration": max(penetrations),
         "path_error": max(errors, default=None),
         "contact_free_steps": contact_free,
-        "solver_time": loop.solver_time if np.isfinite(loop.solver_time) else None,  # not where every call loaded something
+        "solver_time": loop.time(),
         "overhead": loop.overhead,
         "times": times,
         "energies": energies,
