@@ -47,4 +47,4 @@ class Progress:
                     self.tell(f"{name}: {count} of {total}")
                 yield item
         if not self._console.is_terminal:
-            self.tell(f"{name}: all {total} done")
+            self.tell(f"{name}: {'all ' * (total > 1)}{total} done")

@@ -121,9 +121,11 @@ def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simul
         return known[given]
     found = [key for key in known if key.startswith(given) or key.partition("-")[2].startswith(given)]
     if not found or not given:
-        failed = [key for key, (_, row) in known.items() if row.get("verdict") not in (*ACCEPTED, Verdict.SKIPPED)]
+        bad = [(key, row) for key, (_, row) in known.items() if row.get("verdict") not in (*ACCEPTED, Verdict.SKIPPED)]
+        failed = [f"{key} ({row.get('variant')}: {row.get('verdict')})" for key, row in bad]
         some = f"; rows that failed: {', '.join(failed[:5])}{', ...' * (len(failed) > 5)}" if failed else ""
-        raise ResultsError(f"{folder}: no row has the key {given!r}; the report and the column `key` list them{some}")
+        told = f"no row has the key {given!r}" if given else "give the key of a row"
+        raise ResultsError(f"{folder}: {told}; the report and the column `key` list them{some}")
     if len(found) > 1:
         listed = ", ".join(found[:3])
         raise ResultsError(f"{folder}: {len(found)} rows have a key that begins with {given!r}: {listed}, ...")
@@ -238,7 +240,8 @@ def read_manifest(folder: Path) -> Row:
     """The manifest of a results folder. Errors: ResultsError if DIR is not a results folder or the manifest is unusable."""
     path = folder / "manifest.json"
     if not folder.is_dir():
-        raise ResultsError(f"{folder}: no such results folder")
+        file = " and no such baseline; compare --accept writes one" if folder.suffix == ".tsv" else ""
+        raise ResultsError(f"{folder}: no such results folder{file}")
     try:
         manifest = read_json(path, LARGEST_MANIFEST)
     except FileNotFoundError:

@@ -55,6 +55,7 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
         ("run smoke --scene stack --cluster x", "cluster: no scheduler answers at x"),
         ("run smoke --tol -1", "tol: must lie between"),
         ("compare a b --slowdown 0.9", "Invalid value for '--slowdown': "),
+        ("compare a.tsv b", "no such baseline; compare --accept writes one"),
         ("compare --history a b --out c", "frictionbench: history: "),
         (f"compare a {__file__}", "frictionbench: DIR: "),
         ("solve stack[block=2]", "block: the scene stack has no such parameter (did you mean blocks?)"),

@@ -67,7 +67,7 @@ def test_shrink_writes_a_file(tmp_path, monkeypatch) -> None:
     assert shlex.split(command)[2:] == [str(path), "--solver", os.path.relpath(BAD_SOLVERS), "--tol", "1e-08"]
     with pytest.raises(InputError, match="only failing rows can be shrunk"):
         shrink(folder, rows.loc["lemke", "key"], [])
-    with pytest.raises(ResultsError, match=r"no row has the key.*rows that failed: solve-"):
+    with pytest.raises(ResultsError, match=r"no row has the key.*rows that failed: solve-\w+ \(wrong_zero: wrong\)"):
         shrink(folder, "nonsense", [])
     monkeypatch.setattr("frictionbench.commands.shrink.row_of", lambda *_: {"verdict": "timeout", "reason": "its limit"})
     with pytest.raises(InputError, match=r"was wrong and is timeout \(its limit\) from a cold start.*longer --time-limit"):
