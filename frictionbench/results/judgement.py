@@ -34,7 +34,7 @@ QUANTITIES = {  # what percentiles are shown of, with units
     "energy_defect": "J",
 }
 NO_CREEP = 1e-6  # of the free velocity: less is rounding
-# Softness explains a creep where its share of the impulse is this part of the creep's share of the free velocity, or more: MuJoCo
+# Softness explains a creep where its share of the impulse is this part of the creep's share of the free velocity: MuJoCo
 # has 0.2 and more for boxes on a slope if its solver converges, 0.01 to 0.03 if PGS ends after 3 iterations or CG after 2.
 SOFT = 0.1
 AMONG = 2  # times as many steps as a table shows are those that it is chosen from

@@ -65,7 +65,7 @@ def test_judgements(folder) -> None:
     assert (found["apart.npz"].contacts, found["apart.npz"].residual) == (0, 0.0)
     creep = {"exact.npz": 0, "creeping.npz": pytest.approx(0.002), "deep.npz": 0, "apart.npz": None}  # rounding is 0
     assert {name: one.known("creep") for name, one in found.items()} == creep
-    for soft, cause in ((0.01, "make contacts harder"), (0.001, "tighten its tolerance")):  # a creep of 2 % of the free velocity
+    for soft, cause in ((0.01, "make contacts harder"), (0.001, "tighten its tolerance")):  # creep: 2 %
         assert cause in Judged([creeping._replace(notes={"softness of contacts": soft})], pd.DataFrame()).creep
     creeps = percentiles(one.creep for one in found.values() if one.creep is not None)
     assert creeps == pytest.approx({"p50": 0, "p90": 0.002, "p99": 0.002, "worst": 0.002}, abs=1e-12)
