@@ -175,6 +175,8 @@ def report(
 
     if (paper or markdown) and has_batches(folder):
         raise InputError(f"{'paper' if paper else 'markdown'}: a run of batches has a page and no figures")
+    if not paper and (solvers or scenes or figures):
+        raise InputError("paper: --solvers, --scenes and --figures choose what --paper shows; give it as well")
     run = read_run(folder, rank_by, budget)
     if paper:
         from frictionbench.harness.progress import Progress

@@ -25,7 +25,7 @@ from frictionbench.solvers.interface import available
 
 GROUP = "frictionbench.solvers"
 MODULE = "frictionbench_plugin_"  # begins the name of a file's module
-FRAMES = 3  # of a traceback that describe_error names: enough to reach the plug-in's own code
+FRAMES = 4  # of a traceback that describe_error names: enough to reach the plug-in's own code, also from what @solver refuses
 
 
 def is_file(source: str) -> bool:
@@ -120,7 +120,8 @@ def describe_error(error: BaseException) -> str:
     """An error in one line, with the file and line of its last frames, the innermost first."""
     if isinstance(error, SyntaxError):  # its text names the file and the line; the frames are those of the import
         return f"{type(error).__name__}: {error}"
-    frames = traceback.extract_tb(error.__traceback__)[: -FRAMES - 1 : -1]
+    files = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith("<")]
+    frames = files[: -FRAMES - 1 : -1]  # not of Python's own import and dataclasses, which name no file
     places = " < ".join(f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}" for frame in frames)
     try:
         text = str(error)

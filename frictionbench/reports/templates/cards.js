@@ -6,7 +6,7 @@ for (const table of document.querySelectorAll(".wide > table")) {
     if (!row.querySelector("th")) continue;
     let column = 0;
     for (const head of row.cells) {
-      for (let k = 0; k < head.colSpan; k++, column++) heads[column] = [heads[column], head.textContent.trim().replaceAll("_", "_\u200b")].filter(Boolean).join(", ");
+      for (let k = 0; k < head.colSpan; k++, column++) heads[column] = [heads[column], head.textContent.trim().replaceAll("_", "_\u200b").replaceAll("e-", "e-\u2060")].filter(Boolean).join(", ");
     }
   }
   if (heads.length > 3) table.classList.add("several");
