@@ -56,8 +56,9 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
             store.write_manifest(folder, known | {"workers": None if cluster else jobs, "walls": pool.sandbox})
             records = _collect(plan, pool, progress)
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
-            if not plan.expects:
-                progress.tell(_announced(plan, cells, records))
+            left = [cell for cell in cells if cell.key not in rows[cell.table]]
+            if left and not plan.expects:
+                progress.tell(_announced(plan, left, records))
             if not distant:
                 _run(cells, records, plan, folder, pool, progress, rows)
                 record_histories(plan, folder, records.values(), rows["solves"].values(), pool, progress)
@@ -79,7 +80,7 @@ def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str
     takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in (least, most))
     cells_of = f"{count(len(cells), 'cell')} of {count(len(records), 'problem')}"
     told = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
-    return f"{told}, some {longest} where all take their {plan.time_limit:g} s; kernels are compiled first, at their first use"
+    return f"{told}, about {longest} where all take their {plan.time_limit:g} s; kernels are compiled first, at their first use"
 
 
 def _run(
