@@ -11,7 +11,8 @@ The portfolio stops at the first answer whose residual, computed here from the p
 tolerance, and so is what rounding may hide: contacts that nearly jam have answers of huge impulses and of small ones. On the
 candidates of the suite `hard` no other method solves a problem that the first two do not solve. In the plane the staggered
 method solves problems in which a very heavy body rests beside light ones, whose digits factorisations lose; in space proximal
-points solve walls of boxes in which the interior point stops short. (Algorithm portfolios: Gomes and Selman 2001.)
+points solve walls of boxes in which the interior point stops short, and projected gradients rows of dry friction that are all
+but dependent, where the shifts of the others' steps exceed what W has left. (Algorithm portfolios: Gomes and Selman 2001.)
 
 The time of an interior point grows with the number of contacts, that of a pivot with the square of the active ones, and the
 number of pivots is not known beforehand: one a contact in stacks that stick, two to five where contacts slide or open. In
@@ -36,7 +37,8 @@ from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import first_phase_of
 
-PLANAR, SPATIAL = ("lemke", "interior_point", "staggered"), ("nsgs", "interior_point", "proximal_newton")
+PLANAR = "lemke", "interior_point", "staggered"
+SPATIAL = "nsgs", "interior_point", "proximal_newton", "apgd_coulomb"
 NEWTON = "Newton's method on dense rows"  # solvers.dense, which is no solver by itself
 SHARE = 0.9  # of what is left of a time limit, for each member but the last: nearly all problems are solved by the first
 STORAGE = 2**32  # bytes of dense matrices above which another member is left out: its pivots would take hours
@@ -60,7 +62,7 @@ Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
     dimension=(2, 3),
     warm_start=True,
     sparse=True,
-    members=("lemke", "interior_point", "staggered", "nsgs", "proximal_newton"),
+    members=("lemke", "interior_point", "staggered", "nsgs", "proximal_newton", "apgd_coulomb"),
 )
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.

@@ -71,8 +71,8 @@ def test_newtons_method_is_first_where_contacts_in_space_are_few() -> None:
     [
         (random_problem(1, 4), ("lemke", "interior_point", "staggered")),
         (random_problem(1, 40), ("interior_point", "lemke", "staggered")),
-        (known_by_W(cubes(1)), ("nsgs", "interior_point", "proximal_newton")),
-        (cubes(4), ("interior_point", "nsgs", "proximal_newton")),
+        (known_by_W(cubes(1)), ("nsgs", "interior_point", "proximal_newton", "apgd_coulomb")),
+        (cubes(4), ("interior_point", "nsgs", "proximal_newton", "apgd_coulomb")),
     ],
 )
 def test_members_share_a_time_limit(problem, members: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:

