@@ -19,7 +19,8 @@ from matplotlib.artist import Artist
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.files import NOTHING, save_sheet
+from frictionbench.reports.drawing.files import NOTHING, legend_size, save_sheet
+from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import ESCAPED, bibliography, escaped
 from frictionbench.reports.printed import REFERENCES, Table, printed
@@ -29,7 +30,8 @@ from frictionbench.results.files import ResultsError, read_text, subfolder, writ
 
 LARGEST = 2**20  # bytes of captions, some thousand of them
 FONT = 7  # points, in figures: the smallest size that journals accept
-ASPECT, TALLEST = 0.75, 5.2  # height of a panel over its width; inches of panels: a page of 7.6 has legend and caption besides
+ASPECT, TALLEST = 0.75, 5.6  # height of a panel over its width; inches of panels and legend, on a page of 7.6 with a caption
+SHRUNK = 0.3  # of a row of panels: what may be wanting for one more row, where all are then lower by less than a quarter
 NARROWEST, MOST_COLUMNS = 1.6, 3  # inches of a panel; panels side by side
 LETTERS = 75  # of a row that a column of text takes at a readable size; a table of longer rows takes the width of the page
 CITED = 4  # letters of a citation by number
@@ -91,8 +93,10 @@ def _save(
     """Save a figure, in parts that fit on a page; the caption of each part by its name. handles: what the legend names besides
     the solvers."""
     columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
-    size = width / columns, ASPECT * width / columns
-    most = columns * max(1, int(TALLEST / size[1]))
+    height = ASPECT * width / columns
+    room = TALLEST - legend_size([plain(name) for name in run.looks], width, FONT)[1]
+    rows = max(1, min(-(-len(panels) // columns), int(room / height + SHRUNK)))
+    size, most = (width / columns, min(height, max(room, NARROWEST) / rows)), columns * rows
     captions, title = {}, caption.partition(". ")[0].rstrip(".")
     for k in range(0, len(panels), most):
         name, own = f"{stem}_{k // most + 1}" if k else stem, panels[k : k + most]

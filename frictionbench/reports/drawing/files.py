@@ -1,6 +1,6 @@
 """Figures as files for a paper: sheets of panels as SVG and PDF. The same panels always give the same files, byte for byte."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from textwrap import fill
 
@@ -63,9 +63,15 @@ def save_sheet(
     return list(named)
 
 
+def legend_size(names: Collection[str], width: float, font: float) -> tuple[int, float]:
+    """The columns of a legend in a width, inches, and its height, inches. font: points."""
+    longest = max(map(len, names), default=0) + HANDLE
+    across = max(1, int(width / (LETTER * font * longest)))
+    return across, 0.02 * font * -(-len(names) // across)
+
+
 def _legend(figure: Figure, named: Mapping[str, Artist], height: float, font: float) -> None:
     """A legend below the panels, in as many columns as the longest name leaves room for; the figure grows by its height."""
-    longest = max(map(len, named), default=0) + HANDLE
-    across = max(1, int(figure.get_figwidth() / (LETTER * font * longest)))
-    figure.set_figheight(height + 0.02 * font * -(-len(named) // across))
+    across, own = legend_size(named, figure.get_figwidth(), font)
+    figure.set_figheight(height + own)
     figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=across, handlelength=3)
