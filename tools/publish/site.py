@@ -16,7 +16,7 @@ from frictionbench.reports.accuracy import OVERALL
 from frictionbench.reports.page import write_report
 from frictionbench.reports.templates import environment
 from frictionbench.results.conventions import RankBy
-from frictionbench.results.files import subfolder, write_text
+from frictionbench.results.files import replaced, subfolder, write_text
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import read_table
 from tools.publish.summary import Summary, page_of, write
@@ -81,9 +81,9 @@ def _files(entry: Entry, site: Path) -> list[dict[str, str]]:
         for pattern in COPIED:
             for path in sorted(entry.folder.glob(pattern)):
                 if path.is_file() and not path.is_symlink() and not path.parent.is_symlink():
-                    copy = home / path.relative_to(entry.folder)
-                    copy.parent.mkdir(exist_ok=True)
-                    shutil.copyfile(path, copy, follow_symlinks=False)
+                    place = subfolder(home, str(path.parent.relative_to(entry.folder)))
+                    with replaced(place / path.name) as copy:  # not through a link that is there
+                        shutil.copyfile(path, copy)
         write_report(home)
         found = {"report.html": "the whole report", **found}
         for table in TABLES:
