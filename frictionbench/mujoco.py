@@ -127,7 +127,8 @@ def step(
 
     stage = _stage(mj, model, data)
     posed_problem = _problem(mj, model, stage)
-    guess = None if before is None else start(model, data, before)
+    keys, frames = _keys(mj, data), _frames(mj, data)
+    guess = None if before is None else _guess(before, keys, frames)
     begin = thread_time()
     answer = solve(posed_problem, solver, tol=tol, start=guess, limit=limit)
     seconds = thread_time() - begin
@@ -136,7 +137,6 @@ def step(
     energy = _energy(mj, model, data, stage, impulse, velocity) | {"defect": ledger_defect(posed_problem, impulse)}
     delta = _correction(mj, model, data, stage, velocity)
     energy["correction"] = -float(delta @ data.qfrc_smooth)
-    keys, frames = _keys(mj, data), _frames(mj, data)
     _advance(mj, model, data, stage, impulse, velocity)
     mj.mj_integratePos(model, data.qpos, delta, 1.0)
     depth = float(-stage.contacts.gap.min(initial=0.0)) + 0.0
@@ -151,7 +151,11 @@ def start(model: Any, data: Any, before: Step) -> Array:
     """
     import mujoco as mj
 
-    keys, frames = _keys(mj, data), _frames(mj, data)
+    return _guess(before, _keys(mj, data), _frames(mj, data))
+
+
+def _guess(before: Step, keys: list[Hashable], frames: Array) -> Array:
+    """The impulses (nc, 3) of the step before, in the frames of these rows; zero for rows that it had not."""
     old = np.array([before.memory.get(key, np.zeros(3)) for key in keys]).reshape(-1, 3)
     return np.einsum("kij,kj->ki", frames, old)
 

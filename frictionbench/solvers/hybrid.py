@@ -62,7 +62,7 @@ Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
     dimension=(2, 3),
     warm_start=True,
     sparse=True,
-    members=("lemke", "interior_point", "staggered", "nsgs", "proximal_newton", "apgd_coulomb"),
+    members=tuple(dict.fromkeys((*PLANAR, *SPATIAL))),
 )
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.

@@ -65,12 +65,14 @@ class _ClosedLoop:
 
     def time(self) -> float | None:
         """The solver's time, s, or None."""
+        if not np.isfinite(self.solver_time):
+            return None
         timing = Timing()
-        if self._last and np.isfinite(self.solver_time):
+        if self._last:
             problem, call = self._last
             timing.add_sample(call)
             question(timing, problem, self._timed, lambda: None)
-        return self.solver_time if np.isfinite(self.solver_time) and timing.reused is None else None
+        return self.solver_time if timing.reused is None else None
 
     def verdict(self) -> tuple[Verdict, str]:
         """The worst verdict on any problem, and the number of problems with each verdict other than solved."""
