@@ -34,7 +34,7 @@ def test_scenes_that_cannot_be_made(tmp_path, monkeypatch) -> None:
         inputs.require_buildable([("stack", {"blocks": 3000000})])
 
 
-@pytest.mark.parametrize("command", ["export", "show"])
+@pytest.mark.parametrize("command", ["export", pytest.param("show", marks=pytest.mark.slow)])
 def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
     """They are refused in the process that builds them, which has the limit during that only."""
     assert frictionbench(command, "stack[blocks=2]", "--out", str(tmp_path / "small.hdf5")).returncode == 0  # compiles

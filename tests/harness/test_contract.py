@@ -105,7 +105,9 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("body", FAULTS)
+@pytest.mark.parametrize(
+    "body", [pytest.param(body, marks=[pytest.mark.slow] if quick else []) for quick, body in enumerate(FAULTS)]
+)
 def test_a_fault_of_every_call_is_told_once_and_ends_the_checks(body, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(examine, "LIMIT", 2.0)
     result = CliRunner().invoke(

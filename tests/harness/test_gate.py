@@ -189,10 +189,13 @@ READS = (
     "[child.start() or child.join() for child in children]"
 )
 READ = ("a.npy", "child.npy", "wrapped/to/one.py", "run.py", "named.txt", "both.txt", "run.sh", "sh.sh", "by_os.sh", "sched.py")
+OTHERS = ("two/spread/second.py", *READ[1:], "problem.npz")
 SPREAD = {"spread": "one/spread", "spread 2": "two/spread"}  # a package of two folders
 
 
-@pytest.mark.parametrize("changed", ["wrapped/core.py", "two/spread/second.py", *READ, "problem.npz"])
+@pytest.mark.parametrize(
+    "changed", ["wrapped/core.py", "a.npy", *(pytest.param(name, marks=pytest.mark.slow) for name in OTHERS)]
+)
 def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: Path) -> None:
     """A module of the wrapped packages, files that the solver reads and programs that it starts, the file of a problem."""
     for folder, module in ("one", "first"), ("two", "second"):
@@ -335,7 +338,12 @@ def test_leaving_its_core_is_recorded(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("body", "verdict"),
-    [("answer.impulse += 1", "wrong"), ("answer.work = None", "wrong"), ("raise ValueError", "crashed"), ("pass", "solved")],
+    [
+        ("answer.impulse += 1", "wrong"),
+        ("raise ValueError", "crashed"),
+        pytest.param("answer.work = None", "wrong", marks=pytest.mark.slow),
+        pytest.param("pass", "solved", marks=pytest.mark.slow),
+    ],
 )
 def test_failure_of_the_first_call_of_a_process(body: str, verdict: str, tmp_path: Path) -> None:
     """As of a table that is filled by the first call, after it was read."""

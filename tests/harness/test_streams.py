@@ -49,7 +49,9 @@ def test_comparison_with_unwritable_output(runs, pair, ending, code, told) -> No
     assert shell(f"{SHELL} compare {folders} {ending}") == (code, told)
 
 
-@pytest.mark.parametrize("environment", [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C", "PYTHONUTF8": "0"}])
+@pytest.mark.parametrize(
+    "environment", [{"PYTHONIOENCODING": "ascii"}, pytest.param({"LC_ALL": "C", "PYTHONUTF8": "0"}, marks=pytest.mark.slow)]
+)
 def test_comparison_in_ascii(runs, environment) -> None:
     for folder, code in (("same", 0), ("worse", 1)):
         assert shell(f"{SHELL} compare {runs['before']} {runs[folder]}", **environment) == (code, "")

@@ -8,6 +8,8 @@ from frictionbench.results.compare import compare
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import write_folder
 
+pytestmark = pytest.mark.slow  # a run of five solvers; the quick tests compare rows that were made by hand
+
 SOLVER = '''
 import numpy as np
 from frictionbench.problems.forms.cone import project_cone

@@ -150,7 +150,9 @@ def test_mutated_files(tmp_path, kind) -> None:
     assert not any("\n" in text for text in told)
 
 
-@pytest.mark.parametrize(("room", "unwritten"), [(2000, "manifest.json"), (9000, "solves.parquet")])
+@pytest.mark.parametrize(
+    ("room", "unwritten"), [pytest.param(2000, "manifest.json", marks=pytest.mark.slow), (9000, "solves.parquet")]
+)
 def test_full_disk(tmp_path, room, unwritten) -> None:
     """The size of files is limited to the given number of bytes."""
     command = ["run", "smoke", "--jobs", "1", "--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]

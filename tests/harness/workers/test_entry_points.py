@@ -59,6 +59,7 @@ def test_installed_solver(distribution, tmp_path) -> None:
     assert "guest[factor=2] is not part of frictionbench; the run loaded it from 'guest'" in told.stderr
 
 
+@pytest.mark.slow  # all checks of a solver; the quick tests check files
 def test_installed_solver_is_treated_as_plugin(distribution) -> None:
     variants, (made,) = load_plugins(["nsgs", "guest"])
     assert variants == ("guest", "nsgs")

@@ -250,6 +250,7 @@ def test_crashed_child_is_restarted() -> None:
     child.end()
 
 
+@pytest.mark.slow  # libraries that hang or end their process; the quick tests have answers only
 def test_misbehaving_libraries(tmp_path) -> None:
     expected = {
         "fake_library[does=hang]": ("timeout", "limit of 2 s"),
