@@ -55,7 +55,7 @@ def test_abbreviated_keys(tmp_path) -> None:
             store.find_row(tmp_path, given)
 
 
-@pytest.mark.parametrize("command", ["solve stack", "run smoke --out run"])
+@pytest.mark.parametrize("command", [pytest.param("solve stack", marks=pytest.mark.slow), "run smoke --out run"])
 def test_interruption_message(tmp_path, command) -> None:
     code = "import os, signal; from frictionbench.harness.workers import pool; begin = pool.Pool.__init__\n"
     code += "pool.Pool.__init__ = lambda *given: (begin(*given), os.kill(os.getpid(), signal.SIGINT))[0]\n"

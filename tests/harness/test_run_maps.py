@@ -125,6 +125,7 @@ def test_robustness_counts_solvable_cells(atlas) -> None:
     assert table.loc["relaxation_ip", "painleve_rod"] < 0.9
 
 
+@pytest.mark.slow  # drawn for the paper; the quick tests read the tables of the maps
 def test_page_shows_every_map(atlas) -> None:
     page = (atlas / "report.html").read_text(encoding="utf-8")
     assert "Where methods fail" in page
@@ -177,6 +178,7 @@ def test_failures_are_listed_smallest_first(tmp_path) -> None:
     assert row["key"] in write_report(tmp_path / "run").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow  # the command line; the quick tests make maps in Python
 def test_custom_map(tmp_path) -> None:
     command = ["map", "wedge[speed=2]", "--x", "angle=.2:1:2", "--y", "friction=log:.1:1:2", "--out", str(tmp_path / "run")]
     done = frictionbench(*command, "--solver", "lemke", "--solver", "apgd", cwd=tmp_path)

@@ -189,6 +189,7 @@ def test_control_characters_reach_no_reader(tmp_path, monkeypatch) -> None:
         assert not RAW.search(text)
 
 
+@pytest.mark.slow  # a worker's own; the quick tests have them in files
 def test_control_characters_of_a_worker(tmp_path) -> None:
     evil = "x\x1b[31m\u202e\u2028\u00a0y"
     answer = "Answer(np.zeros((problem.contacts, 2)), Status.STALLED, {evil: 3}, detail=evil)"

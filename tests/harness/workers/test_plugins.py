@@ -96,6 +96,7 @@ def test_files_of_equal_name(tmp_path) -> None:
         load_plugins([str(one), str(write(tmp_path / "other" / "guest.py"))])
 
 
+@pytest.mark.slow  # five processes; the quick tests refuse a plug-in that has changed
 def test_rerun_and_shrink_require_plugin_argument(tmp_path) -> None:
     trace, folder = tmp_path / "trace", tmp_path / "run"
     body = "import os; os.abort() if problem.contacts > 1 else None"
