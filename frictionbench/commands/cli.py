@@ -152,17 +152,18 @@ def report(
         str | None, typer.Option("--figures", metavar="A,B,...", help="For the paper: only these figures, like profiles.")
     ] = None,
     width: Annotated[
-        float,
+        float | None,
         typer.Option(
             "--width",
             metavar="85mm|3.35in|241pt",
             parser=options.parse_length,
-            help="For the paper: the width of figures.",
+            help="For the paper: the width of figures, 3.35in by default.",
         ),
-    ] = 3.35,
+    ] = None,
     font: Annotated[
-        Literal["serif", "sans"], typer.Option("--font", metavar="serif|sans", help="For the paper: its typeface.")
-    ] = "serif",
+        Literal["serif", "sans"] | None,
+        typer.Option("--font", metavar="serif|sans", help="For the paper: its typeface, serif by default."),
+    ] = None,
     markdown: Annotated[bool, typer.Option("--markdown", help="Also write the report's tables as Markdown.")] = False,
     rank_by: options.By = RankBy.BODIES,
     budget: options.Budget = None,
@@ -175,8 +176,8 @@ def report(
 
     if (paper or markdown) and has_batches(folder):
         raise InputError(f"{'paper' if paper else 'markdown'}: a run of batches has a page and no figures")
-    if not paper and (solvers or scenes or figures):
-        raise InputError("paper: --solvers, --scenes and --figures choose what --paper shows; give it as well")
+    if not paper and (solvers or scenes or figures or width or font):
+        raise InputError("paper: --solvers, --scenes, --figures, --width and --font choose what --paper shows; give it as well")
     run = read_run(folder, rank_by, budget)
     if paper:
         from frictionbench.harness.progress import Progress
@@ -185,7 +186,7 @@ def report(
         wanted = chart_names(options.split_names(figures) if figures else None)
         shown = restricted(run, "scenes", options.split_names(scenes)) if scenes else run
         shown = restricted(shown, "solvers", options.split_names(solvers)) if solvers else shown
-        written = write_paper(folder, shown, Progress().counted("figures", wanted, len(wanted)), width, font)
+        written = write_paper(folder, shown, Progress().counted("figures", wanted, len(wanted)), width or 3.35, font or "serif")
         typer.echo(
             f"paper:  {written}, of {', '.join(shown.looks)}; captions.tex has the captions, references.bib the references"
         )
@@ -483,8 +484,7 @@ def _jobs(jobs: int | None, progress: "Progress") -> int:
     if jobs is not None and jobs > most:
         raise InputError(f"jobs: at most {most} on this machine, one per core")
     if not any(Path(config.CACHE_DIR).rglob("*.nbi")):
-        told = "kernels are compiled at their first use, once: one or two minutes on two cores, some more for every solver"
-        progress.tell(f"{told}; later runs start at once")
+        progress.tell("kernels are compiled at their first use, once: a minute for a few solvers, some minutes for all of them")
     return jobs or max(1, most - 1)
 
 

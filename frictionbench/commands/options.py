@@ -11,9 +11,9 @@ from frictionbench.results.conventions import RankBy
 
 def parse_length(text: str) -> float:
     """A length with a unit (inches without one), in inches. Errors: BadParameter where it is unreadable or out of range."""
-    value = _quantity(str(text), UNITS_PER_INCH)  # a default comes as the number that it is
+    value = _quantity(text, UNITS_PER_INCH)
     if not 1 <= value <= 20:
-        raise typer.BadParameter(f"{str(text)!r} is not a length from 1 to 20 inches; write it like 85mm, 3.35in or 241pt")
+        raise typer.BadParameter(f"{text!r} is not a length from 1 to 20 inches; write it like 85mm, 3.35in or 241pt")
     return value
 
 

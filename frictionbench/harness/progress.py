@@ -18,6 +18,7 @@ COLUMNS = (
     progress.TimeElapsedColumn(),
     progress.TimeRemainingColumn(),
 )
+FEW = 100  # items below which the time that is left is not told: the first ones may have compiled what others need
 INTERVAL = 20.0  # seconds between plain lines: a log of an hour's run has under two hundred
 
 
@@ -38,7 +39,8 @@ class Progress:
     def counted(self, name: str, items: Iterable[T], total: int, done: int = 0) -> Iterator[T]:
         """The items, with a bar of how many there have been of the total; done: before the first."""
         printed = time.monotonic()
-        with progress.Progress(*COLUMNS, console=self._console, disable=not self._console.is_terminal) as bar:
+        shown = COLUMNS if total > FEW else COLUMNS[:-1]
+        with progress.Progress(*shown, console=self._console, disable=not self._console.is_terminal) as bar:
             task = bar.add_task(name, total=total, completed=done)
             for count, item in enumerate(items, done + 1):
                 bar.update(task, completed=count)

@@ -245,8 +245,7 @@ def headline(ranked: Mapping[RankBy, list[Kind]], target: float) -> list[str]:
 def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
     (first, one), (second, other) = kinds.items()
     robots = f" (of which {one.robots} are robots' steps)" if 0 < one.robots < one.problems else ""
-    where = f"{one.name[0].upper()}{one.name[1:]}, {count(one.problems, 'problem')}{robots}, to a verified residual of "
-    where += f"{power(target)}: "
+    where = f"{one.name.capitalize()}, {count(one.problems, 'problem')}{robots}, to a verified residual of {power(target)}: "
     if target not in one.choices:
         return f"{where}no solver that ran on all of them reaches it."
     mine, theirs = one.choices[target], other.choices[target]
@@ -270,25 +269,22 @@ def dependable(choice: Choice) -> str:
         return -place.reached, place.mean
 
     best = min(exact, key=order)
-    told = f"the most dependable choice among {among} is {best.label}, {_solved(best, choice)}"
+    told = f"the most dependable choice among {among} is {best.label}, {best.solved} of {choice.problems} solved"
     told += f", itself the fastest on {best.fastest:.0f}"
     single = [place for place in exact if not place.label.endswith(PORTFOLIO)]
     if best not in single and single:
         alone = min(single, key=order)
-        told += f"; the best single method is {alone.label}, {_solved(alone, choice)} with a mean of {seconds(alone.mean, 3)}"
+        told += f"; the best single method is {alone.label}, {alone.solved} of {choice.problems} solved"
+        told += f" with a mean of {seconds(alone.mean, 3)}"
     often = max(exact, key=lambda place: place.fastest)
     return told + (f"; most often the fastest is {often.label}, on {often.fastest:.0f}" if often is not best else "")
-
-
-def _solved(place: Place, choice: Choice) -> str:
-    return f"{place.solved} of {choice.problems} solved"
 
 
 def _speed(by: RankBy, choice: Choice) -> str:
     """The first by its mean, the share of form in it, and its lead; or why it is not called the winner."""
     best = choice.places[0]
     name = f"{best.label} ({best.law})" if best.law else best.label
-    form = f" ({percent(best.written)} of it to write the problem down)" if by is RankBy.BODIES else ""
+    form = f" ({percent(best.written)} of it is form)" if by is RankBy.BODIES else ""
     mean = f"{by.words} {name} has the least mean, {seconds(best.mean, 3)}{form}"
     if choice.interval is None or choice.lead is None:
         return f"{mean}; {choice.unclear}" if choice.unclear else mean

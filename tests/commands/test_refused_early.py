@@ -56,6 +56,7 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
         ("run smoke --tol -1", "tol: must lie between"),
         ("compare a b --slowdown 0.9", "Invalid value for '--slowdown': "),
         ("report a --figures profiles", "frictionbench: paper: "),
+        ("report a --width 80mm", "frictionbench: paper: "),
         ("compare a.tsv b", "no such baseline; compare --accept writes one"),
         ("compare --history a b --out c", "frictionbench: history: "),
         (f"compare a {__file__}", "frictionbench: DIR: "),

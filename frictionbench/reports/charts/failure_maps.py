@@ -23,6 +23,7 @@ from frictionbench.reports.drawing.tiles import Drawing, Entry, Field, Grid, Til
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
+from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, endings
 from frictionbench.results.maps import Axis, Map
 
@@ -56,7 +57,7 @@ def verdicts(run: Run) -> list[Drawing]:
     """A drawing per map: the properties of the problem, and the verdicts of each solver that fails at some grid point."""
     drawings = []
     for cells in map_cells(run):
-        fields = _verdicts(cells)
+        fields = _verdicts(cells, run)
         shown = {label: field for label, field in fields.items() if any(tile.colour != field.ground for tile in field.tiles)}
         perfect = ", ".join(label for label in fields if label not in shown)
         problem, note = _problem(cells)
@@ -96,7 +97,7 @@ def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, lege
     entries += [Entry(*THRESHOLDS[name], dots=True) for name in traced]
     grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: places for name, places in traced.items()})
     title = f"{spec.title or spec.name}. {spec.note}".removesuffix(". ")
-    return Drawing(title, spec.name, tuple(entries), grid, tuple(fields), note, _facts(spec) | {"folder": str(run.folder)})
+    return Drawing(title, spec.name, tuple(entries), grid, tuple(fields), note, _facts(spec))
 
 
 def _axis(axis: Axis) -> tiles.Axis:
@@ -124,8 +125,8 @@ def _field(
     return Field(title, [tile for tile in every if tile.colour and (tile.width < 1 or tile.colour != ground)], ground)
 
 
-def _verdicts(cells: MapCells) -> dict[str, Field]:
-    """By label."""
+def _verdicts(cells: MapCells, run: Run) -> dict[str, Field]:
+    """By label. The tooltips of failures end with the command that runs the cell again, which page.js shows."""
     fields, x, y = {}, cells.spec.x, cells.spec.y
     for label, rows in cells.by_label.items():
         known = rows[rows["known"]]
@@ -133,7 +134,8 @@ def _verdicts(cells: MapCells) -> dict[str, Field]:
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
         at = rows.apply(lambda row: f"{x.parameter} {x.value(row['i']):.4g}, {y.parameter} {y.value(row['j']):.4g}", axis=1)
         tooltips = at + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
-        tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "") + " · " + rows["key"]
+        tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "")
+        tooltips += " · " + rows.apply(lambda row: rerun(run.folder, row["key"], row["variant"], run.plugins), axis=1)
         tooltips = tooltips.where(rows["verdict"] != Verdict.RELAXED, "")  # no failure: the model is solved
         ended = pd.Series(endings(rows), index=rows.index)
         fields[label] = _field(label + share, rows, ended.map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], tooltips)

@@ -117,9 +117,9 @@ for (const data of document.querySelectorAll("script.facts")) {
       const parameters = { ...facts.parameters, [facts.x.parameter]: x, [facts.y.parameter]: y };
       const scene = `${facts.scene}[${Object.entries(parameters).map(([name, value]) => `${name}=${shown(value)}`).join(",")}]`;
       const title = event.target.querySelector?.("title")?.textContent || "";
-      const key = / · ([\w-]+)$/.exec(title);
-      const lines = [svg.querySelector("text").textContent, title.replace(/ · [\w-]+$/, "") || `${facts.x.parameter} ${shown(x)}, ${facts.y.parameter} ${shown(y)}`];
-      if (key) lines.push(`frictionbench rerun ${facts.folder} ${key[1]}`);
+      const [, what, command] = /^(.*) · (frictionbench rerun .*)$/s.exec(title) || [];
+      const lines = [svg.querySelector("text").textContent, what || title || `${facts.x.parameter} ${shown(x)}, ${facts.y.parameter} ${shown(y)}`];
+      if (command) lines.push(command);
       lines.push(`frictionbench solve '${scene}'`, `frictionbench show '${scene}'${facts.scheme === "anitescu_potra" ? "" : ` --scheme ${facts.scheme}`}`);
       told.textContent = lines.join("\n");
       told.hidden = false;
