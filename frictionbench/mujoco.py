@@ -34,7 +34,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import count as numbered
 from time import thread_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
@@ -82,19 +82,25 @@ class Step:
         return f"Step({self.problem.summary}, {self.status.value})"
 
 
+class _Kinds(NamedTuple):
+    """Which of data.contact have rows, and which of MuJoCo's rows (nefc,) are limits, dry friction and equations."""
+
+    touching: Array
+    limit: Array
+    dry: Array
+    equal: Array
+
+
 @dataclass(frozen=True, eq=False)
 class _Stage:
     """What MuJoCo computes before the solver's turn: its rows, the masses A as they are and symmetric, the velocity v*."""
 
     contacts: Contacts
     J: Array
-    kind: Array
+    kinds: _Kinds
     full: Array
     mass: Array
     free: Array
-
-    def equations(self, mj: Any) -> Array:
-        return self.kind == int(mj.mjtConstraint.mjCNSTR_EQUALITY)
 
 
 def problem(model: Any, data: Any) -> FrictionProblem:
@@ -105,7 +111,7 @@ def problem(model: Any, data: Any) -> FrictionProblem:
     """
     import mujoco as mj
 
-    return _problem(mj, model, _stage(mj, model, data))
+    return _problem(model, _stage(mj, model, data))
 
 
 def step(
@@ -126,8 +132,8 @@ def step(
     import mujoco as mj
 
     stage = _stage(mj, model, data)
-    posed_problem = _problem(mj, model, stage)
-    keys, frames = _keys(mj, data), _frames(mj, data)
+    posed_problem = _problem(model, stage)
+    keys, frames = _keys(data, stage.kinds), _frames(data, stage.kinds)
     guess = None if before is None else _guess(before, keys, frames)
     begin = thread_time()
     answer = solve(posed_problem, solver, tol=tol, start=guess, limit=limit)
@@ -135,7 +141,7 @@ def step(
     impulse = answer.impulse if np.isfinite(answer.impulse).all() else np.zeros_like(answer.impulse)
     velocity = posed_problem.velocity(impulse)
     energy = _energy(mj, model, data, stage, impulse, velocity) | {"defect": ledger_defect(posed_problem, impulse)}
-    delta = _correction(mj, model, data, stage, velocity)
+    delta = _correction(model, data, stage, velocity)
     energy["correction"] = -float(delta @ data.qfrc_smooth)
     _advance(mj, model, data, stage, impulse, velocity)
     mj.mj_integratePos(model, data.qpos, delta, 1.0)
@@ -151,7 +157,8 @@ def start(model: Any, data: Any, before: Step) -> Array:
     """
     import mujoco as mj
 
-    return _guess(before, _keys(mj, data), _frames(mj, data))
+    kinds = _kinds(mj, data)
+    return _guess(before, _keys(data, kinds), _frames(data, kinds))
 
 
 def _guess(before: Step, keys: list[Hashable], frames: Array) -> Array:
@@ -189,28 +196,33 @@ def _stage(mj: Any, model: Any, data: Any) -> _Stage:
     J = engine.jacobian(mj, model, data)
     contacts, _ = engine.rows_of(mj, model, data, J)
     free = data.qvel + model.opt.timestep * np.linalg.solve(full, data.qfrc_smooth)
-    return _Stage(contacts, J, np.array(data.efc_type), full, mass, free)
+    return _Stage(contacts, J, _kinds(mj, data), full, mass, free)
 
 
-def _problem(mj: Any, model: Any, stage: _Stage) -> FrictionProblem:
-    F = stage.J[stage.equations(mj)]
+def _kinds(mj: Any, data: Any) -> _Kinds:
+    equal = data.efc_type == int(mj.mjtConstraint.mjCNSTR_EQUALITY)
+    return _Kinds(data.contact.efc_address >= 0, *engine.limits_and_dry_friction(mj, data), equal)
+
+
+def _problem(model: Any, stage: _Stage) -> FrictionProblem:
+    F = stage.J[stage.kinds.equal]
     bias = np.maximum(stage.contacts.gap, 0.0) / model.opt.timestep
     return posed(stage.mass, stage.free, stage.contacts, bias, F, np.zeros(len(F)))
 
 
-def _frames(mj: Any, data: Any) -> Array:
+def _frames(data: Any, kinds: _Kinds) -> Array:
     """(nc, 3, 3): of contacts the frame that the impulses are told in, by rows; for rows of joints the unit matrix."""
-    frames = data.contact.frame[data.contact.efc_address >= 0].reshape(-1, 3, 3)
-    joints = sum(int(rows.sum()) for rows in engine.limits_and_dry_friction(mj, data))
-    return np.concatenate([frames, np.broadcast_to(np.eye(3), (joints, 3, 3))])
+    frames = np.tile(np.eye(3), (sum(rows.sum() for rows in kinds[:3]), 1, 1))
+    frames[: kinds.touching.sum()] = data.contact.frame[kinds.touching].reshape(-1, 3, 3)
+    return frames
 
 
-def _keys(mj: Any, data: Any) -> list[Hashable]:
+def _keys(data: Any, kinds: _Kinds) -> list[Hashable]:
     """What is the same row in the next step: the geoms of a contact, the joint of a limit, and the how manieth of them."""
     at = data.contact
-    pairs = np.column_stack([at.geom, at.flex, at.elem, at.vert])[at.efc_address >= 0]
+    pairs = np.column_stack([at.geom, at.flex, at.elem, at.vert])[kinds.touching]
     bases: list[Hashable] = [("contact", *pair) for pair in pairs.tolist()]
-    for rows in engine.limits_and_dry_friction(mj, data):
+    for rows in (kinds.limit, kinds.dry):
         bases += [(int(data.efc_type[i]), int(data.efc_id[i])) for i in np.flatnonzero(rows)]
     numbers = defaultdict[Hashable, Iterator[int]](numbered)  # of equal ones
     return [(base, next(numbers[base])) for base in bases]
@@ -224,8 +236,8 @@ def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, veloc
     total = stage.full @ (velocity - stage.free)
     forces = model.opt.timestep * data.qfrc_smooth - (stage.full - M) @ change
     work = impulse * (stage.contacts.rows @ mean).reshape(-1, 3)
-    touching = int((data.contact.efc_address >= 0).sum())
-    middle = touching + int(engine.limits_and_dry_friction(mj, data)[0].sum())
+    touching = stage.kinds.touching.sum()
+    middle = touching + stage.kinds.limit.sum()
     return {
         "kinetic": float(mean @ M @ change),
         "forces": float(mean @ forces),
@@ -237,12 +249,12 @@ def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, veloc
     }
 
 
-def _correction(mj: Any, model: Any, data: Any, stage: _Stage, velocity: Array) -> Array:
+def _correction(model: Any, data: Any, stage: _Stage, velocity: Array) -> Array:
     """delta (nv,): see above."""
-    normal, equal = stage.contacts.rows.reshape(-1, 3, len(velocity))[:, 0], stage.equations(mj)
+    normal = stage.contacts.rows.reshape(-1, 3, len(velocity))[:, 0]
     depth = -(stage.contacts.gap + model.opt.timestep * normal @ velocity) - SLOP * model.stat.meansize
     deep = (stage.contacts.gap < 0) & (depth > 0)
-    F, error = stage.J[equal], data.efc_pos[equal]
+    F, error = stage.J[stage.kinds.equal], data.efc_pos[stage.kinds.equal]
     if not deep.any() and not error.any():
         return np.zeros_like(velocity)
     rows, wanted = np.vstack([normal[deep], F, -F]), SHARE * np.concatenate([depth[deep], -error, error])
@@ -265,23 +277,22 @@ def _advance(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velo
 
 def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> Array:
     """The impulses of MuJoCo's own rows (nefc,)."""
-    equal, result, at = stage.equations(mj), np.zeros(len(stage.kind)), data.contact
-    i, pyramid = 0, int(mj.mjtConstraint.mjCNSTR_CONTACT_PYRAMIDAL)
-    for first, dim, friction in zip(at.efc_address, at.dim, at.friction, strict=True):
-        if first < 0:
-            continue
+    result, at, pyramid = np.zeros(len(stage.J)), data.contact, int(mj.mjtConstraint.mjCNSTR_CONTACT_PYRAMIDAL)
+    touching = np.flatnonzero(stage.kinds.touching)
+    for i, k in enumerate(touching):
+        first, dim, friction = at.efc_address[k], at.dim[k], at.friction[k]
         force = np.zeros(dim)
         force[:3] = impulse[i, : min(dim, 3)]
         if dim > 1:
             force[2] *= friction[1] / friction[0]
-        if dim > 1 and stage.kind[first] == pyramid:
+        if dim > 1 and data.efc_type[first] == pyramid:
             along = force[1:] / friction[: dim - 1]  # edges may pull: the cone is wider than the pyramid
             force = np.stack([force[0] / (dim - 1) + along, force[0] / (dim - 1) - along], axis=1).ravel() / 2
         result[first : first + len(force)] = force
-        i += 1
-    limit, dry = engine.limits_and_dry_friction(mj, data)
-    middle = i + int(limit.sum())
-    result[limit], result[dry] = impulse[i:middle, 0], impulse[middle:, 1]
-    if equal.any():
-        result[equal] = np.linalg.lstsq(stage.J[equal].T, total - stage.contacts.rows.T @ impulse.ravel(), rcond=None)[0]
+    middle = len(touching) + stage.kinds.limit.sum()
+    result[stage.kinds.limit], result[stage.kinds.dry] = impulse[len(touching) : middle, 0], impulse[middle:, 1]
+    if stage.kinds.equal.any():
+        result[stage.kinds.equal] = np.linalg.lstsq(
+            stage.J[stage.kinds.equal].T, total - stage.contacts.rows.T @ impulse.ravel(), rcond=None
+        )[0]
     return result
