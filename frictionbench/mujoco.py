@@ -3,29 +3,29 @@
 >>> import frictionbench as fb
 >>> result = fb.mujoco.step(model, data)  # doctest: +SKIP
 
-in place of mujoco.mj_step(model, data); in a loop `step(model, data, before=result)` starts from the impulses of the step
-before.
+replaces mujoco.mj_step(model, data); in a loop, `step(model, data, before=result)` is warm-started with the impulses of the
+previous step.
 
-Positions, collisions, actuators, passive and applied forces are MuJoCo's, and so is the velocity v* that it would reach without
+MuJoCo computes positions, collisions, actuation, passive and applied forces, and the velocity v* that it would reach without
 constraints (problems.capture.mujoco). The step is that of Anitescu and Potra (1997), after Stewart and Trinkle (1996):
 
     A (v+ - v*) = J' r + F' lam,    F v+ = 0,    Coulomb's law between r and J v+ + b,    b = max(gap, 0) / h,    q+ = q + h v+,
 
-with limits and dry friction as rows of J. As b >= 0 and the joints ask for nothing else than rest, v+ = 0 satisfies all that is
-asked of velocities, whatever overlaps: the step has a solution. (MuJoCo lists contacts and limits within their margin alone,
-most often those that have begun to penetrate.)
+with limits and dry friction as rows of J. As b >= 0 and the equalities have no right-hand side, v+ = 0 satisfies all
+constraints on the velocity, however deep the penetrations are: the step has a solution. (MuJoCo lists only contacts and limits
+within their margin, most of which have begun to penetrate.)
 
-Penetrations and errors of joints are taken away from positions, not by velocities, so that they add no momentum. A depth of
-SLOP of the model's mean size is left, so that MuJoCo lists resting contacts in every step: else a contact that a solver's
-tolerance opens by a nanometre is lost for a step. With the depths d beyond it that the step leaves by its linear forecast, the
-rows A_i of the normals, limits and equalities, W = A_i A^-1 A_i',
+Penetrations and errors of equalities are corrected in the positions, not by velocities, so that this adds no momentum. A depth
+of SLOP times the model's mean size is left, so that MuJoCo lists resting contacts in every step: otherwise a contact
+that the solver's tolerance opens by a nanometre would be missing in the next step. Let d be the depths beyond it that are
+predicted, linearly, for the end of the step, A_i the rows of normals, limits and equalities, and W = A_i A^-1 A_i':
 
     min 1/2 x'(W + E) x - SHARE d'x,    x_i >= 0 for normals and limits,    delta = A^-1 A_i' x,    q+ += delta,
 
-E = SOFT diag(W): each row alone is moved by nearly SHARE of its depth a step, and rows that contradict each other, as of parts
-that are wedged, by a compromise. The program is strictly convex, and always has its solution.
+with E = SOFT diag(W). A single row is corrected by nearly SHARE of its depth in each step; where rows contradict each other, as
+those of wedged parts do, the regularisation gives a compromise. The program is strictly convex, so its solution exists.
 
-Not in the step: torsional and rolling friction, the softness of constraints, adhesion by contacts, restitution.
+The step has no torsional or rolling friction, soft constraints, adhesion or restitution.
 """
 
 from collections import defaultdict
@@ -48,21 +48,21 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.solvers import solve
 
-SHARE = 0.2  # of a penetration, taken away in a step
-SOFT = 1e-3  # of the diagonal
-SLOP = 1e-3
+SHARE = 0.2  # of a penetration, corrected in one step
+SOFT = 1e-3  # regularisation relative to diag(W)
+SLOP = 1e-3  # depth that is left, relative to model.stat.meansize
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """A step that was taken.
+    """The result of one step.
 
     problem, impulse (nc, 3) in N s, the normal first: contacts in the order of data.contact, then limits, then dry friction.
-    status: the solver's. seconds: processor's time of its call. penetration: m or rad, the deepest with which the step began.
-    energy: in J, what changed the kinetic energy ("kinetic"): work of "forces" (with damping), "contacts" by their normals,
-    "friction", "limits", "dry friction" and "equalities", each with the mean of the velocities before and after, so that they
-    add up to it; "correction", the work against the forces when positions are corrected; "defect", the energy that the answer
-    adds compared with an exact one.
+    status: the solver's. seconds: CPU time of the solver's call. penetration: m or rad, the deepest at the start of the step.
+    energy: in J. "kinetic" is the change of the kinetic energy. It is the sum of the works of "forces" (with damping),
+    "contacts" (normal impulses), "friction", "limits", "dry friction" and "equalities", each computed with the mean of the
+    velocities before and after the step. "correction" is the work against the forces done by the correction of positions; "defect" is the energy
+    that the solver's error adds.
     """
 
     problem: FrictionProblem
@@ -83,7 +83,7 @@ class Step:
 
 
 class _Kinds(NamedTuple):
-    """Which of data.contact have rows, and which of MuJoCo's rows (nefc,) are limits, dry friction and equations."""
+    """Masks: the entries of data.contact that have rows; the rows (nefc,) of limits, dry friction and equalities."""
 
     touching: Array
     limit: Array
@@ -93,7 +93,7 @@ class _Kinds(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Stage:
-    """What MuJoCo computes before the solver's turn: its rows, the masses A as they are and symmetric, the velocity v*."""
+    """What MuJoCo computes before the problem is solved: rows, v* as `free`, A as `full`, its symmetric part as `mass`."""
 
     contacts: Contacts
     J: Array
@@ -106,7 +106,7 @@ class _Stage:
 def problem(model: Any, data: Any) -> FrictionProblem:
     """The friction problem of the step that `step` would take from here.
 
-    model, data: as of `step`. Of data, what mujoco.mj_forward computes is set, but for the forces of constraints.
+    model, data: as of `step`. All that mujoco.mj_forward computes is set in data, except for the forces of constraints.
     Errors: as of `step`.
     """
     import mujoco as mj
@@ -119,13 +119,13 @@ def step(
 ) -> Step:
     """Advance data by one step, in place of mujoco.mj_step(model, data).
 
-    model: a mujoco.MjModel. Its integrator decides how damping enters: Euler or implicitfast as they are, implicit with the
-    symmetric part of its mass; RK4, whose stages have no impulses of their own, as Euler. data: a mujoco.MjData with controls
-    and applied forces; afterwards it holds what mj_step leaves, with the forces of constraints and the sensors of this step.
-    solver, tol, limit: as of `frictionbench.solve`; a solver of the convex relaxation makes a step by that law.
-    before: the step before, for a warm start by pairs of geoms and by joints.
+    model: a mujoco.MjModel. Its integrator determines the treatment of damping: Euler and implicitfast are used unchanged,
+    implicit with the symmetric part of its mass matrix, and RK4 is replaced by Euler. data: a mujoco.MjData with controls
+    and applied forces; afterwards it is as mj_step leaves it, with the constraint forces and sensors of this step.
+    solver, tol, limit: as of `frictionbench.solve`; a solver of the convex relaxation steps with that law.
+    before: the previous step, for a warm start by pairs of geoms and by joints.
 
-    Where the solver fails, its status says so, and its impulses are used as they are, or none where they are not finite.
+    If the solver fails, `status` says so, and its impulses are used nevertheless, or zero if they are not finite.
     Errors: InputError naming data where the simulation has diverged, contact where its surface moves, dof_dampingpoly where
     Euler is given damping that is not linear, or what `solve` refuses.
     """
@@ -151,7 +151,7 @@ def step(
 
 
 def start(model: Any, data: Any, before: Step) -> Array:
-    """The impulses (nc, 3) of the step before, for the contacts that it had too, to start from; zero for others.
+    """The impulses (nc, 3) of the previous step for contacts that it had too, as a warm start; zero for new contacts.
 
     model, data: as after `problem`, whose contacts these are.
     """
@@ -162,13 +162,13 @@ def start(model: Any, data: Any, before: Step) -> Array:
 
 
 def _guess(before: Step, keys: list[Hashable], frames: Array) -> Array:
-    """The impulses (nc, 3) of the step before, in the frames of these rows; zero for rows that it had not."""
+    """The impulses (nc, 3) of the previous step in the frames of these rows; zero for new rows."""
     old = np.array([before.memory.get(key, np.zeros(3)) for key in keys]).reshape(-1, 3)
     return np.einsum("kij,kj->ki", frames, old)
 
 
 def steps(model: Any, data: Any, count: int, solver: str = "hybrid", tol: float = 1e-8) -> Iterator[Step]:
-    """So many steps, each started from the one before; between them the caller may set controls. Errors: as of `step`."""
+    """Take `count` steps, each warm-started; the caller may set controls between them. Errors: as of `step`."""
     before = None
     for _ in range(count):
         before = step(model, data, solver, tol, before)
@@ -183,7 +183,7 @@ def _stage(mj: Any, model: Any, data: Any) -> _Stage:
     mj.mj_fwdActuation(model, data)
     mj.mj_fwdAcceleration(model, data)
     require_finite(data.qpos, data.qvel, data.qfrc_smooth)
-    if implicit:  # a trial step, for the derivatives of forces
+    if implicit:  # a trial step computes the derivatives of forces
         everything = mj.mjtState.mjSTATE_INTEGRATION
         state = np.empty(mj.mj_stateSize(model, everything))
         mj.mj_getState(model, data, state, everything)
@@ -211,25 +211,25 @@ def _problem(model: Any, stage: _Stage) -> FrictionProblem:
 
 
 def _frames(data: Any, kinds: _Kinds) -> Array:
-    """(nc, 3, 3): of contacts the frame that the impulses are told in, by rows; for rows of joints the unit matrix."""
+    """(nc, 3, 3): the rows are the axes of each contact's impulse; the unit matrix for limits and dry friction."""
     frames = np.tile(np.eye(3), (sum(rows.sum() for rows in kinds[:3]), 1, 1))
     frames[: kinds.touching.sum()] = data.contact.frame[kinds.touching].reshape(-1, 3, 3)
     return frames
 
 
 def _keys(data: Any, kinds: _Kinds) -> list[Hashable]:
-    """What is the same row in the next step: the geoms of a contact, the joint of a limit, and the how manieth of them."""
+    """What identifies a row from step to step: a contact's geoms or a limit's joint, and its number among equal ones."""
     at = data.contact
     pairs = np.column_stack([at.geom, at.flex, at.elem, at.vert])[kinds.touching]
     bases: list[Hashable] = [("contact", *pair) for pair in pairs.tolist()]
     for rows in (kinds.limit, kinds.dry):
         bases += [(int(data.efc_type[i]), int(data.efc_id[i])) for i in np.flatnonzero(rows)]
-    numbers = defaultdict[Hashable, Iterator[int]](numbered)  # of equal ones
+    numbers = defaultdict[Hashable, Iterator[int]](numbered)
     return [(base, next(numbers[base])) for base in bases]
 
 
 def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velocity: Array) -> dict[str, float]:
-    """The ledger of Step, but for defect and correction."""
+    """The energies of Step, except for defect and correction."""
     M = np.zeros_like(stage.mass)
     mj.mj_fullM(model, data, M)
     change, mean = velocity - data.qvel, (velocity + data.qvel) / 2
@@ -250,7 +250,7 @@ def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, veloc
 
 
 def _correction(model: Any, data: Any, stage: _Stage, velocity: Array) -> Array:
-    """delta (nv,): see above."""
+    """delta (nv,), the correction of positions that the module's docstring defines."""
     normal = stage.contacts.rows.reshape(-1, 3, len(velocity))[:, 0]
     depth = -(stage.contacts.gap + model.opt.timestep * normal @ velocity) - SLOP * model.stat.meansize
     deep = (stage.contacts.gap < 0) & (depth > 0)
@@ -266,7 +266,7 @@ def _correction(model: Any, data: Any, stage: _Stage, velocity: Array) -> Array:
 
 
 def _advance(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velocity: Array) -> None:
-    """Let MuJoCo integrate activations, velocities and positions, with forces that make its next velocity this one."""
+    """Let MuJoCo integrate activations, velocities and positions with the constraint forces that give this velocity."""
     h = model.opt.timestep
     data.efc_force[:] = _forces(mj, data, stage, impulse, stage.full @ (velocity - stage.free)) / h
     data.qfrc_constraint[:] = stage.full @ (velocity - stage.free) / h
@@ -276,7 +276,7 @@ def _advance(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velo
 
 
 def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> Array:
-    """The impulses of MuJoCo's own rows (nefc,)."""
+    """The impulses in terms of MuJoCo's rows (nefc,)."""
     result, at, pyramid = np.zeros(len(stage.J)), data.contact, int(mj.mjtConstraint.mjCNSTR_CONTACT_PYRAMIDAL)
     touching = np.flatnonzero(stage.kinds.touching)
     for i, k in enumerate(touching):
