@@ -61,8 +61,8 @@ class Step:
     status: the solver's. seconds: CPU time of the solver's call. penetration: m or rad, the deepest at the start of the step.
     energy: in J. "kinetic" is the change of the kinetic energy. It is the sum of the works of "forces" (with damping),
     "contacts" (normal impulses), "friction", "limits", "dry friction" and "equalities", each computed with the mean of the
-    velocities before and after the step. "correction" is the work against the forces done by the correction of positions; "defect" is the energy
-    that the solver's error adds.
+    velocities before and after the step. "correction" is the work against the forces done by the correction of positions;
+    "defect" is the energy that the solver's error adds.
     """
 
     problem: FrictionProblem

@@ -150,7 +150,7 @@ class CCPCone:
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         cvxpy: Any = import_module("cvxpy")
         scaled, (built, (data, chain, inverse)) = prepared
-        eps, gap = scaled.tolerances(tol, LEAST_GAP["clarabel"][scaled.program.contacts[1]])
+        eps, gap = scaled.tolerances(tol, LEAST_GAP["clarabel"])
         settings = {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap, "max_iter": limit or 200}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # CVXPY warns of an inaccurate solution; the status reports it

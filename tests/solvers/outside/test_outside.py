@@ -89,7 +89,6 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
     ("spec", "what"),
     [
         ("piqp", "chain[links=20,fall=1]"),
-        ("clarabel[settings=tuned]", "stack[blocks=20,push=1]"),
         ("ccp[backend=highs]", "chain[links=20,fall=1]"),
         ("proxsuite[matrices=sparse,settings=tuned]", "wall[rows=6,columns=6,friction=0.05]"),
         ("siconos[method=friction_3d_prox]", "sphere_pyramid[levels=3,noise=0.3]"),
