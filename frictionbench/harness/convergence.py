@@ -1,11 +1,11 @@
 """The convergence histories of a run (results.histories): residual against work on a few problems, after all cells are done.
 
-The problems are the largest of up to MOST contacts of different scenes, and the small ones with the most redundant contacts,
-none of them trivial or idle. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
+The problems are the largest with up to MOST contacts, one per scene, and small ones with the most redundant contacts. Trivial
+and idle ones are left out. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
 
-A history has the residual of the solver's answer with work limits of 1, 2, 3, 5, ... units, which are the solver's own: sweeps,
+A history holds the residual of the answer for work limits of 1, 2, 3, 4, 6, ... units, which are the solver's own: sweeps,
 iterations or pivots. Every answer comes from a new call on a copy of the problem, and its residual is computed on the original,
-so that the curve shows what a user gets with these limits; no call is timed.
+so that the curve shows what a user gets with these limits. No call is timed.
 """
 
 from collections.abc import Iterable
@@ -33,16 +33,16 @@ from frictionbench.results.histories import CONVERGENCE, ConvergenceHistory, wri
 from frictionbench.results.store import Row
 from frictionbench.solvers import Solver, Status
 
-BUDGET = 2.0  # seconds, after which no larger limit is tried: a history shows what is reached soon
-LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which stays legible with few
+BUDGET = 2.0  # seconds after which no larger limit is tried: a history shows early convergence
+LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which is legible with few panels
 MOST = 64  # contacts: a history takes some twenty-five solves, too long for larger problems
 MOST_FORCES = 12  # contacts of a problem whose impulses are stored: the report draws each as a bar
 LIMIT = 10.0  # seconds for one history: five times BUDGET
-LONGEST = 20_000  # units of work: a bound for methods that stall, beyond the iterations of any that converges well
+LONGEST = 20_000  # units of work: a bound for methods that stall; methods that converge well need fewer
 
 
 def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[int], list[float], Array]:
-    """The limits, the verified residuals, and the last answer's impulses (nc, d), up to the first answer with status SOLVED.
+    """Return the limits, the verified residuals and the last answer's impulses (nc, d), up to the first status SOLVED.
 
     Errors: AnswerError, and whatever the solver raises.
     """
@@ -61,7 +61,7 @@ def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[
 
 
 def _limits() -> list[int]:
-    """1, 2, 3, 4, 6, 9, ...: each 1.5 times the one before."""
+    """Return the limits 1, 2, 3, 4, 6, 9, ..., each about 1.5 times the previous one."""
     limits = [1]
     while limits[-1] < LONGEST:
         limits.append(max(limits[-1] + 1, round(1.5 * limits[-1])))
@@ -69,7 +69,7 @@ def _limits() -> list[int]:
 
 
 def run_history(name: str, variant: str, tol: float) -> dict[str, Any]:
-    """In a worker: a solver's history on a stored problem, as units of work, verified residuals and the last impulses."""
+    """In a worker, compute a solver's history on a stored problem: units of work, verified residuals and the last impulses."""
     units, residuals, impulse = history(*worker.prepared(name, variant, LIMIT), tol)
     return {"units": units, "residuals": residuals, "impulse": impulse.tolist()}
 
@@ -77,7 +77,7 @@ def run_history(name: str, variant: str, tol: float) -> dict[str, Any]:
 def record_histories(
     plan: Plan, folder: Path, records: Iterable[Record], solves: Iterable[Row], pool: Pool, progress: Progress
 ) -> None:
-    """Write the histories, unless they have been written; those that fail are left out. Runs of maps have none."""
+    """Write the histories, unless the folder has them. Those that fail are left out. Runs of maps have none."""
     if plan.maps or (folder / CONVERGENCE).exists():
         return
     tol, problems = min(plan.tolerances), {record["problem"]: record for record in chosen(records)}
@@ -124,7 +124,7 @@ def _one_a_scene(records: list[Record]) -> list[Record]:
 
 
 def _history(record: Record, variant: str, found: Any) -> ConvergenceHistory:
-    """Errors: LookupError, TypeError or ValueError; a plug-in's worker may reply with anything."""
+    """Check a worker's reply, which may be anything from a plug-in. Errors: LookupError, TypeError or ValueError."""
     redundant = bool(record["redundancy"])
     facts = {name: record[name] for name in ("scene", "parameters", "step", "contacts")}
     curve = {name: found[name] for name in ("units", "residuals")}

@@ -1,7 +1,7 @@
 """The deadline of a worker, in memory that it shares with its supervisor.
 
-The worker writes the time until which it may run; its supervisor, another process, kills it after that. A solver cannot block
-this as it could block a signal. Times are of the monotonic clock, which does not change when the date is set.
+The worker writes the time until which it may run. Its supervisor, another process, kills it after that time; a solver cannot
+block this as it could block a signal. Times are read from the monotonic clock, which does not change when the date is set.
 """
 
 import os
@@ -14,8 +14,8 @@ from typing import Any
 
 from frictionbench.problems.compiled import PACKAGE
 
-COMPILE_SECONDS = 600.0  # seconds for all that our own code compiles in a block: far above any kernel's, in case one hangs
-HARNESS_SECONDS = 600.0  # seconds for the harness's own work, such as reading and verifying: likewise a bound in case it hangs
+COMPILE_SECONDS = 600.0  # seconds in which our code may compile in a block: far more than any kernel takes, in case one hangs
+HARNESS_SECONDS = 600.0  # seconds for the harness's own work, such as reading and verifying: also a bound in case it hangs
 
 
 class Deadline:
@@ -39,9 +39,9 @@ class Deadline:
     def within(self, seconds: float, compiling: float = COMPILE_SECONDS, ours: bool = False) -> Iterator[None]:
         """End this process if the block takes longer.
 
-        compiling: seconds in which numba may compile or read its cache and which do not count; more than so many do. ours:
-        whether only functions of this package stop the clock so, each once for its types. Whoever sends numba's event could
-        stop it otherwise.
+        compiling: the seconds spent by numba in compiling or reading its cache that are not counted; those beyond are. ours:
+        whether only functions of this package stop the clock in this way, each once for its argument types. Otherwise any
+        code that sends numba's event could stop it.
         """
         from numba.core import event
 
@@ -72,7 +72,7 @@ class Deadline:
             self._moment[0] = max(outer, monotonic() + HARNESS_SECONDS)
 
     def _met_first(self) -> bool:
-        """Whether numba now compiles or loads a function of this package for the first time for its arguments' types."""
+        """Return whether numba is compiling or loading a function of this package for the first time for its argument types."""
         from numba.core.dispatcher import Dispatcher
 
         frame = sys._getframe(1)

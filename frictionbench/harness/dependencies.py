@@ -1,11 +1,11 @@
-"""What a run's results depend on besides this package: the files of its problems, and what its plug-ins load.
+"""The dependencies of a run's results besides this package: the files of its problems and all that its plug-ins load.
 
-The main process hashes it. A run is resumed only where all of it is as it was. The hashes in a baseline show where a package
+The main process hashes them, and a run is resumed only if no hash has changed. The hashes in a baseline show whether a package
 that both versions of a plug-in load has changed.
 
-A plug-in's worker reports, after each task, what was loaded or read since it began: modules, shared libraries, files that
-Python or a forked child opened for reading, and programs that it started; of a library of the suite's the version. Left out
-are the standard library, the system's folders, temporary and compiled files, and what the worker had loaded before.
+After each task, a plug-in's worker reports what was loaded or read since it began: modules, shared libraries, files that Python
+or a forked child opened for reading, and programs that it started. The suite's own libraries are reported by version. The
+standard library, system folders, temporary and compiled files, and what the worker had loaded before are left out.
 """
 
 import os
@@ -25,16 +25,16 @@ from frictionbench.results.files import cleaned
 from frictionbench.solvers import executable, plugins
 
 SYSTEM = tuple(map(Path, ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/bin", "/bin", "/etc", "/proc", "/sys", "/dev")))
-MOST = 20_000  # files read: a plug-in that reads more, several times what large frameworks do, is not followed further
-STARTED = ("subprocess.Popen", "os.posix_spawn", "os.exec", "os.system")  # audit events that begin with a program
-MOST_FILES, LARGEST = 50_000, 16 * 2**30  # files and bytes of a package: more than any has, and hashed in a minute
-COMPILED = (".pyc", ".nbi", ".nbc")  # suffixes of what is made from modules
-VERSION = "version "  # before the version of a library, which stands in place of a path
-Loaded = dict[str, str]  # by name a path, or VERSION and a version
+MOST = 20_000  # files read that are recorded for a plug-in: several times what large frameworks read
+STARTED = ("subprocess.Popen", "os.posix_spawn", "os.exec", "os.system")  # audit events whose first argument is a program
+MOST_FILES, LARGEST = 50_000, 16 * 2**30  # files and bytes of a package that is hashed: more than any has, and takes a minute
+COMPILED = (".pyc", ".nbi", ".nbc")  # suffixes of files compiled from modules
+VERSION = "version "  # prefix of the version of a library, given in place of a path
+Loaded = dict[str, str]  # name to a path, or to VERSION followed by a version
 
 
 class _Watch:
-    """What this process had loaded when it began to watch, and what it has opened since."""
+    """The modules and libraries loaded when this process began to watch, and the files that it has opened since."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()
@@ -50,13 +50,13 @@ class _Watch:
         if event == "open" and isinstance(arguments[0], str | bytes) and len(self.read) < MOST:
             flags = arguments[2] if isinstance(arguments[2], int) else 0
             path = os.path.abspath(os.fsdecode(arguments[0]))
-            fresh = flags & os.O_RDWR and flags & (os.O_CREAT | os.O_TRUNC)  # one opened to be changed has been read as well
+            fresh = flags & os.O_RDWR and flags & (os.O_CREAT | os.O_TRUNC)  # without these flags, O_RDWR counts as reading
             self._add(path, self.written if flags & os.O_WRONLY or fresh else self.read)
         elif event in STARTED and (program := _program(event, arguments)):
             self._add(program, self.read)
 
     def _add(self, path: str, known: set[str]) -> None:
-        """Add what was read or written; a forked child tells its worker by a file in memory, unless it closed that."""
+        """Add a file read or written. A forked child reports it to its worker by a file in memory, unless it closed that."""
         if os.getpid() != self.worker and path not in known:
             with suppress(OSError):
                 if os.path.samestat(os.fstat(self.forked), self.identity):
@@ -64,7 +64,7 @@ class _Watch:
         known.add(path)
 
     def add_forked(self) -> None:
-        """Add what forked children have told, so that later ones do not tell it again."""
+        """Add what forked children have reported, so that later ones do not report it again."""
         for entry in os.fsdecode(os.pread(self.forked, os.fstat(self.forked).st_size, 0)).split("\0")[:-1]:
             (self.written if entry.startswith("w") else self.read).add(entry[1:])
 
@@ -74,12 +74,12 @@ _watch: _Watch | None = None
 
 def watch(folder: Path) -> None:
     """Begin to watch what this process, a worker of the run in folder, loads and reads."""
-    global _watch  # noqa: PLW0603  # one for the process: an audit hook cannot be removed
+    global _watch  # noqa: PLW0603  # one per process: an audit hook cannot be removed
     _watch = _watch or _Watch(folder)
 
 
 def loaded() -> Loaded:
-    """What this process has loaded and read since `watch`, by names that are the same on other machines."""
+    """Return what this process has loaded and read since `watch`, under names that are the same on other machines."""
     if _watch is None:
         return {}
     found: Loaded = {}
@@ -88,13 +88,13 @@ def loaded() -> Loaded:
         module = sys.modules.get(top)
         if top in sys.stdlib_module_names or top == PACKAGE.name or module is None:
             continue
-        if top in _watch.known and getattr(module, "__file__", None):  # no namespace that others share
+        if top in _watch.known and getattr(module, "__file__", None):  # not a namespace package, which others may extend
             found[top] = f"{VERSION}{getattr(module, '__version__', '')}"
             continue
         for part, place in enumerate(getattr(module, "__path__", None) or [getattr(module, "__file__", None)], 1):
-            if place:  # a namespace has several
+            if place:  # a namespace package has several
                 folder = Path(place).name if name.startswith(plugins.MODULE) else top
-                found[f"{folder} {part}" if part > 1 else folder] = os.path.abspath(place)  # a link may lead elsewhere later
+                found[f"{folder} {part}" if part > 1 else folder] = os.path.abspath(place)  # not resolved: a link may change
     places = [Path(place).resolve() for place in found.values()]
     places += [_watch.folder, *_left_out()]
     _watch.add_forked()
@@ -109,7 +109,7 @@ def loaded() -> Loaded:
 
 
 def _program(event: str, arguments: tuple[Any, ...]) -> str | None:
-    """The path of the program that an audit event of STARTED starts; None where it is not found."""
+    """Return the path of the program started by an audit event in STARTED, or None if it is not found."""
     named = arguments[0]
     if event == "subprocess.Popen" and "-c" in arguments[1][1:2]:  # a shell
         event, named = "os.system", arguments[1][2]
@@ -121,13 +121,13 @@ def _program(event: str, arguments: tuple[Any, ...]) -> str | None:
 
 
 def _source(path: Path) -> Path:
-    """The module that a compiled file was made from: it may have been run, or imported and forgotten."""
+    """Return the module's path for a compiled file: it may have been run, or removed from sys.modules after its import."""
     source = path.parent.parent / f"{path.name.partition('.')[0]}.py"
     return source if path.suffix == ".pyc" and path.parent.name == "__pycache__" else path
 
 
 def _mapped() -> list[str]:
-    """The files from which this process has mapped code."""
+    """Return the files from which this process has mapped code."""
     with open("/proc/self/maps", encoding="utf-8", errors="replace") as maps:
         entries = [line.split(maxsplit=5) for line in maps]
     return [entry[5].rstrip("\n") for entry in entries if len(entry) == 6 and "x" in entry[1] and entry[5].startswith("/")]
@@ -142,27 +142,27 @@ def _left_out() -> list[Path]:
 
 
 def _named(path: Path) -> str:
-    """The path below the first place where Python finds code, or the whole path."""
+    """Return the path relative to the first entry of sys.path that contains it, or the whole path."""
     homes = [home for place in sys.path if place for home in (Path(place).absolute(), Path(place).resolve())]
     return next((str(path.relative_to(home)) for home in homes if path.is_relative_to(home)), str(path))
 
 
 def differing(plan: Plan, recorded: dict[str, str]) -> list[str]:
-    """The places in the manifest's `content` of a plan's run whose content is another now."""
-    now = cleaned(begun(plan)["content"])  # as they stand in the manifest
+    """Return the places in `recorded`, the `content` of a manifest, whose hash is different now."""
+    now = cleaned(begun(plan)["content"])  # in the form in which they are stored in the manifest
     return [place for place, digest in recorded.items() if (now.get(place) or hashed(place)) != digest]
 
 
 class Record:
-    """What the plug-ins of a run have loaded so far, kept in its manifest: `loaded`, by source and name, and `content`, the
-    hashes of both these and the files of the problems, by place."""
+    """What the plug-ins of a run have loaded so far. The manifest keeps it as `loaded`, by source and name, and `content`, the
+    hashes by place of these and of the problems' files."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._seen: set[tuple[str, str, str]] = set()
 
     def add(self, source: str, loaded: Loaded) -> None:
-        """Add what the worker of a source's solver has loaded."""
+        """Add what a worker has loaded for the plug-in of this source."""
         new = {(source, name, place) for name, place in loaded.items()} - self._seen
         if not new:
             return
@@ -174,8 +174,8 @@ class Record:
 
 
 def begun(plan: Plan) -> dict[str, Any]:
-    """The parts `loaded` and `content` of a manifest, before anything has run; without files that are still to be written, as
-    the steps that are judged, which are named by their hashes."""
+    """Return the parts `loaded` and `content` of a manifest before anything has run. Files that do not exist yet are left out,
+    such as the judged steps, which are named by their hashes."""
     files = {name for source in plan.sources for name in (source.file, source.before) if name}
     loaded = {plugin.source: _named_files(plugin) for plugin in plan.plugins}
     places = sorted(files | {place for known in loaded.values() for place in known.values()})
@@ -183,7 +183,7 @@ def begun(plan: Plan) -> dict[str, Any]:
 
 
 def _named_files(plugin: Plugin) -> Loaded:
-    """The files that name a plug-in, and an executable's command."""
+    """Return the files that a plug-in's source names, and the hash of an executable's command."""
     found = {path.name: str(path) for path in plugins.files(plugin.source)}
     if executable.is_command(plugin.source):
         found["command"] = f"{VERSION}{executable.command_hash(plugin.source)}"
@@ -191,8 +191,8 @@ def _named_files(plugin: Plugin) -> Loaded:
 
 
 def hashed(place: str) -> str:
-    """The hash of the file or folder at a path, or the version itself; empty where it cannot be read or is too large: a worker
-    may report any path."""
+    """Return the hash of a file or folder, or the version if `place` is one; empty if it cannot be read or is too large, since
+    a worker may report any path."""
     if place.startswith(VERSION):
         return place.removeprefix(VERSION)
     path = Path(place)

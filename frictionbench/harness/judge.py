@@ -1,8 +1,7 @@
-"""Judging the steps of an engine: its own impulses by the verifier's residual and by law, then a run of our
-solvers, and of others, on the same problems.
+"""Judge the steps of an engine: residual and violated laws of its own impulses, then a run of solvers on the same problems.
 
-The files are read and judged in workers. The problems by which they are judged are the sources of a run like any other, which
-an interruption does not lose.
+The files are read and judged in workers. The problems that they are judged by are the sources of an ordinary run, which can be
+interrupted and resumed.
 """
 
 import json
@@ -34,15 +33,15 @@ from frictionbench.results.files import replaced, subfolder
 from frictionbench.results.judgement import LAWS, Judgement, write_judgements
 
 FOLDER = "judged"
-EXACT = "hybrid"  # our solver of Coulomb's law for any problem, which stands beside the engine
-STICKS = 1e-6  # of a contact's unit of velocity: slip in the exact answer below counts as none
-RANK = 1e-9  # relative: singular values below count as zero
+EXACT = "hybrid"  # our solver of Coulomb's law for any problem, with which the engine is compared
+STICKS = 1e-6  # relative to a contact's unit of velocity: slower slip in the exact answer counts as none
+RANK = 1e-9  # relative: smaller singular values count as zero
 DIVERGED = 1e100  # N s: squares of larger impulses may overflow
 MOST_FORCES = 200  # contacts whose forces are kept for a figure
 
 
 def judge_file(folder: Path, path: Path) -> Judgement:
-    """Judge the step in a file, and store the problem by which it is judged as folder/judged/HASH.npz.
+    """Judge the step in a file, and store the problem that it is judged by as folder/judged/HASH.npz.
 
     Errors: InputError naming the file, or the field in it that cannot be used.
     """
@@ -78,7 +77,7 @@ def judge_file(folder: Path, path: Path) -> Judgement:
 
 
 def _creep(problem: FrictionProblem, impulse: Array, exact: Array) -> float | None:
-    """The largest slip, m/s, at the contacts that stick in the exact answer; None without such contacts."""
+    """Return the largest slip, in m/s, at the contacts that stick in the exact answer, or None if there are none."""
     slip = np.linalg.norm(problem.contact_velocity(exact)[:, 1:], axis=1)
     sticking = (slip <= STICKS * problem.units) & (exact[:, 0] > STICKS * problem.units / problem.scale)
     own_slip = np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1)
@@ -86,10 +85,10 @@ def _creep(problem: FrictionProblem, impulse: Array, exact: Array) -> float | No
 
 
 def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dict[str, list[float]]:
-    """By the velocities of two bodies the net impulse of the contacts between them, as described at Judgement.
+    """Return the net impulse of the contacts between each two bodies, by their velocities' indices, as described at Judgement.
 
-    The motion determines the impulses z of closed contacts and of joints but for the null space of their columns A: J' of a
-    contact that sticks, J'(1, -mu u_t/|u_t|) of one that slides, F' of joints.
+    The motion determines the impulses z of closed contacts and of joints up to the null space of A, whose columns are J' for a
+    sticking contact, J'(1, -mu u_t/|u_t|) for a sliding one, and F' for joints.
     """
     if not problem.mechanical or not problem.contacts:
         return {}
@@ -119,13 +118,13 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
 
 
 def _ranges(numbers: tuple[int, ...]) -> str:
-    """Numbers in words, (0, 1, 2, 6) as "0 to 2, 6"."""
+    """Return sorted numbers as text: (0, 1, 2, 6) as "0 to 2, 6"."""
     runs = [[number for _, number in run] for _, run in groupby(enumerate(numbers), key=lambda pair: pair[1] - pair[0])]
     return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 
 def judge_step(path: str) -> dict[str, Any]:
-    """In a worker: the fields of the judgement on the step in a file."""
+    """In a worker, return the fields of the judgement on the step in a file."""
     return judge_file(worker.folder(), Path(path))._asdict()
 
 
@@ -139,10 +138,10 @@ def prepared(
     out: Path | None,
     progress: Progress,
 ) -> tuple[Plan, Path]:
-    """Judge the steps in folder/*.npz, or in a file; the plan of EXACT and the solvers `against` on them, its results folder.
+    """Judge the steps in folder/*.npz or in one file; return the plan with EXACT and `against` on them, and its results folder.
 
-    out: by default one below runs/ that is named by what is judged. Errors: InputError naming the folder or the file that
-    cannot be used, ResultsError where out holds another run.
+    out: by default a folder in runs/ named by a hash of the problems and settings. Errors: InputError naming the folder or file
+    that cannot be used, ResultsError if out holds another run.
     """
     require(folder.exists(), "folder", f"there is no folder or file {folder}")
     paths = [folder] if folder.is_file() else sorted(folder.glob("*.npz"), key=natural)
@@ -163,7 +162,7 @@ def prepared(
 
 
 def _judgements(paths: list[Path], scratch: Path, jobs: int, progress: Progress) -> list[Judgement]:
-    """The judgements in the order of the paths. Errors: InputError naming the first file that cannot be judged."""
+    """Return the judgements in the order of the paths. Errors: InputError naming the first file that cannot be judged."""
     tasks = [Task(judge_step, (str(path.absolute()),), COLLECT_SECONDS) for path in paths]
     with Pool(scratch, jobs, (), MEMORY_LIMIT) as pool:
         found = {
@@ -174,7 +173,7 @@ def _judgements(paths: list[Path], scratch: Path, jobs: int, progress: Progress)
 
 
 def _sources(folder: Path, found: list[Judgement], out: Path) -> tuple[Source, ...]:
-    """The problems by which the steps with contacts are judged, each problem once."""
+    """Return the problems that the steps with contacts are judged by, each problem once."""
     steps = {one.problem: one.file for one in reversed(found) if one.contacts}
     stored = out.absolute() / FOLDER
     name = folder.resolve().name

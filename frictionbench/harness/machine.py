@@ -18,7 +18,7 @@ FOLDERS = ("problems", "solvers", "harness", "results", "reports")
 
 
 def describe() -> dict[str, Any]:
-    """The facts in which runs must agree for their times to be comparable: host, processor, cores, memory, system, Python."""
+    """Return what must be equal for times to be comparable: host, processor, cores, memory, system, Python."""
     return {
         "host": host(),
         "processor": _processor(),
@@ -31,14 +31,14 @@ def describe() -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """The version of every installed distribution, and of this project's code."""
+    """Return the version of every installed distribution, and of this project's code."""
     found = {each.metadata["Name"]: each.version for each in distributions()}
     return {"frictionbench": revision(), **{name: found[name] for name in sorted(found) if name != "frictionbench"}}
 
 
 @cache
 def revision() -> str:
-    """The commit, with a hash of the code if it was changed; outside a checkout of this project the version, with that hash."""
+    """Return the commit, with a hash of the code if it was changed; outside a checkout, the version with that hash."""
     git = ["git", "--no-optional-locks", "-C", str(PACKAGE.parent)]  # a lock would remain if this process were killed
     try:
         if not (PACKAGE.parent / ".git").exists():  # the environment may lie in another repository
@@ -54,7 +54,7 @@ def revision() -> str:
 
 @cache
 def content(folders: tuple[str, ...] = FOLDERS) -> str:
-    """Hash of this project's code on disk, or of the part in some of its folders; baselines are results."""
+    """Return a hash of this project's code in these folders, without the baselines, which are results."""
     found = sha256()
     for folder in folders:
         for path in sorted((PACKAGE / folder).rglob("*")):
@@ -64,7 +64,7 @@ def content(folders: tuple[str, ...] = FOLDERS) -> str:
 
 
 def code() -> dict[str, str]:
-    """The location and the content of the code that this process runs."""
+    """Return the location and the hash of the code that this process runs."""
     return {"package": str(PACKAGE), "content": content()}
 
 

@@ -1,8 +1,8 @@
-"""Failure maps: their grids, their runs, and what is traced and drawn beside them.
+"""Failure maps: their grids, their runs, and the theoretical thresholds drawn over them.
 
-First the grid points are run, then the points of finer grids where verdicts differ. Each round is the run of a plan with more
-grid points, in the same folder, so that an interrupted run resumes: which points to add follows from the rows found. At the end
-the thresholds of theory are traced over each map, along lines, by bisection, without a solver.
+First the grid points are run, then the points of finer grids where verdicts differ. Each round runs a plan with more points in
+the same folder. The points to add follow from the rows found, so that an interrupted run resumes. At the end the theoretical
+thresholds of each map are traced along lines by bisection, without a solver.
 """
 
 import json
@@ -31,11 +31,11 @@ from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.files import subfolder, write_text
 from frictionbench.results.maps import Axis, GridPoint, Map, at_grid_points, thresholds_file
 
-SOLVERS = (*MAPPED, "relaxation_ip")  # of a map whose command names none
-REPEATS = 2  # timed solves: a map shows times by colour, to a factor
-LINES = 11  # along each axis at least, so that a curve drawn through the points looks smooth
-HALVINGS = 7  # of half a grid line: to 1/256 of it, finer than a printed map shows
-Verdicts = dict[GridPoint, dict[str, str]]  # then by variant
+SOLVERS = (*MAPPED, "relaxation_ip")  # default solvers of a map
+REPEATS = 2  # timed solves: a map shows times by colour, which need not be accurate
+LINES = 11  # least number of lines along each axis, so that a curve drawn through the points looks smooth
+HALVINGS = 7  # bisections of half a grid spacing, down to 1/256 of the spacing: finer than a printed map shows
+Verdicts = dict[GridPoint, dict[str, str]]  # verdict by grid point and variant
 
 
 def plan_map(
@@ -49,7 +49,7 @@ def plan_map(
     scheme: str = DEFAULT_SCHEME,
     steps: int = 0,
 ) -> Plan:
-    """The plan of one map, of simulations where steps > 0. Errors: InputError naming the field; no scene is built."""
+    """Return the plan of one map, of simulations if steps > 0. No scene is built. Errors: InputError naming the field."""
     name, settings = parse("scene", scene_spec)
     find_scene(name, settings)
     require_scheme(scheme)
@@ -83,12 +83,12 @@ def plan_map(
 
 
 def corners(spec: Map) -> list[GridPoint]:
-    """The four corners of the grid."""
+    """Return the four corners of the grid."""
     return [(x, y) for x in (0.0, spec.x.count - 1.0) for y in (0.0, spec.y.count - 1.0)]
 
 
 def finer(spec: Map, known: set[GridPoint], level: int, found: Verdicts) -> list[GridPoint]:
-    """At most spec.most new grid points between neighbours whose verdicts differ, those with the most differences first."""
+    """Return at most spec.most new grid points between neighbours whose verdicts differ; most differences come first."""
     step = 0.5**level
     gain: dict[GridPoint, int] = {}
     for (i, j), own in found.items():
@@ -110,7 +110,7 @@ def finer(spec: Map, known: set[GridPoint], level: int, found: Verdicts) -> list
 
 
 def trace(spec: Map, folder: Path) -> None:
-    """Write the map's thresholds to folder, unless they have been written."""
+    """Write the map's thresholds to folder, unless it has them."""
     path = thresholds_file(folder, spec)
     if not spec.thresholds or path.exists():
         return
@@ -120,7 +120,7 @@ def trace(spec: Map, folder: Path) -> None:
 
 
 def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[GridPoint]:
-    """The points on lines along both axes where `holds` changes."""
+    """Return the points on lines along both axes where `holds` changes."""
 
     @cache
     def at(i: float, j: float) -> bool:
@@ -152,7 +152,7 @@ def _changes(axis: Axis, holds: Callable[[float], bool]) -> list[float]:
 
 
 def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
-    """Run a plan that has maps. Errors: as of harness.run.run."""
+    """Run a plan that has maps. Errors: as for harness.run.run."""
     points: list[dict[GridPoint, None]] = [dict.fromkeys(spec.grid) for spec in plan.maps]
     for level in range(max(spec.levels for spec in plan.maps) + 1):
         if level:
@@ -173,8 +173,8 @@ def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: 
 
 
 def _with_points(plan: Plan, points: list[dict[GridPoint, None]]) -> Plan:
-    """The plan with the problems at these grid points or, on a map of simulations, the simulations there, no longer than the
-    scene's duration."""
+    """Return the plan with the problems at these grid points. A map of simulations has simulations there instead, none longer
+    than the scene's duration."""
     sources: dict[str, Source] = {}
     cells: list[SimulationCell] = []
     for spec, parameters in ((spec, spec.at(point)) for spec, own in zip(plan.maps, points, strict=True) for point in own):

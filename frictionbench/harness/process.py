@@ -1,7 +1,7 @@
-"""Control of a process by Linux: its core, threads and memory, and the end of its descendants, also after their parents' end.
+"""Control of a process under Linux: its core, threads and memory, and killing its descendants, orphaned ones included.
 
-A subreaper is the process that becomes the parent of orphaned descendants, however they were detached. The parent-death signal
-cannot be blocked. A bound abstract socket claims a core; the kernel closes it with the process.
+A subreaper becomes the parent of its orphaned descendants, however they were detached. The parent-death signal cannot be
+blocked. A bound abstract socket claims a core; the kernel closes it when the process ends.
 """
 
 import ctypes
@@ -19,18 +19,18 @@ import psutil
 
 from frictionbench.problems import InputError
 
-# The variables from which BLAS, OpenMP, numba and Rayon (Rust libraries) read their number of threads.
+# The variables from which OpenMP, OpenBLAS, MKL, numba and Rayon (Rust) read their number of threads.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_CHILD_SUBREAPER, PR_SET_NO_NEW_PRIVS = 1, 4, 36, 38  # linux/prctl.h
-PATIENCE = 10.0  # seconds to end processes that start others as fast as they are ended
-ENDED = "ZX"  # states of a process in /proc: a zombie, which was not waited for; gone
-LEAST_MEMORY = 2**27  # bytes: with less a worker cannot compile a kernel
+PATIENCE = 10.0  # seconds after which killing processes that keep starting others is given up
+ENDED = "ZX"  # process states in /proc: zombie, dead
+LEAST_MEMORY = 2**27  # bytes: with less, a worker cannot compile a kernel
 libc = ctypes.CDLL(None, use_errno=True)
 held_cores: list[socket.socket] = []  # this process's claims on cores; closing one releases the core
 
 
 def require_linux() -> None:
-    """Errors: InputError where the mechanisms are missing that isolation and timing need."""
+    """Check for the mechanisms that isolation and timing need. Errors: InputError on other systems than Linux."""
     if sys.platform != "linux":
         raise InputError(
             f"platform: {sys.platform} has no parent-death signal, subreaper or core affinity, which isolation needs; "
@@ -44,7 +44,7 @@ def pin_threads() -> None:
 
 
 def cores() -> list[int]:
-    """The processor cores that this process may use; of two hardware threads of a core, the first."""
+    """Return the processor cores that this process may use, each as its first hardware thread."""
     allowed = os.sched_getaffinity(0)
     return sorted({min(_siblings(core) & allowed) for core in allowed})
 
@@ -59,7 +59,7 @@ def _siblings(core: int) -> set[int]:
 
 
 def hold_core() -> int | None:
-    """A core that no other worker on this machine has claimed, claimed until this process ends; None where all are claimed."""
+    """Claim a core that no other worker on this machine has claimed, until this process ends; None if all are claimed."""
     for core in cores():
         claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         try:
@@ -73,10 +73,10 @@ def hold_core() -> int | None:
 
 
 def bound_memory(limit: int) -> int:
-    """Let this process map at most `limit` bytes more than it has mapped, or fewer where it was given a lower limit already.
+    """Let this process map at most `limit` more bytes, or fewer if it has a lower limit already; return how many.
 
-    The bound, in bytes beyond what is mapped, cannot be raised again without privileges. Errors: InputError where the limit
-    given to this process leaves less than LEAST_MEMORY.
+    The bound cannot be raised again without privileges. Errors: InputError if the limit that this process was started with
+    leaves less than LEAST_MEMORY.
     """
     import resource
 
@@ -92,9 +92,9 @@ def bound_memory(limit: int) -> int:
 
 @contextmanager
 def memory_within(limit: int) -> Iterator[None]:
-    """Let this process map at most `limit` bytes more than it has mapped, during a block; without effect except on Linux.
+    """During a block, let this process map at most `limit` more bytes. Without effect except on Linux.
 
-    Errors: InputError where more is needed.
+    Errors: InputError if more is needed.
     """
     if sys.platform != "linux":
         yield
@@ -112,7 +112,7 @@ def memory_within(limit: int) -> Iterator[None]:
 
 
 def _memory_bound(limit: int) -> tuple[int, int]:
-    """The bytes that this process has mapped, and those that it may map: `limit` more, or what it was given if that is less."""
+    """Return the bytes that this process has mapped and the bytes that it may map: `limit` more, or its own limit if lower."""
     import resource
 
     mapped = psutil.Process().memory_info().vms
@@ -121,14 +121,14 @@ def _memory_bound(limit: int) -> tuple[int, int]:
 
 
 def reset_peak_memory() -> None:
-    """Reset the peak of the resident memory of this process and of its descendants."""
+    """Reset the peak resident memory of this process and of its descendants."""
     for pid in (os.getpid(), *descendants(os.getpid())):
         with suppress(OSError), open(f"/proc/{pid}/clear_refs", "w", encoding="ascii") as control:
             control.write("5")
 
 
 def peak_memory() -> float:
-    """Peak of the resident memory since reset_peak_memory, in bytes, summed over this process and its descendants."""
+    """Return the peak resident memory since reset_peak_memory, in bytes, summed over this process and its descendants."""
     peak = 0.0
     for pid in (os.getpid(), *descendants(os.getpid())):
         with suppress(OSError), open(f"/proc/{pid}/status", encoding="ascii") as status:
@@ -137,7 +137,7 @@ def peak_memory() -> float:
 
 
 def waited() -> float:
-    """The seconds for which this thread has been runnable while its core ran another; NaN where the system does not tell."""
+    """Return the seconds for which this thread was runnable while its core ran another; NaN if they are not reported."""
     try:
         with open("/proc/thread-self/schedstat", encoding="ascii") as times:
             return int(times.read().split()[1]) / 1e9
@@ -146,28 +146,28 @@ def waited() -> float:
 
 
 def die_with_parent(parent: int) -> None:
-    """Have the kernel kill this process when its parent, given by id, ends; 0 for one outside its namespace of processes."""
+    """Have the kernel kill this process when its parent ends. parent: its id, 0 if it is outside the PID namespace."""
     _prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:  # it has ended already
         os._exit(1)
 
 
 def forbid_new_privileges() -> None:
-    """Programs that this process and its descendants execute gain no rights, such as those of a set-user-ID program."""
+    """Prevent programs that this process and its descendants execute from gaining rights, such as by set-user-ID."""
     _prctl(PR_SET_NO_NEW_PRIVS, 1)
 
 
 def hide_memory() -> None:
-    """No process without privileges can trace this one, or read its memory."""
+    """Prevent processes without privileges from tracing this one or reading its memory."""
     _prctl(PR_SET_DUMPABLE, 0)
 
 
 def close_all_but(*kept: int) -> None:
-    """Close all descriptors that this process has inherited but the standard streams and those kept."""
+    """Close all inherited descriptors except the standard streams and those in `kept`."""
     held_cores.clear()  # the parent's claims, which it holds itself
     for name in _listed("/proc/self/fd"):
         if int(name) > 2 and int(name) not in kept:
-            with suppress(OSError):  # that of the list itself
+            with suppress(OSError):  # the descriptor by which the folder was listed is closed already
                 os.close(int(name))
 
 
@@ -178,7 +178,7 @@ def use_temporary(folder: Path) -> None:
 
 @contextmanager
 def no_forked_child() -> Iterator[None]:
-    """Ends, at the end of the block, a child process that a solver forked within it and that returned from the call too."""
+    """End, after the block, a child process that a solver forked inside the block and that returned from the call too."""
     parent = os.getpid()
     try:
         yield
@@ -197,14 +197,14 @@ def _prctl(option: int, value: int) -> None:
 
 
 def checked(call: str, result: int) -> int:
-    """The result of a call of the C library. Errors: OSError naming the call, where the result is negative."""
+    """Return the result of a call of the C library. Errors: OSError naming the call if the result is negative."""
     if result < 0:
         raise OSError(ctypes.get_errno(), f"{call}: {os.strerror(ctypes.get_errno())}")
     return result
 
 
 def children(pid: int) -> list[int]:
-    """The ids of all children of a process, zombies included."""
+    """Return the ids of all children of a process, zombies included."""
     found: list[int] = []
     for task in _listed(f"/proc/{pid}/task"):
         with suppress(OSError), open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as listed:
@@ -213,13 +213,13 @@ def children(pid: int) -> list[int]:
 
 
 def descendants(pid: int) -> list[int]:
-    """The ids of all descendants of a process, zombies included."""
+    """Return the ids of all descendants of a process, zombies included."""
     found = children(pid)
     return found + [below for child in found for below in descendants(child)]
 
 
 def end_descendants(*, spare: Collection[int] = ()) -> bool:
-    """Kill all descendants of this process except those to spare; whether any of them was running.
+    """Kill all descendants of this process except those in `spare`; return whether any of them was running.
 
     Zombies of a spared process are left for it to wait for. This process must be a subreaper, or detached descendants are
     missed.
@@ -228,8 +228,8 @@ def end_descendants(*, spare: Collection[int] = ()) -> bool:
 
 
 def end_children(*, spare: Collection[int]) -> None:
-    """Kill all children of this process, a subreaper, except those to spare with their descendants, and so on for children that
-    it thereby adopts."""
+    """Kill all children of this process, which must be a subreaper, and the orphans that it then adopts. Processes in `spare`
+    and their descendants are not killed."""
     _end(lambda: [pid for pid in children(os.getpid()) if pid not in spare])
 
 
@@ -253,7 +253,7 @@ def _may_stay(pid: int, spare: Collection[int]) -> bool:
 
 
 def _state(pid: int) -> tuple[str, int]:
-    """A process's state, a letter, and its parent; X and 0 for a process that does not exist."""
+    """Return a process's state letter and its parent's id; X and 0 for a process that does not exist."""
     try:
         with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as stat:
             state, parent, *_ = stat.read().rpartition(")")[2].split()

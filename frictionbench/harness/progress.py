@@ -18,12 +18,12 @@ COLUMNS = (
     progress.TimeElapsedColumn(),
     progress.TimeRemainingColumn(),
 )
-FEW = 100  # items below which the time that is left is not told: the first ones may have compiled what others need
-INTERVAL = 20.0  # seconds between plain lines: a log of an hour's run has under two hundred
+FEW = 100  # items up to which the time left is not shown: the first items may have compiled kernels for others
+INTERVAL = 20.0  # seconds between plain lines: under two hundred lines per hour
 
 
 class Progress:
-    """Bars on a console, stderr by default, one stage after another; quiet: nothing at all."""
+    """Progress bars on a console, stderr by default, one stage after another. quiet: print nothing."""
 
     def __init__(self, console: Console | None = None, quiet: bool = False) -> None:
         self._console = console or Console(stderr=True, quiet=quiet)
@@ -33,11 +33,11 @@ class Progress:
         self._console.print(text, highlight=False, markup=False, soft_wrap=True)
 
     def follow(self, name: str, engine: Pool | Cluster, tasks: list[Task], done: int = 0) -> Iterator[Outcome]:
-        """The outcomes of the tasks as they arrive, counted if there are any. done: tasks of earlier runs."""
+        """Yield the outcomes of the tasks as they arrive, and show how many. done: the number of tasks done by earlier runs."""
         return self.counted(name, engine.run(tasks), done + len(tasks), done) if tasks else iter(())
 
     def counted(self, name: str, items: Iterable[T], total: int, done: int = 0) -> Iterator[T]:
-        """The items, with a bar of how many there have been of the total; done: before the first."""
+        """Yield the items and show how many of the total there have been. done: the number before the first item."""
         printed = time.monotonic()
         shown = COLUMNS if total > FEW else COLUMNS[:-1]
         with progress.Progress(*shown, console=self._console, disable=not self._console.is_terminal) as bar:

@@ -1,7 +1,7 @@
 """A run: collect the problems, run the cells that have no row yet, merge the tables.
 
-The folder is the whole state of the run. After an interruption at any moment the same command resumes it. A folder that holds a
-run of another plan, machine or code is refused with a list of the differences.
+The folder holds the whole state of the run. After an interruption at any moment the same command resumes it. A folder of
+another plan, machine or code is refused with a list of the differences.
 """
 
 import os
@@ -32,20 +32,20 @@ from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row, new_shard
 from frictionbench.solvers import find
 
-Rows = dict[str, dict[str, Row]]  # of each table, by their keys
+Rows = dict[str, dict[str, Row]]  # rows by table and key
 RUNS: dict[str, Callable[..., Row]] = {
     "solves": worker.run_solve,
     "simulations": worker.run_simulation,
     "batches": worker.run_batch,
 }
-SMALL_CELL = 0.04  # seconds of a worker for a cell of a few contacts, which is timed several times
-COLLECT_SECONDS = 600.0  # seconds for one source's problems: a bound for scenes whose reference answers take too long
+SMALL_CELL = 0.04  # seconds that a worker takes for a cell of a few contacts, repeats included
+COLLECT_SECONDS = 600.0  # time limit in seconds for one source's problems, in case reference answers take too long
 
 
 def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
-    """Run the cells of the plan that have no row in folder, here or on the dask cluster at an address.
+    """Run the cells of the plan that have no row in folder, on this machine or on a Dask cluster. cluster: its address.
 
-    Errors: ResultsError where folder holds a different run, InputError where the cluster cannot be used.
+    Errors: ResultsError if folder holds a different run, InputError if the cluster cannot be used.
     """
     folder = folder.absolute()
     with Cluster(cluster, folder, plan.plugins, plan.memory_limit) if cluster else nullcontext() as distant:
@@ -73,7 +73,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
 
 
 def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str:
-    """How many cells a plan without a known duration has, with which solvers, and how long small ones take."""
+    """Return the line that announces a plan of unknown duration: its number of cells, its solvers, bounds of its duration."""
     solvers = dict.fromkeys(cell.variant for cell in cells)
     named = ", ".join(solvers) if len(solvers) <= 12 else f"{len(solvers)} solvers"
     least, most = (max(round(each * len(cells)), 1) for each in (SMALL_CELL, plan.time_limit))  # s
@@ -94,7 +94,7 @@ def _run(
 ) -> None:
     """Run the cells that have no row yet, and add their rows.
 
-    Cells of plug-ins come last, because a worker that has run one is used for nothing else; cells of the same library come
+    Cells of plug-ins come last, because a worker that has run a plug-in is used for nothing else. Cells of one library come
     together, so that each worker loads it once.
     """
     left = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
@@ -130,7 +130,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
 
 
 def _descriptions(plan: Plan) -> dict[str, str]:
-    """The docstrings of our solvers' files and classes, for the report; plug-ins are not imported in this process."""
+    """Return the docstrings of our solvers' files and classes, for the report. Plug-ins are not imported in this process."""
     variants = [variant for variant in plan.variants if not plan.owner(variant)]
     makes = {variant: find(variant)[0].make for variant in variants}
     docstrings = {variant: (sys.modules[make.__module__].__doc__, make.__doc__) for variant, make in makes.items()}
@@ -138,8 +138,8 @@ def _descriptions(plan: Plan) -> dict[str, str]:
 
 
 def drop_disturbed(plan: Plan, folder: Path) -> None:
-    """Drop the rows of cells that shared their core, or that ended at their limit, of which that is not known: the next run
-    measures them again. Errors: as of open_folder."""
+    """Drop the rows of cells that shared their core or ended at their time limit, for which sharing is unknown. The next run
+    measures them again. Errors: as for open_folder."""
     open_folder(plan, folder)
     for table in TABLES:
         store.drop(folder, table, lambda row: row.get("disturbed") is True or row.get("verdict") == Verdict.TIMEOUT)
@@ -147,12 +147,12 @@ def drop_disturbed(plan: Plan, folder: Path) -> None:
 
 def _differences(stored: Row, wanted: Row) -> list[str]:
     found = []
-    for part, values in cleaned(wanted).items():  # as what is stored
+    for part, values in cleaned(wanted).items():  # in the form in which they are stored
         old = stored.get(part, {})
         names = (name for name in sorted(values.keys() | old.keys()) if old.get(name) != values.get(name))
         for name in names:
             there, here = old.get(name), values.get(name)
-            if isinstance(there, list) and isinstance(here, list):  # only what the other one does not have
+            if isinstance(there, list) and isinstance(here, list):  # show only the entries that the other list lacks
                 there, here = [entry for entry in there if entry not in here], [entry for entry in here if entry not in there]
             told = f"{_words(there):.150} in the folder, {_words(here):.150} now"
             if name == "plugins" and there and here and there[0]["source"] == here[0]["source"]:
@@ -162,7 +162,7 @@ def _differences(stored: Row, wanted: Row) -> list[str]:
 
 
 def _words(value: object) -> str:
-    """A value of JSON without its marks and what is empty; of a hash its beginning."""
+    """Return a JSON value as text without punctuation and empty entries, with hashes cut to their first 12 digits."""
     if isinstance(value, dict):
         return " ".join(f"{name} {_words(entry)}" for name, entry in value.items() if entry not in ("", None, [], {}))
     if isinstance(value, list):
@@ -171,7 +171,7 @@ def _words(value: object) -> str:
 
 
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
-    """The records of all problems by origin, in the plan's order; for a source without problems one with the reason."""
+    """Return the records of all problems by origin, in the plan's order. A source that fails has one record with the reason."""
     tasks = [Task(worker.run_source, (source,), COLLECT_SECONDS) for source in (*plan.sources, *plan.map_sources)]
     by_task: dict[int, list[Record]] = {}
     for outcome in progress.follow("sources of problems", pool, tasks):
@@ -181,7 +181,7 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
 
 
 def _loaded_by(plan: Plan, cell: Cell) -> tuple[str, str]:
-    """The plug-in and the outside library that a cell loads, each empty where it loads none."""
+    """Return the names of the plug-in and of the outside library that a cell loads, empty if none."""
     if owner := plan.owner(cell.variant):
         return owner, ""
     info, _ = find(cell.variant)
@@ -195,13 +195,13 @@ def _task(cell: Cell, records: dict[str, Record], plan: Plan) -> Task:
 
 
 def cell_task(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Record | None = None) -> Task:
-    """The task of a cell; record: of the problem of a solve cell."""
+    """Return the task of a cell. record: the problem's record, for a solve cell."""
     arguments = (cell, limit) if record is None else (cell, record, limit)
     return Task(RUNS[cell.table], arguments, limit, owner(cell.variant, plugins), whole=False)
 
 
 def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
-    """The row of a cell: what its worker returned, or how it failed, with the facts known beforehand, which take precedence."""
+    """Return the row of a cell: what its worker returned, or how it failed. Facts known beforehand take precedence."""
     cell, *record, limit = outcome.task.arguments
     found = {"verdict": outcome.failure, "reason": outcome.reason} if outcome.failure else outcome.value
     if not isinstance(found, dict) or found.get("verdict") not in list(Verdict):

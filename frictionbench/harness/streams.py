@@ -1,8 +1,8 @@
-"""The standard streams of a command, so that trouble with its output is never mistaken for its result.
+"""The standard streams of a command, set up so that a failure to write is not mistaken for a result.
 
-Exit code 1 states a regression. Python and typer end with 1 as well where a pipe is closed early, a disk is full or a terminal
-cannot show a character. Here a stream that cannot be written raises Unwritable, which ends the command with a code of its own;
-characters that a stream cannot encode are replaced by question marks; a stream that was closed is the null device.
+Exit code 1 means a regression, but Python and typer also exit with 1 if a pipe is closed early, a disk is full or a terminal
+cannot encode a character. Here, a stream that cannot be written raises Unwritable, for which the command has its own exit code.
+Characters that a stream cannot encode are replaced by question marks. A closed stream is replaced by the null device.
 """
 
 import io
@@ -18,7 +18,7 @@ UNUSABLE = 2  # exit code
 
 
 class Unwritable(Exception):  # noqa: N818  # not an error of the input
-    """A standard stream that cannot be written. number: that of its descriptor; reason: the operating system's error."""
+    """A standard stream that cannot be written. number: its file descriptor; reason: the operating system's error."""
 
     def __init__(self, number: int, reason: OSError) -> None:
         super().__init__(f"{'standard output' if number == 1 else 'standard error'}: {reason.strerror}")
@@ -35,12 +35,12 @@ class _Stream(io.FileIO):
 
 @contextmanager
 def standard_streams() -> Iterator[None]:
-    """Run a command's block on these streams. Where one cannot be written, exit with 141 (128 + SIGPIPE) without a word if its
-    reader has ended, and with 2 and a line on the other stream otherwise."""
+    """Run a command's block with these streams. If one cannot be written, exit with 141 (128 + SIGPIPE) and no message if its
+    reader has ended, otherwise with 2 and a line on the other stream."""
     for number in (0, 1, 2):
         _open_if_closed(number)
     for number, name in ((1, "stdout"), (2, "stderr")):
-        if getattr(sys, name) is getattr(sys, f"__{name}__"):  # not one that a caller has redirected
+        if getattr(sys, name) is getattr(sys, f"__{name}__"):  # unless a caller has redirected it
             setattr(sys, name, _stream(number, getattr(sys, name)))
     try:
         try:
@@ -49,7 +49,7 @@ def standard_streams() -> Iterator[None]:
             sys.stdout.flush()
     except Unwritable as unwritable:
         null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(null, unwritable.number)  # what is still buffered goes there, or the interpreter would complain once more
+        os.dup2(null, unwritable.number)  # takes what is still buffered, or the interpreter would report the error again
         if unwritable.reason.errno == EPIPE:
             sys.exit(128 + signal.SIGPIPE)
         with suppress(Unwritable):

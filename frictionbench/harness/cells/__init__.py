@@ -1,1 +1,1 @@
-"""What happens inside a worker: problems collected, cells solved and simulated, rows written."""
+"""The work inside a worker process: collecting problems, solving and simulating cells, making rows."""

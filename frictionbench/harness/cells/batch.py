@@ -1,13 +1,12 @@
-"""Many small problems solved in one way, timed and verified: the columns of a row of batches.
+"""Many small problems solved in one of several ways, timed and verified: the columns of a row of batches.
 
-The problems are of one scene and size, each with its own push, friction and mass ratio, drawn from SEED. The way is timed
-ROUNDS times, in turn with single calls of BASE on the same problems, each round on problems that differ in the last bits, so
-that no answer is one of before; the answers of the first call and of the last round are verified. The time is that of the
-processor, children's included, which another process on the core does not change; where the call took more than WAITS times
-as long without waiting for the core, it waited for something else, and its duration counts. Kernels are compiled and loaded
-before the first timing.
-
-A warm start is the answer of the same problem with a push smaller by NEARBY, as of the step before in a simulation.
+The problems come from one scene and have one size; push, friction and mass ratio of each are drawn with SEED. The way is timed
+ROUNDS times, alternating with single calls of BASE on the same problems. The problems of each round differ in the last bits, so
+that no earlier answer can be reused. The answers of the first call and of the last round are verified. The time is processor
+time, children included, which other processes on the core do not change. If the duration without waiting for the core is more
+than WAITS times the processor time, the call waited for something else, and the duration is used instead. Kernels are compiled
+and loaded before the first timing. A warm start is the answer to the same problem with a push smaller by NEARBY, which stands
+for the previous step of a simulation.
 """
 
 import json
@@ -39,21 +38,21 @@ from frictionbench.solvers import Answer, Answers, SolverInfo, solve, solve_many
 
 BASE = {2: "lemke", 3: "hybrid"}  # by dimension
 TOL, ROUNDS, SAMPLE, SEED = 1e-8, 5, 20, 1
-WAITS = 1.2  # between them lies what a virtual machine's host takes
+WAITS = 1.2  # duration over processor time: smaller ratios may be due to the host of a virtual machine
 
 
 @dataclass(frozen=True)
 class Problems:
-    """A batch, the flat impulses from which it starts warm, and the columns that describe it."""
+    """A batch, the flat impulses for its warm start, and the columns that describe it."""
 
     problems: tuple[FrictionProblem, ...]
     before: Array
     facts: Row
 
 
-@lru_cache(maxsize=1)  # the cells of a batch come one after another
+@lru_cache(maxsize=1)  # the cells of a batch run one after another
 def batch_of(name: str, parameters: str, count: int) -> Problems:
-    """So many problems of a scene or an instance with these parameters, a JSON object. Errors: InputError of the scene."""
+    """Make `count` problems of a scene or an instance. parameters: a JSON object. Errors: InputError of the scene."""
     given = json.loads(parameters)
     rng = np.random.default_rng(SEED)
     drawn = [{key: rng.uniform(*bounds) for key, bounds in DRAWN.items()} | given for _ in range(count)]
@@ -74,7 +73,7 @@ def batch_of(name: str, parameters: str, count: int) -> Problems:
 
 
 def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
-    """The columns that are measured."""
+    """Return the measured columns."""
     run = _way(cell, batch.problems, batch.before)
     row = _verified(cell, batch.problems, _one_by_one(run()), info)  # also compiles and loads
     _calls(batch.problems, batch.facts["base"], cell.tol)
@@ -91,7 +90,7 @@ def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
 
 
 def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array) -> Callable[[], Any]:
-    """What solves these problems, to be timed; what is done once, such as packing, is done here."""
+    """Return the call that solves these problems, to be timed; work done once, such as packing, is done here."""
     start = before if cell.start == WARM else None
     many = partial(solve_many, spec=cell.variant, tol=cell.tol, start=start)
     if cell.way == "packed":
@@ -106,7 +105,7 @@ def _calls(problems: tuple[FrictionProblem, ...], spec: str, tol: float) -> list
 
 
 def _one_by_one(found: Answers | list[Answer]) -> list[Answer]:
-    """An answer to each problem."""
+    """Return a list with the answer to each problem."""
     if isinstance(found, list):
         return found
     counts = [(name, count.tolist()) for name, count in found.work.items()]
@@ -114,7 +113,7 @@ def _one_by_one(found: Answers | list[Answer]) -> list[Answer]:
 
 
 def _verified(cell: BatchCell, problems: tuple[FrictionProblem, ...], answers: list[Answer], info: SolverInfo) -> Row:
-    """The worst verdict, how often which verdict was found, and the counts of work together."""
+    """Return the worst verdict, the count of each other verdict than solved, and the summed counts of work."""
     findings = [
         verify(problem, answer, info.model, cell.tol, quiet=bool(info.needs))
         for problem, answer in zip(problems, answers, strict=True)
@@ -134,7 +133,7 @@ def _verified(cell: BatchCell, problems: tuple[FrictionProblem, ...], answers: l
 
 
 def _worked(run: Callable[[], Any]) -> tuple[float, Any]:
-    """The seconds of a call, see above, and what it returned; what is computed when its answers are read counts as well."""
+    """Return the seconds of a call, as described above, and its result. Work deferred until answers are read counts too."""
     before = perf_counter() - process.waited(), _processor_time()
     found = run()
     duration, processor = perf_counter() - process.waited() - before[0], _processor_time() - before[1]
@@ -146,6 +145,6 @@ def _worked(run: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def _processor_time() -> float:
-    """The processor's time that this process and its children have had, s."""
+    """Return the processor time of this process and its children, s."""
     times = os.times()
     return process_time() + times.children_user + times.children_system

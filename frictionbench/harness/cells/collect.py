@@ -1,12 +1,12 @@
 """The problems of the cells: recorded along a simulation with verified reference answers, labelled, and stored by their hash.
 
-A recorded problem also has starts, the same for every solver that takes one: `warm`, the impulses of the previous problem of
-the same phase, and `shuffled`, those of a problem drawn from the whole motion; both transferred contact by contact. `warm` is
-also a guess in a file of FCLIB's, unless it is zero, and the answer of the file before where it has as many contacts.
+A recorded problem also has starts, the same for every solver that accepts one: `warm`, the impulses of the previous problem of
+the same phase, and `shuffled`, those of a problem drawn from the whole motion. Both are transferred contact by contact. For a
+file, `warm` is the initial guess of an FCLIB file, unless it is zero, or else the reference answer of the preceding file if
+both have the same numbers of contacts and velocities.
 
-The reference answer, refined to what rounding allows, stands beside its problem: velocities are compared with it.
-
-The list of a source's problems is stored too. A folder may come from someone else, so that each record is checked.
+The reference answer, refined to rounding level, is stored with its problem, and velocities are compared with it. The list of a
+source's problems is stored too. Each record is checked when it is read, because a folder may come from someone else.
 """
 
 import json
@@ -45,12 +45,12 @@ from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WA
 from frictionbench.results.files import ResultsError, parsed, read_json, replaced, subfolder, write_text
 from frictionbench.results.schema import PROBLEM_FACTS
 
-Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, its starts and repeats
+Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, starts and repeats
 
 
 @dataclass
 class _Stored:
-    """What a stored record is checked for: it names files, and its facts are columns."""
+    """The fields of a stored record that are checked, since they name files or become columns."""
 
     problem: Annotated[str, Field(pattern="^[0-9a-f]{8,64}$")]
     scene: str
@@ -62,7 +62,7 @@ class _Stored:
 
 
 def read_records(path: Path) -> list[Record]:
-    """The records in a file that collect wrote. Errors: ResultsError naming the file, where it is none or is damaged."""
+    """Read the records in a file written by `collect`. Errors: ResultsError naming the file if it is another or damaged."""
     records = read_json(path)
     parsed(records, Annotated[list[_Stored], Field(min_length=1)], path)  # type: ignore[arg-type]
     if not all(record.keys() >= {*PROBLEM_FACTS} and list(record["starts"])[:1] == [COLD] for record in records):
@@ -70,13 +70,13 @@ def read_records(path: Path) -> list[Record]:
     return records
 
 
-MAX_PERTURBED = 30  # contacts: the sensitivity takes several solves for each, too long for larger problems
-MAX_COUNTED = 6  # contacts: the number of modes to enumerate grows like 4^contacts
+MAX_PERTURBED = 30  # contacts: the sensitivity takes several solves per contact, too long for larger problems
+MAX_COUNTED = 6  # contacts: the number of modes to enumerate grows as 4^contacts
 
 
 class Collected(NamedTuple):
-    """A problem with its step and phase, its contacts, its answer, the solvers of the reference answers before it, and whether
-    it is idle, where that is known."""
+    """A problem with its step and phase, contacts and answer. reference: the solvers of the reference answers up to it; idle:
+    None if unknown."""
 
     step: int
     phase: str
@@ -88,14 +88,14 @@ class Collected(NamedTuple):
 
 
 def collect(folder: Path, source: Source, described: bool = True) -> list[Record]:
-    """The records of the source's problems, which are stored under folder/problems; read where they were stored before.
+    """Store the source's problems in folder/problems, unless they are stored already, and return their records.
 
-    described: whether they are solved for their reference answers and labelled, which takes longer than to make them.
-    Errors: InputError with the reason where the source yields no problem.
+    described: whether to compute reference answers and labels, which takes longer than making the problems.
+    Errors: InputError with the reason if the source yields no problem.
     """
     store = subfolder(folder, "problems")
     listed = store / f"{source.key}.json"
-    with suppress(ResultsError, FileNotFoundError):  # one that was edited is collected again
+    with suppress(ResultsError, FileNotFoundError):  # a list that was edited is collected again
         known = read_records(listed)
         facts_of_source = source.scene, json.dumps(source.parameters, sort_keys=True)
         if all((record["scene"], record["parameters"]) == facts_of_source for record in known):
@@ -121,7 +121,7 @@ def collect(folder: Path, source: Source, described: bool = True) -> list[Record
 
 
 def _answered_facts(folder: Path, source: Source, found: Collected) -> Record:
-    """The facts of a problem, whose refined reference answer is stored."""
+    """Store a problem's refined reference answer, if it has one, and return its facts."""
     answer = reference_answer(found.problem) if found.impulse is None else found.impulse
     finest = None if answer is None else refined(found.problem, answer)
     if finest is not None:
@@ -131,7 +131,7 @@ def _answered_facts(folder: Path, source: Source, found: Collected) -> Record:
 
 
 def stored(folder: Path, problem: str) -> FrictionProblem | LCP:
-    """A stored problem by its hash. Errors: InputError where the file is missing, damaged, or holds another problem."""
+    """Read a stored problem by its hash. Errors: InputError if the file is missing, damaged or holds another problem."""
     path = folder / "problems" / f"{problem}.npz"
     found = load(path)
     require(found.hash == problem, str(path), f"holds another problem, {found.hash}, than the one its name is the hash of")
@@ -139,7 +139,7 @@ def stored(folder: Path, problem: str) -> FrictionProblem | LCP:
 
 
 def stored_friction(folder: Path, problem: str) -> FrictionProblem:
-    """A stored friction problem by its hash. Errors: InputError as stored, and where it is a bare LCP."""
+    """Read a stored friction problem by its hash. Errors: InputError as for `stored`, and if it is a bare LCP."""
     found = stored(folder, problem)
     if isinstance(found, LCP):
         raise InputError(f"problem: {problem} is a bare LCP, without contacts")
@@ -147,7 +147,7 @@ def stored_friction(folder: Path, problem: str) -> FrictionProblem:
 
 
 def stored_answer(folder: Path, problem: str) -> Array | None:
-    """The refined reference answer (nc, d) of a stored problem, None where there is none that can be read."""
+    """Read the refined reference answer (nc, d) of a stored problem; None if there is none that can be read."""
     with suppress(InputError, KeyError):
         return read_arrays(_answer_file(folder, problem))["impulse"]
     return None
@@ -158,9 +158,9 @@ def _answer_file(folder: Path, problem: str) -> Path:
 
 
 def stored_start(folder: Path, problem: str, source_origin: str, start: str, digest: str = "") -> Array | None:
-    """The impulses (nc, d) to start from, of the motion that the problem comes from; None for a cold start.
+    """Read the impulses (nc, d) of a start of a stored problem; None for a cold start.
 
-    digest: that in the problem's record; not compared if it is empty. Errors: InputError naming the file.
+    source_origin: see plan.origin. digest: the expected hash, not compared if empty. Errors: InputError naming the file.
     """
     if start == COLD:
         return None
@@ -183,13 +183,13 @@ def _starts_file(folder: Path, problem: str, source_origin: str) -> Path:
 
 
 def files_of(folder: Path, problem: str, source_origin: str) -> list[Path]:
-    """The files of a stored problem that exist; the folder, which may hold very many, is not listed."""
+    """Return the existing files of a stored problem, without listing the folder, which may hold very many."""
     own, answer = folder / "problems" / f"{problem}.npz", _answer_file(folder, problem)
     return [path for path in (own, answer, _starts_file(folder, problem, source_origin)) if path.exists()]
 
 
 def _recorded(source: Source) -> list[tuple[Collected | LCP, dict[str, Array]]]:
-    """The problem in the source's file; its warm start is the file's initial guess, or else the answer of the step before."""
+    """Return the problem in the source's file. It starts from the file's initial guess, or else the previous step's answer."""
     problem, guesses = read_recording(Path(source.file))
     if isinstance(problem, LCP):
         return [(problem, {})]
@@ -200,9 +200,9 @@ def _recorded(source: Source) -> list[tuple[Collected | LCP, dict[str, Array]]]:
 
 
 def _from_step_before(path: Path, problem: FrictionProblem) -> tuple[dict[str, Array], str]:
-    """The reference answer of the problem in this file as a warm start, and its solver.
+    """Return the reference answer to the problem in the preceding file as a warm start, and its solver.
 
-    Nothing where that has no answer, or other numbers of contacts and velocities: files do not say which contacts are the same.
+    Both are empty if that problem has no answer, or other numbers of contacts or velocities: files do not identify contacts.
     """
     try:
         before, reference = read_recording(path)[0], Reference()
@@ -218,7 +218,7 @@ def _numbers(problem: FrictionProblem) -> tuple[int, int, int]:
 
 
 def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
-    """The source's problems, each with its starts by name; of a motion those in which friction is at work, if there are any."""
+    """Return the source's problems, each with its starts by name. Of a motion, problems that are not idle are preferred."""
     if source.scene in instances():
         known = robots.kept(f"{source.parameters['case']} start") if source.scene == robots.SCENE else None
         starts = {} if known is None else {WARM: known}
@@ -237,14 +237,14 @@ def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
 
 
 def _motion(stage: Scene, steps: int | None) -> tuple[list[Collected], str]:
-    """The problems of a motion that zero does not solve, and why the motion ended early, if it did."""
+    """Return the problems of a motion that zero impulses do not solve, and why the motion ended early, or empty."""
     reference, found = Reference(), []
     try:
         for index, step in enumerate(simulate(stage, reference, steps=steps)):
             found += [
                 Collected(index, solved.phase, solved.problem, step.contacts, solved.impulse, str(reference))
                 for solved in step.solved
-                if residual(solved.problem, 0 * solved.impulse) > 0  # zero does not solve it
+                if residual(solved.problem, 0 * solved.impulse) > 0
             ]
     except NoReference as finding:
         return found, str(finding)
@@ -263,7 +263,7 @@ def _starts(found: list[Collected], i: int) -> dict[str, Array]:
 
 
 def _transferred(known: Collected, wanted: Collected) -> Array:
-    """The known impulses at the wanted contacts; zero at contacts that were not there."""
+    """Return the known impulses at the wanted contacts, zero at new contacts."""
     assert known.contacts is not None
     assert wanted.contacts is not None
     assert known.impulse is not None
@@ -276,8 +276,7 @@ def _transferred(known: Collected, wanted: Collected) -> Array:
 
 
 def facts(source: Source, collected: Collected) -> Record:
-    """The columns of a row that describe a problem, with its reference answer if there is one:
-    results.schema.PROBLEM_FACTS."""
+    """Return the columns of a row that describe a problem (results.schema.PROBLEM_FACTS). Some need its reference answer."""
     problem, answer = collected.problem, collected.impulse
     nc, planar, found = problem.contacts, problem.dimension == 2, labels(problem)
     proof = contradiction(problem) if answer is None else None
@@ -295,9 +294,9 @@ def facts(source: Source, collected: Collected) -> Record:
     if planar and nc <= MAX_COUNTED:
         counted = census_labels(problem)
         row |= {"solutions": counted["solutions"], "outcomes": counted["velocity_count"]}
-    known = "none" if infeasible else existence(problem, found.pointedness <= POINTED)  # by theory, else by counting
+    known = "none" if infeasible else existence(problem, found.pointedness <= POINTED)  # by theory, otherwise by counting
     row["existence"] = known or {None: "", "none": "none"}.get(row["solutions"], "counted")
-    if nc <= MAX_PERTURBED:  # infinite where the problem, or one near it, has no answer that holds
+    if nc <= MAX_PERTURBED:  # infinite if the problem, or a perturbed one, has no verified answer
         row["sensitivity"] = unless_unsolved(np.inf, lambda solve: sensitivity(problem, solve))
     if answer is not None and planar and 0 < nc <= MAX_PERTURBED:
         row["mode_distance"] = distance_to_next_mode(problem, answer)
@@ -305,17 +304,17 @@ def facts(source: Source, collected: Collected) -> Record:
 
 
 def _size_facts(source: Source, collected: Collected) -> Record:
-    """Those of them that the problem states: its contacts, its dimension and the size of its LCP."""
+    """Return the facts that need no solution: the number of contacts, the dimension and the size of the LCP."""
     problem = collected.problem
     sizes = {"contacts": problem.contacts, "dimension": problem.dimension, "size": lcp_size(problem)}
     return blank_facts(source, problem.hash, collected.step, collected.phase) | sizes
 
 
 def lcp_facts(source: Source, lcp: LCP) -> Record:
-    """The columns of a row that describe a bare LCP, which has no contacts."""
+    """Return the columns of a row that describe a bare LCP, which has no contacts."""
     return blank_facts(source, lcp.hash, 0, "lcp") | {"size": lcp.size, "trivial": bool((lcp.q >= 0).all()), "idle": False}
 
 
 def _idle(problem: FrictionProblem) -> bool:
-    """Whether friction is not needed; not known to be so where the problem without friction has no reference answer."""
+    """Return whether friction is not needed; False if the frictionless problem has no reference answer."""
     return unless_unsolved(False, lambda solve: idle(problem, solve))

@@ -1,7 +1,7 @@
 """The motion of a scene as plain arrays (results.motion), with the impulses at its contacts and its energy balance.
 
-A step takes v to v+ in one or more phases, each M (v+ - v) = p + J'r + F'lam, with p the external impulse, so that with the
-middle velocity w = (v + v+)/2 the kinetic energy changes by exactly
+A step takes v to v+ in one or more phases, each with M (v+ - v) = p + J'r + F'lam, where p is the external impulse. With the
+mean velocity w = (v + v+)/2 the kinetic energy changes by exactly
 
     p'w + r'J w + lam'F w:      external force, contacts (tangential and normal separately), hinges.
 """
@@ -32,10 +32,10 @@ TOLERANCE = 1e-8  # as in the suites' simulations
 
 
 def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps: int | None = None) -> Motion:
-    """The motion of a scene with a solver. It ends early where the scheme has no solution, the solver gives no usable answer,
-    or the energy diverges.
+    """Record the motion of a scene with a solver. It ends early if the scheme has no solution, the solver gives no usable
+    answer, or the energy diverges.
 
-    Errors: InputError where the solver cannot be used or the scheme refuses the scene.
+    Errors: InputError if the solver cannot be used or the scheme refuses the scene.
     """
     taken: list[Step] = []
     ended, start = "", stage.energy(stage.q0, stage.v0)
@@ -76,7 +76,7 @@ def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps
     )
 
 
-class _NoAnswer(Exception):  # noqa: N818  # a finding about the solver, which ends the motion
+class _NoAnswer(Exception):  # noqa: N818  # no error but a result about the solver, which ends the motion
     pass
 
 
@@ -88,8 +88,8 @@ def _answered(problem: FrictionProblem, solver: str) -> Array:
 
 
 def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, float]:
-    """A step's contacts (nc, 3 d) as in results.motion, the work (3,) of friction, normal impulses and hinges, and the largest
-    residual of its answers."""
+    """Return a step's contacts (nc, 3 d) as in results.motion, the work (3,) of friction, normal impulses and hinges, and the
+    largest residual of its answers."""
     nv, d, v, work, worst = len(before.v), stage.dimension, before.v, np.zeros(3), 0.0
     contacts = [np.zeros((0, 3 * d))]
     for smooth in after.smooth:
@@ -97,14 +97,14 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
         contacts.append(_placed(smooth.contacts, smooth.impulse))
     for phase, problem, impulse, found, returned in after.solved:
         worst = max(worst, residual(problem, impulse))
-        if phase == "forces":  # its work is that of the smooth motion
+        if phase == "forces":  # its work is counted in the smooth motion
             continue
         if phase in ("impact", "compression"):  # at a time within the step
             v = problem.free_velocity
-        J, total = problem.jacobian[:, :nv], impulse.copy()  # a scheme may append velocities of its own to the scene's
+        J, total = problem.jacobian[:, :nv], impulse.copy()  # a scheme may append velocities to the scene's
         after_phase = problem.velocity(impulse)[:nv]
         hinge_impulse = problem.mass[:nv, :nv] @ (after_phase - problem.free_velocity[:nv]) - J.T @ impulse.ravel()
-        total[:, 0] += returned  # a decompression begins after it
+        total[:, 0] += returned  # Poisson's impulse, which is applied before the problem of the decompression
         middle = (v + after_phase) / 2
         normal, *tangential = (total * (J @ middle).reshape(-1, d)).sum(axis=0)
         work += sum(tangential), normal, hinge_impulse @ middle
@@ -114,8 +114,8 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
 
 
 def _placed(contacts: Contacts, impulse: Array) -> Array:
-    """Each contact (nc, 3 d) as in results.motion. A normal between two bodies is turned upwards: in the plane the components
-    of the impulse along it and its tangent stay what they are."""
+    """Return the contacts (nc, 3 d) as in results.motion. A normal between two bodies is turned to point upwards; in the plane
+    the impulse's components along the normal and the tangent do not change."""
     direction = contacts.direction
     sign = np.where((contacts.bodies >= 0).all(axis=1) & (direction[:, -1] < 0), -1.0, 1.0)[:, None]
     drawn = sign * np.einsum("ck,cka->ca", impulse, frames(direction)) if impulse.shape[1] == 3 else impulse
@@ -123,9 +123,9 @@ def _placed(contacts: Contacts, impulse: Array) -> Array:
 
 
 def _merged(contacts: Array) -> Array:
-    """The contacts of all phases of a step, with the impulses at one place summed.
+    """Return the contacts of all phases of a step, with the impulses at one place summed.
 
-    Phases detect contacts at the same positions, so that a contact's place is the same to the last bit.
+    All phases detect contacts at the same positions, so that the places of a contact are equal to the last bit.
     """
     d = contacts.shape[1] // 3
     place, which = np.unique(contacts[:, : 2 * d], axis=0, return_inverse=True)
@@ -135,7 +135,7 @@ def _merged(contacts: Array) -> Array:
 
 
 def _outlines(stage: Scene) -> tuple[Outline, ...]:
-    """The outlines of all shapes; a body without shapes is drawn as the rod through its hinges."""
+    """Return the outlines of all shapes; a body without shapes is drawn as a rod between its hinges."""
     if isinstance(stage, GeneralisedScene):
         return tuple(Outline(i, s.corners, s.radius, s.endless) for i, s in stage.outlines)
     if isinstance(stage.geometry, SpatialGeometry):
@@ -150,7 +150,7 @@ def _outlines(stage: Scene) -> tuple[Outline, ...]:
 
 
 def _solids(geometry: SpatialGeometry) -> tuple[Outline, ...]:
-    """The outlines of spheres, boxes and half spaces."""
+    """Return the outlines of spheres, boxes and half spaces."""
     shapes = [body.shape for body in geometry.bodies]
     drawn = [
         Outline(i, np.zeros((1, 3)), s.radius, False) if isinstance(s, Sphere) else Outline(i, CORNERS * s.half, 0.0, False)
@@ -161,6 +161,6 @@ def _solids(geometry: SpatialGeometry) -> tuple[Outline, ...]:
 
 
 def _pins(stage: Scene) -> Array:
-    """(pins, 3): for each hinge and each of its bodies, the body and the hinge's place in its frame."""
+    """Return an array (pins, 3): for each body of each hinge, the body's index and the hinge's position in its frame."""
     ends = [(i, *point) for hinge in stage.hinges for i, point in zip(hinge.bodies, hinge.points, strict=True)]
     return np.array(ends, dtype=float).reshape(-1, 3)

@@ -1,7 +1,7 @@
-"""Reference answers, with which problems, starts, motions and sensitivities are computed. Each is verified.
+"""Reference answers, from which problems, starts, motions and sensitivities are computed.
 
-Solvers are tried in turn, each answer is verified like any other, and the first that is solved is used. Where none is, there
-is no reference answer, and the motion or sensitivity ends there with the reason.
+Solvers are tried in turn, and the first answer that is verified as solved is used. If there is none, the problem has no
+reference answer, and the motion or sensitivity ends there with the reason.
 """
 
 from collections import Counter
@@ -17,17 +17,17 @@ from frictionbench.problems.verify import verify
 from frictionbench.solvers import available, solve
 
 T = TypeVar("T")
-TOL, LARGEST = 1e-10, 1e-8  # residuals: the tolerance given to solvers; the largest accepted, the tightest of most suites
+TOL, LARGEST = 1e-10, 1e-8  # the tolerance given to solvers; the largest accepted residual, the tightest target of most suites
 # In the order tried: an exact method first, then methods of other kinds, which fail on other problems.
 SMALL_PLANAR = ("lemke", "path_search", "interior_point")
 OTHERS = ("hybrid", "nsgs", "interior_point")
 LARGE_PLANAR = ("interior_point", "nsgs")
 DENSE = 100  # contacts of a planar problem above which dense bases take longer than a sparse method
-DENSEST = 400  # and above which they take minutes, in hybrid too
+DENSEST = 400  # contacts of a planar problem above which dense bases take minutes, in hybrid too
 
 
-class NoReference(Exception):  # noqa: N818  # a finding about the problem, which ends what it was for
-    """No solver's answer is solved; the message gives the residual of each."""
+class NoReference(Exception):  # noqa: N818  # no error but a result about the problem
+    """No solver's answer is verified as solved; the message gives the residual of each."""
 
 
 class Reference:
@@ -42,7 +42,7 @@ class Reference:
         for name in _names(problem):
             try:
                 finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name].model, LARGEST)
-            except Exception as error:  # the next may solve it
+            except Exception as error:  # the next solver is tried
                 failed.append(f"{name}: {type(error).__name__}")
                 continue
             if finding.verdict == Verdict.SOLVED:
@@ -57,7 +57,7 @@ class Reference:
 
 
 def unless_unsolved(otherwise: T, find: Callable[[Reference], T]) -> T:
-    """What is found by reference answers; `otherwise` where a problem has none."""
+    """Return find(Reference()), or `otherwise` if a problem in it has no reference answer."""
     try:
         return find(Reference())
     except NoReference:
@@ -65,12 +65,12 @@ def unless_unsolved(otherwise: T, find: Callable[[Reference], T]) -> T:
 
 
 def reference_answer(problem: FrictionProblem) -> Array | None:
-    """The impulses (nc, d), if there is a reference answer."""
+    """Return the impulses (nc, d) of the reference answer, or None if there is none."""
     return unless_unsolved(None, lambda solve: solve(problem))
 
 
 def _names(problem: FrictionProblem) -> tuple[str, ...]:
-    """The solvers to try in turn."""
+    """Return the solvers to try in turn."""
     if problem.dimension == 3 or DENSE < problem.contacts <= DENSEST:
         return OTHERS
     return SMALL_PLANAR if problem.contacts <= DENSE else LARGE_PLANAR

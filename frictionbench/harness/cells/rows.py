@@ -1,5 +1,5 @@
-"""A row of the results: what is known before a cell runs, so that a cell that is killed has a row as well, and the columns that
-follow from timed answers: verdict, residuals, labels of the answer, and times.
+"""A row of the results: the columns known before a cell runs, so that a killed cell has a row as well, and those computed from
+timed answers: verdict, residuals, labels of the answer, and times.
 """
 
 import json
@@ -23,7 +23,7 @@ from frictionbench.solvers import Answer, SolverInfo, Status, find
 
 
 def known_row(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Row | None = None) -> Row:
-    """The columns of a cell and of its solver. record: of the problem of a solve cell, whose facts are columns as well."""
+    """Return the columns of a cell and of its solver. record: of a solve cell's problem, whose facts are columns as well."""
     own = {"problems" if name == "count" else name: value for name, value in vars(cell).items() if name != "origin"}
     if record is None:
         own["parameters"] = json.dumps(own["parameters"], sort_keys=True)
@@ -34,19 +34,19 @@ def known_row(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Row
 
 
 def no_problem(source: Source, reason: str) -> Row:
-    """The record of a source that yields no problem, with the reason, for the rows of its planned cells."""
+    """Return the record of a source that yields no problem, with the reason, for the rows of its planned cells."""
     return blank_facts(source) | {"starts": {COLD: ""}, "reason": reason}
 
 
 def blank_facts(source: Source, problem: str = "", step: int | None = None, phase: str = "", reference: str = "") -> Row:
-    """PROBLEM_FACTS of which only those are known that say where a problem comes from."""
+    """Return PROBLEM_FACTS with only the origin of the problem filled in."""
     parameters = json.dumps(source.parameters, sort_keys=True)
     known = {"problem": problem, "scene": source.scene, "parameters": parameters, "step": step, "phase": phase}
     return dict.fromkeys(PROBLEM_FACTS) | known | {"reference": reference}
 
 
 def solver_facts(variant: str) -> Row:
-    """The columns of a row that describe a solver, our own or one of a loaded plug-in."""
+    """Return the columns of a row that describe a solver, our own or one of a loaded plug-in."""
     info, _ = find(variant)
     return {
         "solver": info.name,
@@ -57,9 +57,9 @@ def solver_facts(variant: str) -> Row:
     }
 
 
-MOST_IN_MODE = 24  # contacts whose mode a row holds: a letter each, in a column that is read by eye
-CLOSE = 1e-4  # residual from which an answer is refined to tell its outcome: the coarsest tolerance of the suites
-NOTICEABLE = 1e-3  # seconds: a first call at least as long, and SLOW_FIRST times the repeats, has a remark
+MOST_IN_MODE = 24  # contacts up to which a row states the mode, one letter per contact in a column that is read by eye
+CLOSE = 1e-4  # residual below which an answer is refined to determine its outcome: the coarsest tolerance of the suites
+NOTICEABLE = 1e-3  # seconds: a first call longer than this and than SLOW_FIRST times the repeats gets a remark
 
 
 def finding_columns(
@@ -72,12 +72,12 @@ def finding_columns(
     *,
     disturbed: bool,
 ) -> Row:
-    """The columns that verification of the timed answers gives; of different answers the worst is reported.
+    """Verify the timed answers and return the columns of the result; if answers differ, the worst is reported.
 
-    reference: impulses (nc, d) with whose velocities those of the answer are compared.
-    disturbed: another process ran on the core meanwhile, which may be why the first call was slow.
+    reference: impulses (nc, d) whose velocities are compared with those of the answer.
+    disturbed: whether another process ran on the core, which may be why the first call was slow.
     """
-    answers = [*((problem, answer) for answer in timing.answers), *timing.unmet]  # results that are kept may be of other code
+    answers = [*((problem, answer) for answer in timing.answers), *timing.unmet]  # a cache may hold results of other code
     findings = [(verify(given, answer, info.model, tol, quiet=bool(info.needs)), answer) for given, answer in answers]
     finding, answer = max(findings, key=lambda found: (RANK[found[0].verdict], found[0].residual))
     row: Row = {
@@ -115,7 +115,7 @@ def finding_columns(
 
 
 def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer, reference: Array | None) -> Row:
-    """The columns of an answer to a friction problem beyond its residuals."""
+    """Return the columns of an answer to a friction problem beyond its residuals."""
     free = problem.free_velocity
     energy = float(free @ (problem.mass @ free)) / 2 or 1.0
     return {
@@ -129,7 +129,7 @@ def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer,
 
 
 def _velocity_columns(problem: FrictionProblem, finding: Finding, answer: Answer, reference: Array | None) -> Row:
-    """The distance of the answer's velocities from those of the reference, and that of the outcome to which it belongs."""
+    """Return the distances from the reference's velocities to the answer's, and to those of the solution near the answer."""
     if reference is None:
         return {}
     found = velocity_distance(problem, answer.impulse, reference)
@@ -143,7 +143,7 @@ def _velocity_columns(problem: FrictionProblem, finding: Finding, answer: Answer
 
 
 def _mode(problem: FrictionProblem, impulse: Array) -> str | None:
-    """The mode of the solution, where it is short enough to be read."""
+    """Return the mode of the solution if it is short enough to be read."""
     readable = problem.dimension == 2 and problem.contacts <= MOST_IN_MODE and impulse.shape == (problem.contacts, 2)
     return mode(problem, impulse) if readable and np.isfinite(impulse).all() else None
 

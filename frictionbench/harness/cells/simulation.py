@@ -1,9 +1,9 @@
 """A scene in closed loop: the solver's answers move the bodies, and each answer is verified.
 
-An answer moves the bodies also where its verdict is not `solved`; a malformed one (of the wrong shape, or not finite) is
-replaced by zero impulses. The motion ends as diverged when its energy is not finite or a million times the scene's; it also
-ends when the scheme's equations have no solution. It has no time where every call loaded something, or where the last problem
-is answered much faster than one that differs in the last bits: by results that were kept, as in files of an earlier run.
+An answer moves the bodies even if its verdict is not `solved`; a malformed answer (of the wrong shape, or not finite) is
+replaced by zero impulses. The motion ends as diverged if its energy is not finite or a million times the scene's. It also ends
+if the scheme's equations have no solution. No time is reported if some problem's calls all loaded something, or if the last
+problem is answered much faster than one that differs in the last bits, that is from cached results, such as an earlier run's.
 """
 
 from collections import Counter
@@ -25,11 +25,11 @@ from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import verify
 from frictionbench.solvers import Solver, SolverInfo
 
-DIVERGED = 1e6  # of the scene's energy: no inaccurate but stable motion gains nearly as much
+DIVERGED = 1e6  # relative to the scene's energy: an inaccurate but stable motion gains far less
 
 
 class _ClosedLoop:
-    """The solver as a scheme calls it; collects verdicts, residuals and times of its answers."""
+    """The solver as a function that a scheme calls. It collects the verdicts, residuals and times of the answers."""
 
     def __init__(self, info: SolverInfo, solver: Solver, cell: SimulationCell) -> None:
         self._info, self._solver, self._tol = info, solver, cell.tol
@@ -43,7 +43,7 @@ class _ClosedLoop:
         return np.zeros((problem.contacts, problem.dimension)) if impulse is None else impulse
 
     def _verified(self, problem: FrictionProblem) -> tuple[Verdict, Array | None]:
-        """The verdict on the solver's answer, and its impulses; None where they are malformed."""
+        """Return the verdict on the solver's answer, and its impulses, or None if they are malformed."""
         given = duplicate(problem)
         try:
             call = clean_call(lambda: self._timed(given))
@@ -64,7 +64,7 @@ class _ClosedLoop:
         return timed_call(self._solver, problem, lambda ready: self._solver.solve(ready, self._tol, None))
 
     def time(self) -> float | None:
-        """The solver's time, s, or None."""
+        """Return the solver's time in seconds, or None if it cannot be reported."""
         if not np.isfinite(self.solver_time):
             return None
         timing = Timing()
@@ -75,14 +75,14 @@ class _ClosedLoop:
         return self.solver_time if timing.reused is None else None
 
     def verdict(self) -> tuple[Verdict, str]:
-        """The worst verdict on any problem, and the number of problems with each verdict other than solved."""
+        """Return the worst verdict on any problem, and the number of problems with each verdict other than solved."""
         worst = max(self.verdicts, key=RANK.__getitem__, default=Verdict.SOLVED)
         failed = [f"{count} {verdict}" for verdict, count in sorted(self.verdicts.items()) if verdict != Verdict.SOLVED]
         return worst, f"of {self.verdicts.total()} problems {', '.join(failed)}" if failed else ""
 
 
 def usable(problem: FrictionProblem, impulse: Array) -> Array | None:
-    """The impulses (nc, d) of an answer; None where their shape is another or a number is not finite."""
+    """Return the impulses (nc, d) of an answer, or None if their shape is wrong or an entry is not finite."""
     fits = np.shape(impulse) == (problem.contacts, problem.dimension) and np.isfinite(impulse).all()
     return np.asarray(impulse, dtype=float) if fits else None
 
@@ -93,7 +93,7 @@ def malformed(error: AnswerError) -> Verdict:
 
 
 def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver: Solver) -> dict[str, Any]:
-    """The columns of a simulation's row (results.schema) that the simulation of the cell's scene gives."""
+    """Simulate the cell's scene, and return the columns of the row (results.schema) that follow."""
     planned = stage.steps if cell.steps is None else cell.steps
     loop = _ClosedLoop(info, solver, cell)
     times, energies, kinetic, penetrations, errors, contact_free = [], [], [], [], [], 0
@@ -109,7 +109,7 @@ def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver
                 errors.append(off)
             penetrations.append(stage.deepest_overlap(step.q))
             loop.overhead += perf_counter() - start_time
-            gained = energies[-1] - energies[0]  # a difference, since the potential's zero is arbitrary
+            gained = energies[-1] - energies[0]  # a difference, since the zero of the potential energy is arbitrary
             if not np.isfinite(gained) or abs(gained) > DIVERGED * energy_scale(stage, energies[:-1], kinetic[:-1]):
                 ended = "the motion diverged"
                 break
@@ -145,13 +145,13 @@ def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver
 
 
 def refusal(cell: SimulationCell, stage: Scene, info: SolverInfo) -> str | None:
-    """Why the solver or the scheme cannot run this simulation, or None."""
+    """Return why the solver or the scheme cannot run this simulation, or None."""
     other = None if stage.dimension in info.dimension else f"{info.name} does not take contacts of dimension {stage.dimension}"
     return info.missing or other or info.too_tight(cell.tol) or SCHEMES[cell.scheme].refuses(stage)
 
 
 def energy_scale(stage: Scene, energies: list[float], kinetic: list[float]) -> float:
-    """The largest kinetic energy plus the range of the potential, J; at least the kinetic energy after one step of fall."""
+    """Return the largest kinetic energy plus the range of the potential, J; at least the kinetic energy of one step's fall."""
     if not energies:
         return np.inf
     potential = np.array(energies) - np.array(kinetic)

@@ -1,20 +1,20 @@
-"""Timing of form, setup and solve, separately, on the same problem without cached values each time.
+"""Timing of form, setup and solve separately, on copies of one problem without cached values.
 
 A call in which anything was compiled or loaded (numba compiling or reading its cache, Python importing a module) is never a
-sample: it is repeated, and a solver whose every call loads something has no times. The first call gives the answer. If it was
-short its times are discarded, because it also warmed caches, and repeats follow until a budget is spent. A long call is its own
-sample. Garbage collection is disabled meanwhile. Answers are copied when they are returned, so that each timed answer can be
-verified. One that is not plain arrays and numbers is converted within the time of its solve: what is computed when it is read,
-or awaited from another thread or a device, is work of the solver.
+sample. It is repeated, and a solver that loads something in every call has no times. The first call gives the answer. If it was
+short, its times are discarded, because it also warmed caches, and repeats follow until a budget is spent. A long call is its
+own sample. Garbage collection is disabled meanwhile. Answers are copied when they are returned, so that each timed answer can
+be verified. An answer that is not plain arrays and numbers is converted within the time of its solve, because the solver may
+defer work until it is read, or do it in another thread or on a device.
 
-A library in another process, which a user of it would not need, is timed by its own clock there (SolverInfo.remote): setup and
-solve are then that clock, but no more than the call took, and the call's time is kept beside them.
+A library that runs in another process only here is timed by its own clock in that process (SolverInfo.remote). Setup and solve
+are then that time, but no more than the call took, and the call's time is stored as well.
 
-Repeats could be answered from a cache, also innocently, by a memoised matrix, and so could a first call, where the solver met
-the problem in an earlier cell or process. A last call is therefore made on a problem that differs in the last bits, by another
-number of units in each call, so that no file can hold its answer. If it takes much longer, the same problem is solved again,
-and then both with another such problem: where each is slow once and quick afterwards, the solver reuses results, and samples
-and answers are those of the problems that it had not met.
+Repeats could be answered from a cache, even unintentionally, by a memoised matrix. So could a first call, if the solver met the
+problem in an earlier cell or process. A last call is therefore made on a problem that differs in the last bits, by a random
+number of units, so that no file can hold its answer. If it takes much longer, that problem is solved again, and both calls are
+repeated with another such problem. If each is slow once and fast afterwards, the solver reuses results, and the samples and
+answers are replaced by those of the problems that it had not met.
 """
 
 import gc
@@ -33,16 +33,16 @@ from frictionbench.problems.answer import checked_copy, identical, is_plain
 from frictionbench.problems.copies import nudged
 from frictionbench.solvers import Answer, Solver
 
-BUDGET = 0.1  # seconds of repeats for a cell: suites have thousands
+BUDGET = 0.1  # seconds of repeats per cell: suites have thousands of cells
 FEWEST, MOST = 3, 15  # repeats: a median needs three, and more than fifteen change it little
-SLOW_FIRST = 5.0  # times as long as the repeats: a first call that is slower may have been followed by reuse of its results
-SLOW_NEW = 2e-4  # seconds: a call on a new problem that is shorter is not questioned, because interruptions are as long
-MOST_ULPS = 4096  # of a nudge: a relative change of 1e-12 at most, and enough of them that none is drawn twice
-LOADS = 5  # successive calls that load something, after which the next is expected to as well
+SLOW_FIRST = 5.0  # ratio of a first call to the repeats above which its results may have been reused
+SLOW_NEW = 2e-4  # seconds: a shorter call on a new problem is not suspect, because interruptions take as long
+MOST_ULPS = 4096  # largest nudge: a relative change of at most 1e-12, and enough values that one is rarely drawn twice
+LOADS = 5  # successive calls that load something, after which the next is expected to do so as well
 
 
 class Call(NamedTuple):
-    """One call: its answer, the seconds in form, setup and solve, whether anything was compiled or loaded, and the seconds for
+    """One call: its answer, the seconds of form, setup and solve, whether anything was compiled or loaded, and the seconds for
     which it waited for a core."""
 
     answer: Answer
@@ -52,7 +52,7 @@ class Call(NamedTuple):
 
     @property
     def running(self) -> float:
-        """Seconds without the wait for a core, so that a busy machine does not make a solver suspect."""
+        """Seconds without waiting for a core, so that a busy machine does not make a solver suspect."""
         return sum(self.times) - self.waited
 
 
@@ -60,10 +60,10 @@ class Call(NamedTuple):
 class Timing:
     """Raw times in seconds: form, setup and solve of each sample in order.
 
-    first: of the first call, None if it loaded something. spent: of all calls. clock: the samples' times by the library's own
-    clock, if it has one. answers: the distinct answers of the first call and of the samples. remote: as above; calls: the time
-    of setup and solve with the transfer, of each such sample. reused: how many times as long a problem took that the solver had
-    not met, where it reuses results, else None; unmet: such problems, then, with the answers.
+    first: the first call, None if it loaded something. spent: all calls. clock: the samples' times by the library's own clock,
+    if it has one. answers: the distinct answers of the first call and the samples. remote: as above; calls: for each remote
+    sample, setup and solve including the transfer. reused: the ratio of the time on a new problem to that of the repeats if the
+    solver reuses results, otherwise None; unmet: such new problems with the answers.
     """
 
     remote: bool = False
@@ -105,10 +105,10 @@ def time_solver(
     remote: bool = False,
     met: bool = False,
 ) -> Timing:
-    """The answers to the problem and their times; answered() is called before the repeats and before each new problem.
+    """Return the answers to the problem and their times. answered() is called before the repeats and before each new problem.
 
     solve: calls the solver with the tolerance and the start. most: the largest number of repeats. remote: as in Timing. met:
-    whether the solver may have met the problem before, so that a long call is questioned as well.
+    whether the solver may have met the problem before, so that a long call is tested for reuse as well.
     Errors: AnswerError, and whatever the solver raises.
     """
     timing = Timing(remote)
@@ -136,14 +136,14 @@ def time_solver(
 
 
 def drawn_ulps() -> int:
-    """A number of units in the last place for `nudged`, drawn anew in each process."""
+    """Draw a number of units in the last place for `nudged`; it cannot be predicted."""
     return 1 + secrets.randbelow(MOST_ULPS)
 
 
 def question(timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any], Call], answered: Callable[[], None]) -> None:
-    """Replace the samples where the solver is found to reuse results: see above."""
+    """Test whether the solver reuses results, as described above, and replace the samples if so."""
     usual, new = statistics.median(map(sum, zip(timing.form, timing.setup, timing.solve, strict=True))), []
-    with suppress(Exception):  # it may fail on the new problem, which is not its cell's
+    with suppress(Exception):  # a failure on a new problem does not count, since the cell is about another
         for _ in range(2):
             other = nudged(problem, drawn_ulps())
             answered()
@@ -157,7 +157,7 @@ def question(timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any
 
 
 def clean_call(call: Callable[[], Call]) -> Call:
-    """The first call in which nothing was compiled or loaded, or the last of LOADS calls if each loads something."""
+    """Return the first call in which nothing was compiled or loaded, or the last of LOADS calls if each loads something."""
     for _ in range(LOADS):
         made = call()
         if not made.loaded:
@@ -166,11 +166,11 @@ def clean_call(call: Callable[[], Call]) -> Call:
 
 
 def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[Any], Answer]) -> Call:
-    """One call on the problem, without values cached by earlier calls."""
+    """Make one call on the problem, without values cached by earlier calls."""
     from numba.core import event
 
     fresh, modules = problem.fresh(), len(sys.modules)
-    # numba holds this lock to compile and to read its cache
+    # numba holds this lock while it compiles or reads its cache
     with event.install_recorder("numba:compiler_lock") as loads, no_forked_child():
         before = waited()
         start = perf_counter()

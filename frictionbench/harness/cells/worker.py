@@ -1,7 +1,7 @@
 """The functions that run in a worker process: one core, one thread, bounded memory.
 
-A solver that takes too long, crashes or exhausts the memory ends its worker and nothing else. A solver receives a copy of the
-problem, and its answer is verified on the original.
+A solver that takes too long, crashes or exhausts the memory ends only its worker. It receives a copy of the problem, and its
+answer is verified on the original.
 """
 
 import gc
@@ -56,18 +56,18 @@ class _Worker:
 
 
 _worker: _Worker
-IMPORT_SECONDS = 60.0  # seconds for a plug-in's import: large libraries take ten or more from a cold disk
-LOAD_SECONDS = 30.0  # seconds for an outside library to load and solve a single contact, whatever the limit: as for imports
-FOREIGN_COMPILING = 120.0  # seconds for a plug-in to compile its kernels, and ours that it calls, when it is warmed up
-FOREIGN_LOADING = 10.0  # seconds for our kernels that a plug-in calls to be loaded in a cell, which do not count
-FIRST_TOLERANCE = 1e-6  # of the call that warms a solver up: single precision is asked for no less
-SHARED = 0.02  # of the timed seconds: a cell that waited longer for its core is marked as disturbed
+IMPORT_SECONDS = 60.0  # time limit in seconds for a plug-in's import: large libraries take over ten from a cold disk
+LOAD_SECONDS = 30.0  # least time limit in seconds for an outside library's first call, on one contact, in which it is loaded
+FOREIGN_COMPILING = 120.0  # seconds that a plug-in's first call may spend in compiling its kernels, and ours that it calls
+FOREIGN_LOADING = 10.0  # seconds not counted in a plug-in's cell, in which kernels of ours that it calls are loaded
+FIRST_TOLERANCE = 1e-6  # tolerance of a solver's first call: the tightest for single precision
+SHARED = 0.02  # a cell that waited for its core for more than this share of the timed seconds is marked as disturbed
 
 
 def start(deadline: Deadline, core: int | None, settings: Settings, tell: Callable[[], None]) -> None:
-    """Make this process a worker, pinned to a core of its own if there is one.
+    """Make this process a worker, pinned to its own core if there is one.
 
-    tell: called before and after a solver's first call, to tell the main process what was loaded until then.
+    tell: called before and after a solver's first call, to report to the main process what has been loaded.
     """
     global _worker  # noqa: PLW0603  # the state of the worker process, set once
     if core is not None:
@@ -82,7 +82,7 @@ def folder() -> Path:
 
 
 def prepared(name: str, variant: str, limit: float) -> tuple[FrictionProblem, Solver]:
-    """A stored friction problem and a solver that has been warmed up for it; from then on the task may take the limit."""
+    """Return a stored friction problem and a solver warmed up for it. The task may take `limit` seconds from then on."""
     _, solver = _solver(variant)
     problem = _problem(name)
     assert isinstance(problem, FrictionProblem)
@@ -92,7 +92,7 @@ def prepared(name: str, variant: str, limit: float) -> tuple[FrictionProblem, So
 
 
 def describe_plugin(source: str, named: list[str]) -> dict[str, Any]:
-    """Import a plug-in; the fields of harness.plans.plan.Plugin, for the variants named and all solvers that a file defines."""
+    """Import a plug-in; return the fields of harness.plans.plan.Plugin for the named variants and all solvers of a file."""
     content, version = plugins.content(source), plugins.version(source)
     names = plugins.load(source)
     defined = names if plugins.defines_all(source) else ()
@@ -111,8 +111,8 @@ def run_scene(name: str, parameters: dict[str, Any]) -> None:
 
 
 def run_problem(source: Source) -> dict[str, Any]:
-    """Collect a source's first problem without solving it: its record, its summary, whether its mechanics are given, and in
-    words the contradiction in it, if any."""
+    """Collect a source's first problem without solving it. Return its record, its summary, whether its mechanics are given, and
+    the contradiction in it as text, if any."""
     record, *_ = collect(_worker.folder, source, described=False)
     problem = stored(_worker.folder, record["problem"])
     facts = {"record": record, "summary": problem.summary, "mechanical": False, "contradiction": ""}
@@ -122,7 +122,7 @@ def run_problem(source: Source) -> dict[str, Any]:
 
 
 def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
-    """Run a solve cell; its row."""
+    """Run a solve cell and return its row."""
     if record.get("reason"):  # the source yielded no problem
         return _row(cell.variant, (0, False), limit, record["reason"], dict)
     info, solver = _solver(cell.variant)
@@ -134,7 +134,7 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
 
 
 def _too_large(solver: Solver, problem: FrictionProblem | LCP) -> str | None:
-    """Why the solver's dense matrices do not fit into the memory, or None."""
+    """Return that the solver's dense matrices do not fit into memory, or None."""
     need = dense_storage(solver, problem)
     told = f"its dense matrices need {need / 2**30:.1f} GiB, and the memory is limited to {_worker.memory / 2**30:.1f} GiB"
     return told if need > _worker.memory else None
@@ -143,8 +143,8 @@ def _too_large(solver: Solver, problem: FrictionProblem | LCP) -> str | None:
 def _solved(
     cell: SolveCell, record: Record, limit: float, problem: FrictionProblem | LCP, info: SolverInfo, solver: Solver
 ) -> Row:
-    """The columns that the solver's answers give. The limit holds for the first call; the repeats, few or short, may take a
-    second more."""
+    """Call the solver and return the columns of its answers. The limit applies to the first call; repeats, which are few or
+    short, may take a second more."""
     given, case = duplicate(problem), (cell.variant, cell.problem)
     met = _foreign(cell.variant) and case in _worker.met
     _worker.met.add(case)
@@ -173,7 +173,7 @@ def _solved(
 
 
 def run_simulation(cell: SimulationCell, limit: float) -> Row:
-    """Simulate a scene with a solver; the row of the simulation cell."""
+    """Simulate a scene with a solver and return the row of the simulation cell."""
     info, solver = _solver(cell.variant)
     stage = scene(cell.scene, **cell.parameters)
     kind, reason = (stage.dimension, bool(stage.hinges)), refusal(cell, stage, info)
@@ -181,7 +181,7 @@ def run_simulation(cell: SimulationCell, limit: float) -> Row:
 
 
 def run_batch(cell: BatchCell, limit: float) -> Row:
-    """Solve the problems of a batch in one way; the row of the batch cell."""
+    """Solve the problems of a batch in one way and return the row of the batch cell."""
     info, _ = _solver(cell.variant)
     with _worker.deadline.within(limit, COMPILE_SECONDS):
         batch = batch_of(cell.scene, json.dumps(cell.parameters), cell.count)
@@ -191,15 +191,15 @@ def run_batch(cell: BatchCell, limit: float) -> Row:
 
 
 def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None, measure: Callable[[], Row]) -> Row:
-    """The columns that `measure` finds within the limit, and those of the machine; that it crashed, whatever a solver raises,
-    also SystemExit; or the verdict of _warm_up where it is worse. reason: why the cell is skipped, if it is. kind: of _kind."""
+    """Return the columns that `measure` finds within the limit, and those of the machine. Whatever a solver raises, SystemExit
+    included, is a crash. A worse verdict of _warm_up takes precedence. reason: why the cell is skipped. kind: see _kind."""
     found: Row = {"verdict": Verdict.SKIPPED, "reason": reason}
     first = {} if reason else _warm_up(variant, *kind, limit)
     process.reset_peak_memory()
     begun, waited = perf_counter(), process.waited()
     if not reason:
         try:
-            # how long numba may compile or read its cache without counting, and whether only our kernels may
+            # the seconds of compiling or cache reading by numba that are not counted, and whether only our kernels' are
             compiling = (FOREIGN_LOADING, True) if _foreign(variant) else (COMPILE_SECONDS, False)
             with _worker.deadline.within(limit, *compiling):
                 found = measure()
@@ -212,7 +212,7 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
 
 
 def run_check(variant: str, check: str, violations: Callable[..., list[str]], limit: float) -> list[str]:
-    """The violations of a check of the contract (harness.contract) about a solver, which is told what its first calls broke."""
+    """Return a solver's violations of one check of the contract (harness.contract), including those of its first calls."""
     info, solver = _solver(variant)
     broken = [str(row["reason"]) for dimension in info.dimension if (row := _warm_up(variant, dimension, False, limit))]
     with _worker.deadline.within(limit), process.no_forked_child():
@@ -220,13 +220,13 @@ def run_check(variant: str, check: str, violations: Callable[..., list[str]], li
 
 
 def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None) -> dict[str, Any]:
-    """The motion of a scene by a solver, encoded: in its sandbox a plug-in's worker writes no file."""
+    """Return the motion of a scene by a solver, encoded, because a plug-in's sandboxed worker cannot write files."""
     _solver(variant)
     return encoded(record_motion(scene(name, **settings), variant, scheme, steps))
 
 
 def _solver(variant: str) -> tuple[SolverInfo, Solver]:
-    """The solver of a variant. A plug-in is imported, if its content is still the one with which the run began."""
+    """Return the solver of a variant. A plug-in is imported. Errors: InputError if its content changed since the run began."""
     if plugin := plugin_of(variant, _worker.plugins):
         if plugins.content(plugin.source) != plugin.content:
             raise InputError(f"solver: {plugin.source} was changed since the run began; begin another run")
@@ -235,14 +235,14 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
     return find(variant)
 
 
-@lru_cache(maxsize=8)  # the cells of a problem come one after another
+@lru_cache(maxsize=8)  # the cells of a problem run one after another
 def _problem(name: str) -> FrictionProblem | LCP:
     return stored(_worker.folder, name)
 
 
 def _machine_columns(waited: float, spent: float) -> Row:
-    """The columns of memory and core. waited: process.waited() before the cell began; spent: seconds that were timed. A solver
-    that has left its core is disturbed as well."""
+    """Return the columns of memory and core. waited: process.waited() before the cell began; spent: the timed seconds. A cell
+    whose solver has left its core counts as disturbed too."""
     core_wait, own = process.waited() - waited, None if _worker.core is None else {_worker.core}
     left = own is None or os.sched_getaffinity(0) != own
     if own:
@@ -252,27 +252,27 @@ def _machine_columns(waited: float, spent: float) -> Row:
 
 
 def _foreign(variant: str) -> bool:
-    """Whether the solver is a plug-in's."""
+    """Return whether the solver belongs to a plug-in."""
     return plugin_of(variant, _worker.plugins) is not None
 
 
 def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:
-    """The problem's dimension, 0 for an LCP, and whether it has joints."""
+    """Return the problem's dimension, 0 for an LCP, and whether it has joints."""
     return (0, False) if isinstance(problem, LCP) else (problem.dimension, problem.joints.shape[0] > 0)
 
 
 def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
-    """Load and compile what the solver needs, once per worker, by solving _smallest.
+    """Load and compile what the solver needs, once per worker and kind of problem, by solving _smallest.
 
-    Where a first call fails and a second does not, the solver's answers depend on what the process did before: the verdict on
-    the first, with the reason, is returned for all cells of this worker. Another error occurs again, in the cell.
+    If a first call fails and a second does not, the solver's answers depend on what the process did before. The verdict on the
+    first, with the reason, is then returned for all cells of this worker. Other failures are ignored; they recur in the cell.
     """
     kind = (variant, dimension, jointed)
     if kind not in _worker.warm:
         _worker.warm[kind] = {}
         _worker.tell()
         info, solver = find(variant)
-        gc.disable()  # compilation keeps most objects it creates; collections would free little and take a tenth of the time
+        gc.disable()  # compilation keeps most objects that it creates; collection would free little in a tenth of the time
         seconds = max(limit, LOAD_SECONDS) if info.needs else limit
         compiling = FOREIGN_COMPILING if _foreign(variant) else COMPILE_SECONDS
         with suppress(BaseException), _worker.deadline.within(seconds, compiling), process.no_forked_child():
@@ -282,12 +282,12 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
         _worker.tell()
         gc.enable()
         gc.collect()
-        gc.freeze()  # what is loaded now stays; collections between cells skip it
+        gc.freeze()  # collections between cells skip what is loaded now, since it stays
     return _worker.warm[kind]
 
 
 def _failure(info: SolverInfo, solver: Solver, dimension: int, jointed: bool) -> Row:
-    """The verdict and its reason, where a call on _smallest crashes or falsely claims to have solved it."""
+    """Return the verdict and its reason if a call on _smallest crashes or falsely claims to have solved it, otherwise {}."""
     try:
         answer = checked_copy(solver.solve(solver.prepare(_smallest(dimension, jointed)), FIRST_TOLERANCE, None))
         finding = verify(_smallest(dimension, jointed), answer, info.model, FIRST_TOLERANCE)
@@ -301,7 +301,7 @@ def _failure(info: SolverInfo, solver: Solver, dimension: int, jointed: bool) ->
 
 
 def _smallest(dimension: int, jointed: bool) -> FrictionProblem | LCP:
-    """A problem of one sliding contact; an LCP for dimension 0."""
+    """Return a problem of one sliding contact, an LCP for dimension 0."""
     if dimension == 0:
         return LCP(np.eye(2), np.array([-1.0, 1.0]))
     given = contact(dimension, spare=1)

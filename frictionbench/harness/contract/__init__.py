@@ -1,4 +1,4 @@
-"""The contract of a solver as checks that report what is wrong and how to correct it: `frictionbench check-solver`.
+"""The contract of a solver as checks that report violations and how to correct them: `frictionbench check-solver`.
 
-checks has the checks, each a function that yields violations; check has what they share; examine runs them isolated.
+`checks` holds the checks, each a function that yields violations, `check` what they share, and `examine` runs them isolated.
 """

@@ -1,10 +1,10 @@
-"""What the checks of the contract share: the solver under test, its problems and changes of them, tests of a finding.
+"""What the checks of the contract share: the solver under test, test problems and transformations of problems.
 
     @check("Give impulses of shape (contacts, dimension), normal first.")
     def shape(subject: Subject) -> Iterator[str]:
         yield "..."          # a violation; none if the check passes
 
-The argument is the advice that is shown with violations.
+The decorator's argument is the advice shown with violations.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -29,31 +29,31 @@ Violations = Iterator[str]
 
 
 class Subject(NamedTuple):
-    """The solver under test. broken: what was wrong with the first calls of its process, in words."""
+    """The solver under test. broken: descriptions of what was wrong with the first calls in its process."""
 
     info: SolverInfo
     solver: Solver
     broken: Sequence[str] = ()
 
     def takes(self, *problems: FrictionProblem) -> list[FrictionProblem]:
-        """The problems that the solver does not refuse."""
+        """Return the problems that the solver does not refuse."""
         return [problem for problem in problems if not self.info.refuses(problem)]
 
     def solve(
         self, problem: FrictionProblem, tol: float = TOL, limit: int | None = None, start: Array | None = None
     ) -> tuple[Answer, Finding]:
-        """Its answer to a copy of the problem, and the finding on it. Errors: AnswerError, and what the solver raises."""
+        """Return its answer to a copy of the problem, and the finding on it. Errors: AnswerError and those of the solver."""
         answer = checked_copy(self.solver.solve(self.solver.prepare(duplicate(problem)), tol, limit, start))
         return answer, verify(problem, answer, self.info.model, tol)
 
     def fault(self, problem: FrictionProblem) -> str:
-        """Why its answer to a problem cannot be used or is a false claim, or empty."""
+        """Return why its answer to a problem cannot be used or is a false claim, or an empty text."""
         try:
             answer, finding = self.solve(problem)
         except AnswerError as error:
             return str(error)
         except Exception as error:
-            writes = isinstance(error, ValueError) and "read-only" in str(error)  # as numpy words it
+            writes = isinstance(error, ValueError) and "read-only" in str(error)  # NumPy's wording
             told = "do not write into the problem, copy its arrays: " if writes else ""
             return told + describe_error(error)
         if min(answer.work.values(), default=0) < 0:
@@ -83,7 +83,7 @@ def check(advice: str) -> Callable[[Callable[[Subject], Violations]], Callable[[
 
 
 def ordinary() -> list[FrictionProblem]:
-    """Small planar and spatial problems that most methods solve."""
+    """Return small planar and spatial problems that most methods solve."""
     return [
         scene("stack", blocks=1, push=1.0).problem(),
         scene("pyramid", rows=2, friction=0.2).problem(),
@@ -94,9 +94,9 @@ def ordinary() -> list[FrictionProblem]:
 
 
 def contact(dimension: int, friction: float = 0.5, speed: float = 1.0, falling: float = 1.0, spare: int = 0) -> FrictionProblem:
-    """A point mass of 2 kg on the ground with tangential velocity `speed` and downward velocity `falling`, both in m/s.
+    """Make a point mass of 2 kg on the ground with tangential velocity `speed` and downward velocity `falling`, both in m/s.
 
-    spare: how many velocities there are besides, which the contact does not move.
+    spare: the number of additional velocities, which the contact does not affect.
     """
     rows, free = np.eye(dimension + spare), np.zeros(dimension + spare)
     free[:2] = -falling, speed
@@ -112,31 +112,31 @@ def contact(dimension: int, friction: float = 0.5, speed: float = 1.0, falling: 
 
 
 def permuted(problem: FrictionProblem, order: NDArray[np.intp]) -> FrictionProblem:
-    """The contacts in another order, which may repeat contacts."""
+    """Return the problem with its contacts in another order, which may repeat contacts."""
     rows = (order[:, None] * (problem.dimension - 1) + np.arange(problem.dimension - 1)).ravel()
     by_contact = {name: getattr(problem, name)[order] for name in ("friction", "bias", "friction_bias")}
     return problem.replace(normal=problem.normal[order], tangent=problem.tangent[rows], **by_contact)
 
 
 def duplicated(problem: FrictionProblem) -> FrictionProblem:
-    """Every contact twice."""
+    """Return the problem with every contact twice."""
     return permuted(problem, np.repeat(np.arange(problem.contacts), 2))
 
 
 def mirrored(problem: FrictionProblem) -> FrictionProblem:
-    """The first tangent of every contact reversed."""
+    """Return the problem with the first tangent of every contact reversed."""
     sign = np.where(np.arange(problem.tangent.shape[0]) % (problem.dimension - 1) == 0, -1.0, 1.0)
     return problem.replace(tangent=sparse.diags_array(sign) @ problem.tangent)
 
 
 def rotated(problem: FrictionProblem, angle: Array) -> FrictionProblem:
-    """The tangents of contact i of a spatial problem rotated by angle[i]."""
+    """Return a spatial problem with the tangents of contact i rotated by angle[i]."""
     turns = [[[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]] for a in angle]
     return problem.replace(tangent=sparse.block_diag(turns, format="csr") @ problem.tangent)
 
 
 def in_units(problem: FrictionProblem, mass: float, velocity: float) -> FrictionProblem:
-    """In units in which the values of masses are `mass` and those of velocities `velocity` times as large."""
+    """Return the problem in units in which masses have `mass` times and velocities `velocity` times their values."""
     return problem.replace(
         mass=mass * problem.mass,
         free_velocity=velocity * problem.free_velocity,

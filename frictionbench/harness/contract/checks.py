@@ -1,5 +1,5 @@
-"""The checks of the contract, by what they are about: first calls, the answer's format, the fields of the problem, degenerate
-problems, the status, and changes of the problem that leave its velocities the same.
+"""The checks of the contract by subject: first calls, the answer's format, the fields of the problem, degenerate problems, the
+status, and transformations of the problem under which velocities are invariant.
 """
 
 from collections.abc import Callable, Iterator
@@ -28,15 +28,15 @@ from frictionbench.problems.subproblems import side_by_side
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.solvers import Status
 
-FAST = 1e6  # the ratio of two islands' speeds: a test relative to the fastest contact allows the other any answer
-TIGHT = 1e-8  # the tolerance of comparisons, so that differences above NEAR are not the tolerance's
-NEAR = 1e-4  # of the largest free contact velocity; each of these problems has a unique velocity
+FAST = 1e6  # ratio of two islands' speeds: a test relative to the fastest contact accepts any answer in the slow island
+TIGHT = 1e-8  # tolerance of the solves compared, so that differences above NEAR are not due to it
+NEAR = 1e-4  # relative to the largest free contact velocity; each of these problems has a unique velocity
 
 
 @check("Answer the first call of a process, and the first on a problem, like later ones: fill tables before they are read.")
 def first_calls(subject: Subject) -> Violations:
     yield from subject.broken
-    for problem in subject.takes(*ordinary()):  # no other check has met them
+    for problem in subject.takes(*ordinary()):  # new to this process, as no other check ran in it before
         fault = subject.fault(problem)
         if fault and not subject.fault(problem):
             yield f"{problem.summary} when first met: {fault}"
@@ -49,7 +49,7 @@ def first_calls(subject: Subject) -> Violations:
 def ordinary_problems(subject: Subject) -> Violations:
     faults: dict[str, list[str]] = {}
     for problem in subject.takes(*ordinary()):
-        subject.fault(problem)  # a fault of the first call alone is that of first_calls
+        subject.fault(problem)  # a fault of the first call alone is reported by first_calls
         faults.setdefault(subject.fault(problem), []).append(problem.summary)
     yield from (f"{'; '.join(met)}: {fault}" for fault, met in faults.items() if fault)
 
@@ -59,7 +59,7 @@ def input_unchanged(subject: Subject) -> Violations:
     for problem in subject.takes(*ordinary()):
         given = duplicate(problem)
         subject.solver.solve(subject.solver.prepare(given), TOL, None)
-        handed: list[Any] = [[*one.dense(), *one.csr()] for one in (problem, given)]  # C may write to what is read-only here
+        handed: list[Any] = [[*one.dense(), *one.csr()] for one in (problem, given)]  # C code can write to read-only arrays
         if not same(problem, given) or not all(np.array_equal(*pair) for pair in zip(*handed, strict=True)):
             yield f"the problem of {problem.summary} was changed by the call"
 
@@ -91,7 +91,7 @@ def friction_bias(subject: Subject) -> Violations:
             sliding = contact(d, speed=2.0, falling=falling).replace(friction_bias=np.ones(1))
             yield from _claimed(subject, sliding, f"with a friction_bias of 1 N s, {name}")
     for problem in ordinary():
-        more = np.linspace(0.5, 1, problem.contacts) * problem.velocity_scale / problem.scale.mean()  # as large as impulses
+        more = np.linspace(0.5, 1, problem.contacts) * problem.velocity_scale / problem.scale.mean()  # of the impulses' size
         yield from _claimed(subject, problem.replace(friction_bias=more), "with friction_bias")
 
 
@@ -131,7 +131,7 @@ def islands(subject: Subject) -> Violations:
 
 
 def _claimed(subject: Subject, problem: FrictionProblem, name: str, tol: float = TOL) -> Iterator[str]:
-    """A violation where the solver claims an answer that is far from one."""
+    """Yield a violation if the solver falsely claims to have solved the problem."""
     for given in subject.takes(problem):
         _, finding = subject.solve(given, tol)
         if finding.verdict == Verdict.WRONG:
@@ -233,9 +233,9 @@ def unit_scaling(subject: Subject) -> Violations:
 def _same(
     subject: Subject, change: Callable[[FrictionProblem], FrictionProblem], times: float = 1.0, spatial: bool = False
 ) -> Violations:
-    """Velocities of the changed problem that are not `times` those of the problem, where that was solved."""
+    """Yield violations where the changed problem's velocities are not `times` those of the problem, if that was solved."""
     for problem in subject.takes(*ordinary()):
-        if spatial and (problem.dimension == 2 or subject.info.model == "lcp"):  # a polygon rotates with the tangents
+        if spatial and (problem.dimension == 2 or subject.info.model == "lcp"):  # a polygonal cone rotates with the tangents
             continue
         answer, finding = subject.solve(problem, TIGHT)
         if finding.verdict not in ACCEPTED:

@@ -1,7 +1,7 @@
-"""All checks on a solver, each a task of its own: a check that hangs or crashes counts as a violation.
+"""Run all checks on a solver, each as a task of its own; a check that hangs or crashes counts as a violation.
 
-What FIRST finds would break most other checks as well, so that these follow where it finds nothing. A solver that hangs in
-MOST_HUNG others is not tested further: each check would take its limit.
+A fault found by FIRST would break most other checks as well, which are therefore run only if it finds none. A solver that hangs
+in MOST_HUNG checks is not tested further, since each check might take its whole limit.
 """
 
 from collections.abc import Iterable, Iterator
@@ -19,7 +19,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.solvers import Solver, SolverInfo, available, find
 
-LIMIT = 20.0  # seconds for one check, which solves some forty small problems
+LIMIT = 20.0  # seconds for one check, which solves about forty small problems
 MOST_HUNG = 3
 FIRST = ("first_calls", "ordinary_problems")
 CRASHES = "Raise no error: return an Answer with a Status and the best impulses, or refuse such problems by lacks=(...)."
@@ -27,7 +27,7 @@ HANGS = "End each call: after `limit` units of work, or, where it is None, after
 
 
 class Found(NamedTuple):
-    """The violations of a check about a variant; failure: whether it hung or crashed, which is then the only violation."""
+    """The violations of a check by a variant. failure: the verdict if it hung or crashed, which is then the only violation."""
 
     variant: str
     check: str
@@ -36,7 +36,7 @@ class Found(NamedTuple):
 
 
 def examine(specs: list[str], jobs: int, progress: Progress) -> list[Found]:
-    """Run the checks on every variant of the specs, files or names. Errors: InputError naming the solver or the file."""
+    """Run the checks on every variant of the specs, which are files or names. Errors: InputError naming the solver or file."""
     named = [variant for spec in specs for variant in (available()[spec].specs if spec in available() else (spec,))]
     variants, plugins = load_plugins(named)
     for variant in variants:
@@ -48,7 +48,7 @@ def examine(specs: list[str], jobs: int, progress: Progress) -> list[Found]:
 
 
 def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Progress) -> Iterator[Found]:
-    """What the checks of a variant find, without those not tested."""
+    """Yield what the checks of a variant find, without those that are not run."""
     hung = 0
     with scratch_pool(plugins, jobs=jobs) as pool:
         for stage in (FIRST, [check for check in CHECKS if check not in FIRST]):
@@ -68,7 +68,7 @@ def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Pr
 
 
 def format_findings(found: Iterable[Found]) -> str:
-    """The findings as text, by variant: a line for each check, advice and violations if it failed, then how many passed."""
+    """Format the findings by variant: a line for each check, advice and violations if it failed, then how many passed."""
     lines, names = [], {check: check.replace("_", " ") for check in CHECKS}
     for variant, own in groupby(found, key=lambda one: one.variant):
         findings = list(own)
@@ -86,5 +86,5 @@ def format_findings(found: Iterable[Found]) -> str:
 
 
 def _violations(info: SolverInfo, solver: Solver, broken: list[str], check: str) -> list[str]:
-    """What one check finds; at most five violations."""
+    """Run one check and return at most five violations."""
     return list(islice(CHECKS[check].violations(Subject(info, solver, broken)), 5))

@@ -1,1 +1,1 @@
-"""What a run is to do: plans, suites, and how the command line chooses among them."""
+"""Plans of runs: suites, and how the command line chooses and changes them."""

@@ -1,6 +1,6 @@
 """The maps of the suite `maps`: how existence, solutions and verdicts depend on the physical parameters of scenes.
 
-An axis is written as on the command line:
+The axes are written as on the command line:
 
     friction=.1:3:30               30 values from .1 to 3, both ends among them
     mass_ratio=log:1e-6:1e6:13     13 values, a constant factor apart
@@ -17,12 +17,12 @@ from frictionbench.problems.check import require
 from frictionbench.problems.spec import parse
 from frictionbench.results.maps import Axis, Map, Scale
 
-GAPS = "stewart_trinkle"  # the scheme whose contacts keep their gaps
+GAPS = "stewart_trinkle"  # the scheme whose problems contain the contacts' gaps
 SCALES = get_args(Scale)
-MOST_LINES = 200  # along an axis: finer than a map can show
+MOST_LINES = 200  # values along an axis: finer than a map can show
 UNIT = f"log:{2.0**-40!r}:{2.0**40!r}:5"  # powers of two from 1e-12 to 1e12, so that not even rounding differs
 
-# Of each map: its name, the scene, both axes, the thresholds and, if it is not the default, the scheme; its title; its note.
+# Each map has three parts: name, scene, both axes, thresholds and the scheme if not the default; the title; the note.
 _MAPS = """
 painleve_rod  painleve_rod[step=1e-4]  angle=0.3:1.5:10  friction=0.4:3.1:10  p
     Painlevé's rod, impulses
@@ -123,14 +123,14 @@ steps_painleve_rod  painleve_rod  step=log:1e-4:1:5  friction=0.4:2.5:4
 
 
 def atlas() -> tuple[Map, ...]:
-    """All of them."""
+    """Return all maps of the suite."""
     same = "The same problem in other units, powers of two from 1e-12 to 1e12: not even rounding differs, nothing may change."
     loops = _maps(_LOOPS, "At most 30 steps of each size.", scheme=GAPS, steps=30, levels=0)
     return (*_maps(_MAPS), *_maps(_UNITS, same, constant=True), *loops)
 
 
 def _maps(table: str, common_note: str = "", **common: Any) -> tuple[Map, ...]:
-    """The maps in a text. common: fields that all have."""
+    """Parse the maps in a table. common: fields shared by all."""
     found = []
     for block in table.strip().split("\n\n"):
         head, title, *note = map(str.strip, block.splitlines())
@@ -145,7 +145,7 @@ def _maps(table: str, common_note: str = "", **common: Any) -> tuple[Map, ...]:
 
 
 def axis(field: str, text: str, name: str) -> Axis:
-    """The axis of a scene's parameter that a text describes. Errors: InputError naming the field."""
+    """Parse the axis of a scene's parameter. Errors: InputError naming the field."""
     parameter, _, values = text.partition("=")
     *scale, first, last, number = values.split(":") if values.count(":") in (2, 3) else ("", "", "", "", "")
     kind: Any = scale[0] if scale else "linear"

@@ -1,11 +1,11 @@
-"""The plan for the options of `run`, which are given on the command line, in a TOML file or by the manifest of a run.
+"""The plan for the options of `run`, which come from the command line, a TOML file or the manifest of another run.
 
     suite = "smoke"
     solver = ["lemke", "nsgs[relaxation=1.3]"]
     tol = "1e-4,1e-8"
     time_limit = 2.0
 
-A run writes those that it was given, but `out`, into its manifest as `options`, from which another can be made like it.
+A run stores the options that it was given, except `out`, in its manifest as `options`, so that it can be repeated.
 """
 
 import tomllib
@@ -27,12 +27,12 @@ from frictionbench.results import store
 from frictionbench.results.conventions import DRAWN
 from frictionbench.solvers.plugins import defines_all
 
-COUNT = 100  # problems of a batch that is named on the command line
+COUNT = 100  # problems in a batch named on the command line
 
 
 @dataclass(frozen=True, config=ConfigDict(strict=True))
 class RunOptions:
-    """The options by their names on the command line; None for one that was not given."""
+    """The options under their names on the command line; None for an option that was not given."""
 
     suite: str | None = None
     scene: list[str] | None = None
@@ -47,15 +47,15 @@ class RunOptions:
         return {name: value for name, value in vars(self).items() if value is not None}
 
     def before(self, other: "RunOptions") -> "RunOptions":
-        """These options, and those of another where they are not given."""
+        """Return these options, completed by those of another."""
         return replace(other, **self.given())
 
 
 def read_options(path: Path) -> RunOptions:
-    """The options in a TOML file, or of the run in a results folder.
+    """Read the options in a TOML file, or of the run in a results folder.
 
-    Solvers that are code, a file or a command, are refused: they are named on the command line.
-    Errors: InputError naming the file and the option, OSError, and as of store.read_manifest.
+    Solvers that are code, that is files or commands, are refused; they must be named on the command line.
+    Errors: InputError naming the file and the option, OSError, and those of store.read_manifest.
     """
     try:
         found = store.read_manifest(path).get("options", {}) if path.is_dir() else tomllib.loads(path.read_text("utf-8"))
@@ -77,9 +77,9 @@ def read_options(path: Path) -> RunOptions:
 
 
 def choose(wanted: RunOptions, variants: tuple[str, ...] = (), plugins: tuple[Plugin, ...] = ()) -> Plan:
-    """The suite's plan with the options in place of its own scenes, solvers and settings; with the variants and plug-ins that
-    `solver` names. Errors: InputError naming the field.
-    """
+    """Return the suite's plan with its scenes, solvers and settings replaced by the options given.
+
+    variants, plugins: those that the option `solver` names. Errors: InputError naming the field."""
     suite = wanted.suite or "standard"
     require(suite in SUITES, "suite", f"unknown suite {suite!r}{near(suite, SUITES)}; known are {', '.join(SUITES)}")
     require(not (wanted.data and wanted.scene), "data", "names the problems to run, and so does --scene; give one of the two")
@@ -90,7 +90,7 @@ def choose(wanted: RunOptions, variants: tuple[str, ...] = (), plugins: tuple[Pl
         plan = _restricted(plan, wanted.scene)
     if variants:
         plan = replace(plan, solvers=variants, spatial_solvers=(), simulation_solvers=variants, plugins=plugins, expects="")
-    if wanted.all_solvers:  # that are installed, by the dimension of the problem
+    if wanted.all_solvers:  # all that are installed, by dimension
         plan = replace(plan, solvers=every(2), spatial_solvers=every(3), simulation_solvers=every(2), expects="")
     if wanted.tol is not None:
         plan = replace(plan, tolerances=tolerances(wanted.tol))
@@ -100,8 +100,7 @@ def choose(wanted: RunOptions, variants: tuple[str, ...] = (), plugins: tuple[Pl
 
 
 def _restricted(plan: Plan, specs: list[str]) -> Plan:
-    """The plan with those of its own parts that have one of these names, or new ones where a spec has settings or the plan has
-    none of its name."""
+    """Return the plan with only its parts of these names. A spec that has settings, or that names no part, makes new parts."""
     found: dict[str, list[Any]] = {"sources": [], "simulations": [], "maps": [], "batches": []}
     for spec in specs:
         name, settings = parse("scene", spec)
@@ -117,9 +116,9 @@ def _restricted(plan: Plan, specs: list[str]) -> Plan:
 
 
 def _new(name: str, settings: dict[str, Any], batch: bool) -> dict[str, list[Any]]:
-    """The parts of a plan that a name and settings make; batch: COUNT problems together.
+    """Make the parts of a plan from a name and settings. batch: whether to make a batch of COUNT problems.
 
-    Errors: InputError naming the scene or the setting that is unknown, or where a batch has none of those that are drawn.
+    Errors: InputError naming the unknown scene or setting, or if a scene for a batch lacks a parameter that is drawn.
     """
     require_known(name, settings)
     if not batch:

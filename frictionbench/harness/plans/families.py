@@ -1,8 +1,8 @@
-"""The problems of a first comparison, by family and size: in each of them friction is at work.
+"""The problems of a first comparison, by family and size; the answer of each depends on friction.
 
 A family is a scene or an instance. It has two problems in each band of sizes that it reaches (1, 2 to 10, 11 to 100 and more
-contacts), so that no family counts more than another: where it can, one in which contacts stick, held by friction alone, and
-one in which they slide, or are hit. Motions (`recorded`) give as many steps each.
+contacts), so that all families count the same. Where possible, contacts stick, held by friction alone, in one problem, and
+slide or collide in the other. Recorded motions (`recorded`) give as many steps each.
 """
 
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 from frictionbench.harness.plans.plan import Source
 
 Band = dict[str, tuple[dict[str, Any], dict[str, Any]]]  # two problems of each family
-STEEP = {"push": 0.0, "slope": 0.3}  # on a slope, where friction holds: contacts stick, and tall piles tip over
+STEEP = {"push": 0.0, "slope": 0.3}  # a slope on which contacts stick by friction, and tall piles tip over
 SHEARED = {"push": 0.0, "shear": 1.0}
 HIT = {"push": 0.0, "shear": 0.2, "fall": 1.0}
 
@@ -23,7 +23,7 @@ SMALL: Band = {
     "two_corner_block": ({"fall": 1.0}, {"friction": 2.0, "fall": 1.0}),
     "incline": ({}, {"friction": 0.7}),
     "redundant_table": ({"legs": 4}, {"legs": 8, "speed": 0.03}),
-    # Against a wall that it hits friction must act; between two that it only touches no impulse is an answer.
+    # The disc hits one wall, so that friction acts. If it only touched both walls, zero impulses would be a solution.
     "jam": ({"sideways": 0.1}, {"sideways": 0.1, "speed": 0.1}),
     "wedge": ({"friction": 0.2}, {"friction": 0.8, "speed": 10.0}),
     "stack": ({"blocks": 2, **STEEP}, {"blocks": 4, "smooth": 0.2}),
@@ -84,10 +84,10 @@ SPACE = (SPACE_ONE, SPACE_SMALL, SPACE_MEDIUM, SPACE_LARGE)
 
 
 def sources(*bands: Band) -> tuple[Source, ...]:
-    """The problems of these bands."""
+    """Return the problems of these bands."""
     return tuple(Source(name, settings) for band in bands for name, both in band.items() for settings in both)
 
 
 def halves(*bands: Band) -> tuple[Source, ...]:
-    """One problem of each family in these bands, in turn the first and the second."""
+    """Return one problem of each family in these bands, alternating between the first and the second."""
     return tuple(Source(name, both[i % 2]) for band in bands for i, (name, both) in enumerate(band.items()))

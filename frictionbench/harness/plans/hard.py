@@ -1,7 +1,7 @@
 """The suite `hard`, which ranks robustness: problems with a known solution on which at least one serious method fails.
 
-hard.tsv is written by `python -m tools.admit`, which runs all methods at one tolerance on candidates, families at their edges;
-docs/hard.md has the rule by which it chooses, and what shares solved in this suite do not say.
+hard.tsv is written by `python -m tools.admit`, which runs all methods at one tolerance on candidates from the extremes of
+families. docs/hard.md states the rule by which it chooses, and what the shares solved in this suite do not mean.
 """
 
 import csv
@@ -10,9 +10,9 @@ from pathlib import Path
 
 from frictionbench.harness.plans.plan import Plan, Source
 
-# One or two of every kind of method for Coulomb's law that simulators and libraries are built on.
+# One or two of each kind of method for Coulomb's law on which simulators and libraries are based.
 METHODS = (
-    *("lemke", "dantzig", "path_search", "fischer_newton"),  # in the plane, where the friction LCP is Coulomb's law
+    *("lemke", "dantzig", "path_search", "fischer_newton"),  # for the plane, where the LCP is equivalent to Coulomb's law
     *("hybrid", "interior_point", "nsgs", "proximal_newton"),
 )
 TOL = 1e-8
@@ -33,11 +33,11 @@ def hard() -> Plan:
 
 
 def admitted() -> list[dict[str, str]]:
-    """The rows of hard.tsv: family, scene, parameters, contacts, known, residual, floor, answer, failed."""
+    """Return the rows of hard.tsv: family, scene, parameters, contacts, known, residual, floor, answer, failed."""
     return table(ADMITTED)
 
 
 def table(path: Path) -> list[dict[str, str]]:
-    """The lines of a table of text, by the names in its first line."""
+    """Read a tab-separated table as one dict per row, with the names in its first line as keys."""
     with path.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))

@@ -1,7 +1,7 @@
 """Plans: the sources of problems, the solvers, tolerances, starts and limits of a run.
 
-A source yields problems: steps of a scene, recorded along a simulation with reference answers; an instance; a file. A cell is
-one unit of work with one row in the results. Cells are plain values that are sent to workers; a run resumes by their keys.
+A source yields problems: steps of a scene recorded along a simulation with reference answers, an instance, or a file. A cell is
+a unit of work with one row in the results. Cells are plain values that are sent to workers. A run is resumed by their keys.
 """
 
 import json
@@ -18,12 +18,12 @@ from frictionbench.solvers import find
 from frictionbench.solvers.interface import FINEST
 
 NO_SETTINGS = ("expects", "options", "map_sources", "map_simulations")
-MEMORY_LIMIT = 4 * 2**30  # bytes that a worker may allocate: more than the suites need, less than a machine has for each core
+MEMORY_LIMIT = 4 * 2**30  # bytes that a worker may allocate: more than the suites need, less than machines have per core
 
 
 @dataclass(frozen=True)
 class _Keyed:
-    """What is known by a hash of its fields. kind: how the key begins."""
+    """A dataclass with a key that is a hash of its fields. kind: the prefix of the key."""
 
     kind: ClassVar[str]
 
@@ -38,9 +38,9 @@ class Source(_Keyed):
     """Problems of one scene, an instance, or a problem in a file.
 
     scene: the name of the scene or instance (problems.instances), or of the set that a file belongs to. pick: the number of
-    problems, spread over the motion; 0 for the first problem of the scheme, which needs no solver. repeats: how often a short
-    solve is timed, None for the default (harness.cells.timing). before, step: of a file that is a step of a sequence, the file
-    of the step before and its number.
+    problems, spread over the motion; 0 for the scheme's first problem, which needs no solver. repeats: how often a short solve
+    is timed, None for the default (harness.cells.timing). before, step: for a file that is a step of a sequence, the file of
+    the previous step and the number of this one.
     """
 
     scene: str
@@ -60,8 +60,8 @@ class Source(_Keyed):
 class SolveCell(_Keyed):
     """One problem, one solver, one tolerance.
 
-    problem: the content hash under which it is stored. origin: see `origin`; the key is computed from the origin, because the
-    last bits of a recorded problem, and with them its hash, may differ between machines.
+    problem: the content hash under which it is stored. origin: see `origin`; the key is computed from it instead of the hash,
+    because the last bits of a recorded problem, and thus its hash, may differ between machines.
     """
 
     problem: str
@@ -89,7 +89,7 @@ class SimulationCell(_Keyed):
 
 @dataclass(frozen=True)
 class BatchSource:
-    """So many problems of one scene or instance and size, each with settings of its own (harness.cells.batch)."""
+    """Problems of one scene or instance and size, which differ in drawn parameters (harness.cells.batch). count: how many."""
 
     scene: str
     parameters: dict[str, Any]
@@ -98,7 +98,7 @@ class BatchSource:
 
 @dataclass(frozen=True)
 class BatchCell(_Keyed):
-    """The problems of a batch, all solved by one solver in one way (results.conventions.WAYS)."""
+    """The problems of a batch, solved by one solver in one way (results.conventions.WAYS)."""
 
     scene: str
     parameters: dict[str, Any]
@@ -118,7 +118,7 @@ Cell = SolveCell | SimulationCell | BatchCell
 class Plugin:
     """Solvers from outside this repository.
 
-    source: see solvers.plugins. content: the hash of its content. solvers: by variant, the columns that describe it.
+    source: see solvers.plugins. content: the hash of its content. solvers: the columns that describe each variant.
     """
 
     source: str
@@ -128,11 +128,11 @@ class Plugin:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run does; times in seconds, memory in bytes. Simulations have one tolerance, simulation_tol.
+    """The problems, solvers, tolerances and limits of a run. Times are in seconds, memory in bytes.
 
-    spatial_solvers: for problems and simulations in space, in place of the others; `solvers` if empty. expects: how long the
-    run takes on two cores with one worker, for people; options: those of the command line that chose the plan
-    (harness.plans.choose). Neither is a setting.
+    spatial_solvers: those for problems and simulations in space; `solvers` if empty. simulation_tol: the one tolerance of all
+    simulations. expects: the duration on two cores with one worker, as text; options: the command line's options that chose the
+    plan (harness.plans.choose). Neither is a setting.
 
     map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.maps). They are not
     settings, because they follow from the maps and from the rows found.
@@ -166,12 +166,12 @@ class Plan:
         require(0 < self.time_limit < float("inf"), "time-limit", "must be positive")
 
     def settings(self) -> dict[str, Any]:
-        """The plan as plain values, for the manifest: two runs with the same settings have the same cells."""
+        """Return the plan as plain values for the manifest. Two runs with the same settings have the same cells."""
         values = json.loads(json.dumps(asdict(self)))
         return {name: value for name, value in values.items() if name not in NO_SETTINGS}
 
     def solve_cells(self, records: Iterable[dict[str, Any]]) -> list[SolveCell]:
-        """The cells of every problem with every solver, available start and tolerance, the loosest first."""
+        """Return a cell for every problem, solver, available start and tolerance, with the loosest tolerance first."""
         return [
             SolveCell(record["problem"], origin(record), variant, tol, start)
             for record in records
@@ -182,7 +182,7 @@ class Plan:
         ]
 
     def _tolerances(self, variant: str) -> list[float]:
-        """The tolerances, the loosest first; of single precision its finest as well, where a tighter one will be skipped."""
+        """Return the tolerances, loosest first. A tolerance too tight for single precision adds the tightest that it allows."""
         finest = 0.0 if self.owner(variant) else FINEST[find(variant)[0].precision]
         return sorted({*self.tolerances, *(finest for tol in self.tolerances if tol < finest)}, reverse=True)
 
@@ -196,7 +196,7 @@ class Plan:
         return [*simulated, *self.map_simulations]
 
     def batch_cells(self) -> list[BatchCell]:
-        """The cells of every batch with every solver, way and tolerance; what is packed starts warm as well, where it can."""
+        """Return a cell for every batch, solver, way and tolerance; packed batches are also started warm if possible."""
         return [
             BatchCell(batch.scene, batch.parameters, batch.count, variant, way, tol, start)
             for batch in self.batches
@@ -206,7 +206,7 @@ class Plan:
         ]
 
     def _ways(self, variant: str) -> list[tuple[str, str]]:
-        """The ways in which a solver solves a batch, and their starts. A plug-in is not imported here, and tried in all."""
+        """Return the ways in which a solver solves a batch, and their starts: all for a plug-in, which is not imported here."""
         if self.owner(variant):
             return [("calls", COLD), ("packed", COLD), ("packed", WARM), ("list", COLD)]
         info, instance = find(variant)
@@ -215,30 +215,30 @@ class Plan:
         return [("calls", COLD)]
 
     def lineup(self, dimension: int | None) -> tuple[str, ...]:
-        """The solvers of problems of this dimension; None for a bare LCP."""
+        """Return the solvers for problems of this dimension, which is None for a bare LCP."""
         return (self.spatial_solvers if dimension == 3 else ()) or self.solvers
 
     @property
     def variants(self) -> tuple[str, ...]:
-        """All solvers of problems and simulations, each once."""
+        """Return all solvers of problems and simulations, each once."""
         return tuple(dict.fromkeys((*self.solvers, *self.spatial_solvers, *self.simulation_solvers)))
 
     def owner(self, variant: str) -> str:
-        """The owner of a variant among the plan's plug-ins."""
+        """Return the owner of a variant among the plan's plug-ins; see the function `owner`."""
         return owner(variant, self.plugins)
 
 
 def plugin_of(variant: str, plugins: tuple[Plugin, ...]) -> Plugin | None:
-    """The plug-in that a variant belongs to; None for our own."""
+    """Return the plug-in that a variant belongs to, or None for our own."""
     return next((plugin for plugin in plugins if variant in plugin.solvers), None)
 
 
 def owner(variant: str, plugins: tuple[Plugin, ...]) -> str:
-    """The source and name of the outside solver that a variant belongs to; empty for our own."""
+    """Return the source and solver name of the plug-in that a variant belongs to, or an empty text for our own."""
     plugin = plugin_of(variant, plugins)
     return f"{plugin.source} {plugin.solvers[variant]['solver']}" if plugin else ""
 
 
 def origin(record: dict[str, Any]) -> str:
-    """The origin of a problem: scene, parameters, step and phase."""
+    """Return the origin of a problem: scene, parameters, step and phase."""
     return f"{record['scene']} {record['parameters']} {record['step']} {record['phase']}"

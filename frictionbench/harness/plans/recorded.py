@@ -1,8 +1,8 @@
 """Plans for problems recorded by others, and for spatial instances: every solver that accepts them.
 
-The command line gives the location of recorded problems: `--data DIR`, or `--data fclib/Capsules` for a family that
-`frictionbench export` has downloaded. Files of a folder whose names differ in one number alone are the steps of a sequence, in
-the order of that number; each is started cold, and warm from the answer of the step before (harness.cells.collect).
+The command line gives the location of recorded problems: `--data DIR`, or `--data fclib/Capsules` for a family downloaded by
+`frictionbench export`. Files in a folder whose names differ only in one number are the steps of a sequence, in the order of
+that number. Each is started cold, and warm from the answer of the previous step (harness.cells.collect).
 """
 
 import re
@@ -19,14 +19,14 @@ from frictionbench.problems.recorded import collection
 from frictionbench.results.conventions import COLD, WARM
 from frictionbench.solvers import available, find
 
-RECORDED, REPLAY = "recorded", "replay"  # the suites that take recorded problems, and recorded motions
-LADDER = (1e-4, 1e-6, 1e-8)  # tolerances, from what simulations need to what exact methods reach
+RECORDED, REPLAY = "recorded", "replay"  # the suites that accept recorded problems
+LADDER = (1e-4, 1e-6, 1e-8)  # tolerances, from those that simulations need to those that exact methods reach
 FORMATS = (".hdf5", ".h5", ".dat", ".npz")  # suffixes of files that problems.recorded reads
 
 # Motions in space with closed forms, those of the battery of engines (tools/battery).
 PHENOMENA = (
     Source("sliding_box", {"slope": 0.35, "speed": 0.0}),  # held by friction: it must not creep
-    Source("sliding_box", {"heading": 0.5}),  # straight on, until it stops
+    Source("sliding_box", {"heading": 0.5}),  # slides in a straight line until it stops
     Source("sliding_box", {"slope": 0.24, "speed": 0.0, "aspect": 4.0, "friction": 1.0}),  # about to tip over
     Source("box_tower"),
     Source("box_tower", {"boxes": 2, "mass_ratio": 1000.0}),
@@ -35,32 +35,32 @@ PHENOMENA = (
     *(Source("dropped_ball", {"restitution": e, "step": 0.01}) for e in (0.0, 0.5, 1.0)),
 )
 
-# Of our methods for Coulomb's law, those that are the fastest on problems of some kind; all others are --all-solvers.
+# Our methods for Coulomb's law that are the fastest on some kind of problem; --all-solvers adds the others.
 WINNERS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg")
 SPATIAL_WINNERS = ("hybrid", "interior_point", "nsgs", "nncg", "proximal_newton", "apgd_coulomb")
 
 
 def every(dimension: int) -> tuple[str, ...]:
-    """All solvers that are installed and take problems of this dimension, ours before those of outside libraries."""
+    """Return all installed solvers that accept problems of this dimension, ours before those of outside libraries."""
     ours = (spec for _, info in sorted(available().items()) if not info.needs for spec in info.specs)
     specs = tuple(spec for spec in ours if dimension in find(spec)[0].dimension)
     return (*specs, *installed(*theirs(dimension)))
 
 
 def installed(*specs: str) -> tuple[str, ...]:
-    """Those of which every required package is installed."""
+    """Return the solvers of which every required package is installed."""
     return tuple(spec for spec in specs if not find(spec)[0].missing)
 
 
 def theirs(dimension: int) -> tuple[str, ...]:
-    """All solvers of outside libraries, also of those that are not installed, that take problems of this dimension."""
+    """Return all solvers of outside libraries, installed or not, that accept problems of this dimension."""
     specs = (spec for _, info in sorted(available().items()) if info.needs for spec in info.specs)
     return tuple(spec for spec in specs if dimension in find(spec)[0].dimension)
 
 
 def recorded() -> Plan:
-    """Recorded problems, of a folder or a fetched family (--data DIR|fclib/FAMILY), with the solvers that can be the fastest;
-    with --all-solvers, with every installed one."""
+    """Recorded problems in a folder or a fetched family (--data DIR|fclib/FAMILY), with the solvers that can be the fastest, or
+    with --all-solvers every installed one."""
     return Plan(
         suite=RECORDED,
         sources=(),
@@ -72,11 +72,11 @@ def recorded() -> Plan:
 
 
 def spatial() -> Plan:
-    """Spatial problems of one step, from one contact to a thousand, and motions with closed forms, with every solver that
-    accepts them."""
+    """Spatial problems of one step, from one contact to a thousand, and motions with solutions in closed form, with every
+    solver that accepts them."""
     large = (
         Source("cubes", {"boxes": 100, "push": 0.1, "twist": 1.0, "smooth": 0.2, "fall": 1.0}),
-        Source("sphere_pyramid", {"levels": 6, "friction": 0.5}),  # between what slides and what sticks: the hardest
+        Source("sphere_pyramid", {"levels": 6, "friction": 0.5}),  # between sliding and sticking, where it is hardest
         Source("packed_spheres", {"spheres": 250, "friction": 0.1}),
         Source("random_bodies", {"contacts": 1000, "seed": 2}),
         Source("rod_chain", {"links": 200, "pull": 0.05, "whirl": 0.2}),
@@ -96,7 +96,7 @@ def spatial() -> Plan:
 
 
 def with_data(plan: Plan, locations: tuple[str, ...]) -> Plan:
-    """The plan with the recorded problems at these locations, in place of its own.
+    """Return the plan with its problems replaced by the recorded problems at these locations.
 
     Errors: InputError naming `data` or the family.
     """
@@ -113,11 +113,11 @@ def with_data(plan: Plan, locations: tuple[str, ...]) -> Plan:
 
 
 def located(location: str) -> list[Source]:
-    """The recorded problems of a file, a folder or a fetched family. Errors: InputError naming `data` or the family."""
+    """Return the recorded problems of a file, a folder or a fetched family. Errors: InputError naming `data` or the family."""
     if location.startswith("fclib/"):
         family = collection.family(location)
         folder = collection.cache_folder() / family
-        files, steps = sorted(_files(folder)), {}  # a selection from simulations, no sequence
+        files, steps = sorted(_files(folder)), {}  # FCLIB selects problems from simulations: they are no sequence
         missing = f"; fetch it with `frictionbench export {location}`"
     else:
         place = Path(location).resolve()
@@ -134,14 +134,14 @@ def _files(folder: Path) -> list[Path]:
 
 
 def natural(path: Path) -> tuple[str | int, ...]:
-    """A key that sorts step_2 before step_10."""
+    """Return a key that sorts step_2 before step_10."""
     return tuple(int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", str(path)))
 
 
 def _steps(files: list[Path]) -> dict[Path, dict[str, Any]]:
-    """Of the files that are steps of a sequence, the number of the step and the file of the step before.
+    """Return, for the files that are steps of a sequence, the number of the step and the file of the previous step.
 
-    A sequence is a folder of several files whose names differ in one number alone.
+    A sequence is a folder of several files whose names differ only in one number.
     """
     steps = {}
     for _, group in groupby(files, key=lambda path: path.parent):

@@ -1,9 +1,9 @@
-"""The suite `robots`: steps of robots as users of simulators have them, recorded of 24 models of other packages.
+"""The suite `robots`: steps of robots as users of simulators meet them, recorded from 24 models of other packages.
 
-They stand in robots.tsv, a line each with what the choice was made by, and were chosen by `tools/robots/record.py` before any
-of them was solved; its last columns name the methods whose answers are verified, and how far their velocities are apart.
-robots.npz holds an answer of each by the name of the step, and under "NAME start" the exact impulses of the step before at the
-contacts that it had too: its warm start. docs/robots.md describes the set.
+Each step is a row of robots.tsv, with the data by which `tools/robots/record.py` chose it before any step was solved. The last
+columns name the methods whose answers are verified, and the largest distance of their velocities. robots.npz holds an answer to
+each step under its name, and its warm start under "NAME start": the exact impulses of the previous step at the contacts that
+both have. docs/robots.md describes the set.
 """
 
 from pathlib import Path
@@ -19,18 +19,18 @@ SCENE = "robot_step"
 
 
 def chosen() -> list[dict[str, str]]:
-    """The lines of robots.tsv."""
+    """Return the rows of robots.tsv."""
     return table(TABLE)
 
 
 def steps() -> tuple[Source, ...]:
-    """All of them."""
+    """Return all steps."""
     return tuple(Source(SCENE, {"case": row["case"]}) for row in chosen())
 
 
 def one_of_each() -> tuple[Source, ...]:
-    """The step with the median number of rows of each model, of those in which it does not just settle: there friction may be
-    at work by a few digits only."""
+    """Return for each model the step with the median number of constraint rows. Steps in which the model only settles are left
+    out, because friction may affect only a few digits there."""
     models: dict[str, list[dict[str, str]]] = {}
     for row in chosen():
         if row["behaviour"] != "settle":
@@ -44,6 +44,6 @@ def _size(row: dict[str, str]) -> int:
 
 
 def kept(name: str) -> Array | None:
-    """The array (nc, 3) of this name in robots.npz; None where there is none."""
+    """Read the array (nc, 3) of this name in robots.npz; None if there is none."""
     with np.load(ARRAYS, allow_pickle=False) as arrays:
         return arrays.get(name)

@@ -17,8 +17,8 @@ from frictionbench.problems.catalogue import instances, scenes
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.conventions import COLD, SHUFFLED, WARM
 
-# Methods for the exact law that every suite compares; one of each kind for the relaxation; further methods of both. In space
-# one of each kind, the pivoting one with a polygon for the cone.
+# EXACT: methods for Coulomb's law that every suite compares. RELAXED: one of each kind for the relaxation. OTHERS: further
+# methods for both. SPATIAL: one of each kind in space, where the pivoting method has a polygonal cone.
 EXACT = ("hybrid", "lemke", "path_search", "interior_point", "nsgs")
 RELAXED = ("clarabel[settings=default]", "osqp", "proxsuite[matrices=sparse,settings=tuned]")
 OTHERS = (
@@ -26,22 +26,22 @@ OTHERS = (
     *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
 )
 SPATIAL = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "lemke[facets=16]", RELAXED[0])
-# Of outside libraries those that solve most in the suite `peers` or are the fastest of their library, in double precision: of
-# Coulomb's law in the plane and in space, and of the friction LCP in the plane, where it is the same.
+# Solvers of outside libraries that solve the most in the suite `peers`, or are the fastest of their library, in double
+# precision: for Coulomb's law in the plane and in space, and for the LCP in the plane, where it is equivalent.
 OUTSIDE = (
     "siconos[method=friction_3d_prox,settings=tuned]",
     "siconos[method=friction_3d_nsgs,settings=newton]",
     "pinocchio[method=admm,settings=tuned]",
 )
 OUTSIDE_LCP = ("path[settings=tuned]", "quantecon[settings=default]")
-# The fastest of our methods for each kind of problem, and simple ones as a reference beside outside libraries.
+# The fastest of our methods for each kind of problem, and simple ones for comparison with outside libraries.
 OURS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg", "apgd_coulomb", "relaxation_ip", "apgd")
-# Stacks of boxes by contacts, some hundredths of a second together; and of cubes.
+# Batches of stacks of boxes and of cubes, contacts to number of problems: a batch takes some hundredths of a second.
 STACKS = {2: 500, 4: 300, 10: 150, 20: 60, 40: 20}
 CUBES = {4: 100, 12: 30, 40: 10}
 BATCHED = ("nsgs", "interior_point", "hybrid")
-ONE_BY_ONE = ("osqp", "daqp", "mujoco[method=newton,settings=tuned]")  # they take no batches of given problems
-# Of the exact law; apgd and admm solve the relaxation.
+ONE_BY_ONE = ("osqp", "daqp", "mujoco[method=newton,settings=tuned]")  # these accept no batches of given problems
+# Methods for Coulomb's law; apgd and admm solve the relaxation.
 MAPPED = (*EXACT, *(name for name in OTHERS if name not in ("apgd", "admm")))
 MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED)
 FAILING = (  # simulations in which some methods fail to solve steps
@@ -49,7 +49,7 @@ FAILING = (  # simulations in which some methods fail to solve steps
     Source("three_blocks", {}, steps=200),
     Source("multiple_collisions", {}, steps=200),
 )
-STEPS = (  # motions whose steps are problems: as many of each as a family of one step has
+STEPS = (  # motions whose steps are problems: as many from each as a family has in a band
     Source("long_bar", {"friction": 0.2}, pick=2),
     Source("two_blocks", {"friction": 0.1}, pick=2),
     Source("three_blocks", {}, pick=2),
@@ -86,8 +86,8 @@ def smoke() -> Plan:
 
 
 def standard() -> Plan:
-    """A first comparison, in the plane and in space: the main solvers, and outside ones of Coulomb's law that are installed, on
-    sticking, sliding and colliding contacts of all sizes."""
+    """A first comparison in the plane and in space, on sticking, sliding and colliding contacts of all sizes: the main solvers,
+    and the installed outside solvers for Coulomb's law."""
     outside, planar = installed(*OUTSIDE), installed(*OUTSIDE_LCP)
     return Plan(
         suite="standard",
@@ -102,24 +102,24 @@ def standard() -> Plan:
     )
 
 
-SPREAD = 1.25  # of settings that are drawn
-DIGITS = 3  # of what is drawn, so that names of problems can be read
+SPREAD = 1.25  # largest factor by which drawn settings are changed
+DIGITS = 3  # significant digits of drawn settings, so that names of problems can be read
 
 
 def sealed() -> Plan:
-    """The families of `standard` with settings drawn from a hash of this version's source, on which nobody can have tuned."""
+    """The families of `standard` with settings drawn by a hash of this version's source, for which nobody can have tuned."""
     problems = drawn((*STEPS, *families.sources(*families.PLANE, *families.SPACE)))
     return replace(standard(), suite="sealed", sources=problems, simulations=())
 
 
 def drawn(sources: Iterable[Source], digest: str | None = None) -> tuple[Source, ...]:
-    """These sources with settings that nobody has chosen, drawn from a digest: by default that of the source of all problems
-    and solvers of this version, so that they exist once these are written and others take their place when a line of them
-    changes: no method can have been tuned on them.
+    """Return these sources with settings that nobody has chosen, drawn with a digest as seed. By default it is the digest of
+    the source of all problems and solvers. The settings therefore follow once that is written, and any change of a line changes
+    them, so that no method can have been tuned on them.
 
-    A count or a number that a family is given, and its friction, is multiplied by a factor between 1/SPREAD and SPREAD, uniform
-    in its logarithm, so that the regime, what sticks and what slides, is mostly kept; a seed is drawn anew. Whoever changes a
-    comment until the draw suits is not kept from it; each draw is kept by the version whose commit holds the source.
+    Counts and numbers that a family is given, and its friction, are multiplied by factors between 1/SPREAD and SPREAD, uniform
+    in their logarithms, so that the pattern of sticking and sliding is mostly preserved. A seed is drawn anew. This does not
+    prevent changing a comment until a draw suits, but each draw can be reproduced from the commit of its version.
     """
     digest = digest or machine.content(("problems", "solvers"))
     return tuple(replace(source, parameters=_drawn(source, f"{digest} {k}")) for k, source in enumerate(sources))
@@ -139,9 +139,9 @@ def _scaled(value: float, factor: float) -> float:
 
 
 def seeds() -> Plan:
-    """The seven examples, the rod and the jam, with every solver of ours and every applicable time-stepping scheme."""
+    """The seven examples, the rod and the jam, with all our main solvers and every applicable time-stepping scheme."""
     steps = (*(Source(name, pick=4) for name in EXAMPLES), Source("painleve_rod", pick=4))
-    jam = Source("jam", {"sideways": 0.1}, pick=4)  # against a wall that it hits: else no impulse is an answer
+    jam = Source("jam", {"sideways": 0.1}, pick=4)  # the disc hits a wall: otherwise zero impulses would be a solution
     solvers = (*EXACT, *RELAXED, *OTHERS)
     return Plan(
         suite="seeds",
@@ -158,7 +158,7 @@ def seeds() -> Plan:
 
 
 def replay() -> Plan:
-    """Recorded motions, with each problem solved from zero, from the previous answer, and from the answer of another step."""
+    """Recorded motions, with each problem started from zero, from the previous answer, and from the answer to another step."""
     return Plan(
         suite="replay",
         sources=tuple(Source(name, pick=20, steps=150) for name in EXAMPLES),
@@ -171,8 +171,8 @@ def replay() -> Plan:
 
 
 def scaling() -> Plan:
-    """Time against size: piles and chains of up to two thousand contacts, in the plane and in space, that are held by friction,
-    on a slope or at rest, and that slide or are hit."""
+    """Time against size: piles and chains of up to two thousand contacts, in the plane and in space, held by friction on a
+    slope or at rest, or sliding or hit."""
     steep, hit, spun = families.STEEP, families.HIT, {"push": 0.1, "twist": 1.0, "smooth": 0.2, "fall": 1.0}
     grids: dict[str, tuple[str, tuple[int, ...], tuple[dict[str, float], ...]]] = {
         "stack": ("blocks", (1, 5, 20, 100, 500, 1000), (steep, {"push": 0.0, "shear": 0.01, "smooth": 0.1})),
@@ -219,7 +219,7 @@ def maps() -> Plan:
 
 
 def batch() -> Plan:
-    """Many small problems at once: problems a second at a verified residual, packed and one by one, cold and warm."""
+    """Many small problems at once: problems per second at a verified residual, packed and one by one, cold and warm."""
     stacks = [BatchSource("stack", {"blocks": contacts // 2}, count) for contacts, count in STACKS.items()]
     cubes = [BatchSource("cubes", {"boxes": contacts // 4}, count) for contacts, count in CUBES.items()]
     return Plan(
@@ -235,7 +235,7 @@ def batch() -> Plan:
 
 
 def robots() -> Plan:
-    """Steps of robots recorded of models of other packages, with limits and dry friction of joints, cold and warm."""
+    """Steps of robots recorded from models of other packages, with limits and dry friction of joints, cold and warm."""
     return Plan(
         suite="robots",
         sources=of_robots.steps(),
@@ -248,9 +248,9 @@ def robots() -> Plan:
 
 
 def peers() -> Plan:
-    """Our solvers compared with outside libraries, also with those that are not installed, on planar and spatial problems."""
+    """Our solvers compared with outside libraries, installed or not, on planar and spatial problems."""
     stepped = (Source("three_blocks", {}, pick=1), Source("several_blocks", {}, pick=1))
-    planar = (families.ONE, families.MEDIUM, families.LARGE)  # small ones of several contacts are many, and alike
+    planar = (families.ONE, families.MEDIUM, families.LARGE)  # not SMALL, which has many families that are much alike
     return Plan(
         suite="peers",
         sources=(*stepped, *families.halves(*planar, *families.SPACE)),

@@ -1,1 +1,1 @@
-"""Where cells run: processes of this machine, or a cluster."""
+"""Running tasks in isolated worker processes, on this machine or a cluster."""

@@ -1,8 +1,8 @@
-"""Running tasks on a dask cluster: one cell per task, isolated on its dask worker as on this machine.
+"""Running tasks on a Dask cluster: one cell per task, isolated on its Dask worker as on this machine.
 
-A dask worker must run the same code of this project as the main process (docs/cluster.md has the commands); one that joins
-later is checked as well, with every outcome. dask itself runs a task whose worker ends on other workers, as often as its
-scheduler's setting distributed.scheduler.allowed-failures says, by default three times.
+A Dask worker must run the same code of this project as the main process (docs/cluster.md has the commands). This is checked
+with every outcome too, because workers may join later. If a Dask worker ends, Dask runs its task again on another worker, as
+often as the scheduler's setting distributed.scheduler.allowed-failures allows, by default three times.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -24,12 +24,12 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.files import ResultsError
 from frictionbench.solvers.plugins import is_file
 
-AHEAD = 4  # tasks submitted per worker: enough that none waits for the network, few enough to be balanced at the end
-ANSWER_SECONDS = 10.0  # seconds for a scheduler to answer: one that is reachable needs far less
+AHEAD = 4  # tasks submitted per worker: enough that no worker waits for the network, few enough for a balanced end
+ANSWER_SECONDS = 10.0  # seconds for a scheduler to answer: a reachable one takes far less
 LOST = "cluster: lost the connection to its scheduler; run the same command again to resume"
 Files = dict[str, bytes]
 Settings = tuple[tuple[tuple[Plugin, Files], ...], int]
-_pools: dict[tuple[Any, ...], Pool] = {}  # of a dask worker process, by the plug-ins' content and the memory limit
+_pools: dict[tuple[Any, ...], Pool] = {}  # pools of a Dask worker process, by the plug-ins' content and the memory limit
 
 
 class Cluster(AbstractContextManager["Cluster"]):
@@ -45,7 +45,7 @@ class Cluster(AbstractContextManager["Cluster"]):
         except (OSError, ValueError, TypeError) as error:  # TypeError: TLS without certificates
             raise InputError(f"cluster: no scheduler answers at {address} ({error})") from None
         self._folder = folder
-        # A dask worker must have an installed distribution with the same content; a file is sent.
+        # Plug-in files are sent. Installed plug-ins must be installed on the Dask workers too, with the same content.
         files = [{Path(each.source).name: Path(each.source).read_bytes()} if is_file(each.source) else {} for each in plugins]
         self._settings = tuple(zip(plugins, files, strict=True)), memory_limit
         codes = self._client.run(machine.content)
@@ -60,13 +60,13 @@ class Cluster(AbstractContextManager["Cluster"]):
             self._client.close(timeout=1.0)
 
     def run(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
-        """The outcomes of the tasks as they arrive.
+        """Yield the outcomes of the tasks as they arrive.
 
-        Errors: ResultsError where the scheduler ends or does not answer, or a dask worker runs other code.
+        Errors: ResultsError if the scheduler ends or does not answer, or a Dask worker runs other code.
         """
         queue = iter(tasks)
         done: SimpleQueue[Any] = SimpleQueue()
-        waiting: dict[Any, tuple[Any, Task]] = {}  # a future is forgotten by the scheduler unless it is kept
+        waiting: dict[Any, tuple[Any, Task]] = {}  # the scheduler forgets a future that is not referenced
 
         def submit(most: int) -> None:
             for task in islice(queue, most):
@@ -88,7 +88,7 @@ class Cluster(AbstractContextManager["Cluster"]):
             submit(1)
 
     def _outcome(self, task: Task, future: Any) -> Outcome:
-        """The outcome of a finished task. Errors: ResultsError as of run."""
+        """Return the outcome of a finished task. Errors: ResultsError as for run."""
         if future.status == "error":
             return Outcome(task, failure=Verdict.CRASHED, reason=f"on the cluster: {self._answer(future._exception)}"[:500])
         code, host, outcome = self._answer(future._result)
@@ -100,19 +100,19 @@ class Cluster(AbstractContextManager["Cluster"]):
         return outcome
 
     def _identity(self) -> Any:
-        """The scheduler's description of itself and its workers. Errors: ResultsError where it does not answer."""
+        """Return the scheduler's description of itself and its workers. Errors: ResultsError if it does not answer."""
         assert self._client.scheduler is not None
         return self._answer(self._client.scheduler.identity)
 
     def _answer(self, ask: Callable[..., Any]) -> Any:
-        """What a coroutine of the client returns. Errors: ResultsError where the scheduler does not answer."""
+        """Return the result of a coroutine of the client. Errors: ResultsError if the scheduler does not answer."""
         try:
             return self._client.sync(ask, callback_timeout=ANSWER_SECONDS)
         except (CancelledError, OSError, TimeoutError):
             raise ResultsError(LOST) from None
 
     def _files(self, task: Task) -> Files:
-        """The files that the task reads: its problem, and its starts if it has any."""
+        """Return the files that the task reads: its problem, its reference answer and its starts, if there are any."""
         cell = task.arguments[0]
         if not isinstance(cell, SolveCell) or not cell.problem:
             return {}
@@ -120,7 +120,7 @@ class Cluster(AbstractContextManager["Cluster"]):
 
 
 def _isolated(task: Task, files: Files, settings: Settings) -> tuple[str, str, Outcome]:
-    """Run a task on a dask worker in a pool of one process, which is reused for the next task: its code, host, and outcome."""
+    """Run a task on a Dask worker, in a pool of one process that is reused. Return the worker's code, its host, the outcome."""
     sent, memory_limit = settings
     folder = _scratch()
     _write(folder / "problems", files)
@@ -133,7 +133,7 @@ def _isolated(task: Task, files: Files, settings: Settings) -> tuple[str, str, O
     if key not in _pools:
         _pools[key] = Pool(folder, 1, tuple(plugins), memory_limit)
     (outcome,) = _pools[key].run([task])
-    outcome = replace(outcome, loaded={})  # its paths are those of this machine
+    outcome = replace(outcome, loaded={})  # these paths are only valid on this machine
     return machine.content(), machine.host(), outcome
 
 

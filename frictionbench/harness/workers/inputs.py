@@ -1,4 +1,4 @@
-"""Plug-ins and scenes that a user names, imported and built in a worker first, behind its limits.
+"""Plug-ins and scenes that a user names, which are first imported and built in a worker with its limits.
 
 The main process imports no plug-in, and a scene of a million blocks takes a minute and gigabytes.
 """
@@ -20,11 +20,11 @@ from frictionbench.results.conventions import scene_title
 from frictionbench.results.files import ResultsError, cleaned, parsed
 from frictionbench.solvers import find, plugins
 
-COLUMNS = {"solver", "family", "model", "members", "version"}  # that describe a solver, see harness.cells.rows.solver_facts
+COLUMNS = {"solver", "family", "model", "members", "version"}  # columns of harness.cells.rows.solver_facts
 
 
 def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
-    """The variants that the command line names, and the plug-ins among them.
+    """Return the variants that the command line names, and the plug-ins that define them.
 
     A file and a command of an executable stand for all the solvers that they define.
 
@@ -57,7 +57,7 @@ def _load(sources: list[str], named: list[str]) -> list[Plugin]:
 
 
 def _described(source: str, value: Any) -> Plugin:
-    """The plug-in as its worker describes it. Errors: InputError where the reply is another: a plug-in may write anything."""
+    """Check a worker's description of a plug-in. Errors: InputError if it is malformed, since a plug-in may reply anything."""
     with suppress(ResultsError):
         found = parsed(value, Plugin, source)
         named = (found.source, found.content) == (cleaned(source), plugins.content(source))
@@ -66,13 +66,13 @@ def _described(source: str, value: Any) -> Plugin:
     raise InputError(f"solver: {source} cannot be imported (its worker returned a malformed description)")
 
 
-BUILD_SECONDS = 60.0  # seconds to build a scene and its first problem: the largest of the suites takes one
+BUILD_SECONDS = 60.0  # time limit in seconds for a scene and its first problem: the suites' largest scene takes one
 
 
 def require_buildable(chosen: Sequence[tuple[str, dict[str, Any]]]) -> None:
     """Build each of these scenes and instances, by name and parameters, in a worker.
 
-    Errors: InputError naming the parameter, or the scene where it takes too much memory or time.
+    Errors: InputError naming the parameter, or the scene if it takes too much memory or time.
     """
     tasks = [Task(run_scene, scene, BUILD_SECONDS) for scene in chosen]
     with scratch_pool() as pool:

@@ -1,8 +1,8 @@
 """Tasks in isolated worker processes.
 
-Each worker runs one task at a time on a core of its own. A task that crashes its worker, hangs, or leaves processes running
-affects no other task: its supervisor (harness.workers.supervisor) ends it, and ends everything when this process ends. Where a
-worker or its supervisor was killed from outside, the task is run again, up to TRIES times in all.
+Each worker runs one task at a time on its own core. A task that crashes its worker, hangs, or leaves processes running affects
+no other task: a supervisor (harness.workers.supervisor) ends it, and ends everything when this process ends. If a worker or its
+supervisor is killed from outside, the task is run again, up to TRIES times in all.
 """
 
 import json
@@ -25,7 +25,7 @@ from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.files import ResultsError, cleaned
 
-# Bytes: far above the longest row, which has a simulation's curves. It bounds the memory of the main process.
+# In bytes: bounds the memory of the main process. The longest row, which has a simulation's curves, is far shorter.
 LONGEST_REPLY = 256 * 2**20
 
 
@@ -33,8 +33,8 @@ LONGEST_REPLY = 256 * 2**20
 class Task:
     """A call of function(*arguments) in a worker, whose value is sent back as JSON.
 
-    limit: seconds; whole: whether they are of the whole call, or of a part of it, such as the solver's, which the function
-    itself limits. owner: the solver from outside this repository that it runs, or empty.
+    limit: seconds. whole: whether the limit applies to the whole call, or to a part of it that the function limits itself, such
+    as the solver's call. owner: the plug-in's solver that it runs, or empty.
     """
 
     function: Callable[..., Any]
@@ -46,10 +46,10 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a task returned; or, where it returned nothing, the verdict (TIMEOUT or CRASHED) and the reason.
+    """The value that a task returned or, if it failed, the verdict (TIMEOUT or CRASHED) and the reason.
 
-    refused: whether it raised InputError, of which the reason is the message. loaded: what the worker of a plug-in has loaded
-    so far, see harness.dependencies.
+    refused: whether it raised InputError, whose message is the reason. loaded: what the worker of a plug-in has loaded so far,
+    see harness.dependencies.
     """
 
     task: Task
@@ -60,23 +60,23 @@ class Outcome:
     loaded: Loaded = field(default_factory=dict)
 
     def result(self, otherwise: str) -> Any:
-        """What the task returned. Errors: InputError as the task raised it, or, where it failed, `otherwise` and the reason."""
+        """Return the task's value. Errors: InputError as the task raised it, or of `otherwise` and the reason if it failed."""
         if self.failure:
             raise InputError(self.reason if self.refused else f"{otherwise} ({self.reason})")
         return self.value
 
 
-TRIES = 3  # one kill may be an accident, such as a machine short of memory for a moment; three in a row are not
+TRIES = 3  # one kill may be an accident, such as a moment's lack of memory, but not three in a row
 START = """import sys; sys.path.insert(0, sys.argv[1])
 from frictionbench.harness.workers.supervisor import serve; serve(int(sys.argv[2]))"""
 Settings = tuple[Path, tuple[Plugin, ...], int]
 
 
 class _Server:
-    """The process that forks the supervisors: started once, it ends with this process and imports nothing from its folder.
+    """The process that forks the supervisors. It is started once, ends with this process and imports nothing from its folder.
 
-    sandbox: that of plug-ins, see harness.workers.sandbox. Errors: ConnectionError with the reason where it ends before it
-    reports its code, ResultsError where it runs other code.
+    sandbox: the plug-ins' sandbox, see harness.workers.sandbox. Errors: ConnectionError with the reason if it ends before it
+    reports its code, ResultsError if it runs other code.
     """
 
     def __init__(self) -> None:
@@ -109,7 +109,7 @@ class _Server:
             )
 
     def supervisor(self, settings: Settings) -> Connection:
-        """The connection to a new supervisor. Errors: OSError where the server has ended."""
+        """Start a supervisor and return the connection to it. Errors: OSError if the server has ended."""
         near, far = socket.socketpair()
         with far:
             socket.send_fds(self._control, [b"k"], [far.fileno()])
@@ -127,9 +127,9 @@ _server: _Server | None = None
 
 
 def _supervisor(settings: Settings) -> Connection:
-    global _server  # noqa: PLW0603  # one per process: what workers need is imported once
+    global _server  # noqa: PLW0603  # one per process, so that the workers' modules are imported once
     reason = ""
-    for _ in range(TRIES):  # it may be killed at any moment, also while it starts
+    for _ in range(TRIES):  # the server may be killed at any moment, even while it starts
         try:
             _server = _server or _Server()
             return _server.supervisor(settings)
@@ -142,7 +142,7 @@ def _supervisor(settings: Settings) -> Connection:
 
 
 class _Slot:
-    """One supervisor with its worker: the connection to it, and the task that it runs."""
+    """The connection to one supervisor, and the task that its worker runs."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -160,7 +160,7 @@ class _Slot:
             self._restart()
 
     def receive(self) -> Outcome | None:
-        """The outcome of the task; None where it was restarted, or has told what was loaded so far."""
+        """Return the outcome of the task, or None if it was restarted or only reported what was loaded."""
         assert self.task is not None
         try:
             message: dict[str, Any] = cleaned(json.loads(self.connection.recv_bytes()))
@@ -205,9 +205,9 @@ class _Slot:
 class Pool(AbstractContextManager["Pool"]):
     """Workers for one run; use as a context manager.
 
-    folder: that of the run. sandbox: what keeps plug-ins from the files and processes of the run, see harness.workers.sandbox.
-    Errors: InputError on a platform that cannot isolate them and, from `run`, where a worker cannot start; ResultsError where
-    they run other code than this process.
+    folder: the run's. sandbox: the one that separates plug-ins from the files and processes of the run, see
+    harness.workers.sandbox. Errors: InputError on a platform that cannot isolate workers and, from `run`, if a worker cannot
+    start; ResultsError if workers run other code than this process.
     """
 
     def __init__(self, folder: Path, jobs: int, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
@@ -222,7 +222,7 @@ class Pool(AbstractContextManager["Pool"]):
             slot.close()
 
     def run(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
-        """The outcomes of the tasks as they arrive."""
+        """Yield the outcomes of the tasks as they arrive."""
         queue = iter(tasks)
         while True:
             for slot in self._slots:
@@ -240,7 +240,7 @@ class Pool(AbstractContextManager["Pool"]):
 def scratch_pool(
     plugins: tuple[Plugin, ...] = (), memory_limit: int = MEMORY_LIMIT, jobs: int = 1, folder: Path | None = None
 ) -> Iterator[Pool]:
-    """Workers whose folder is removed at the end. folder: of a run whose problems they read."""
+    """Provide workers with a temporary folder. folder: a run whose problems they read."""
     with TemporaryDirectory() as name:
         if folder is not None:
             (Path(name) / "problems").symlink_to((folder / "problems").resolve())

@@ -1,14 +1,14 @@
-"""The sandbox of a plug-in: what keeps it from the files and the processes of the run, by the best means of this kernel.
+"""The sandbox that separates a plug-in from the files and processes of the run, by the best means that the kernel offers.
 
-SECURITY.md says what each of the four promises. A worker has a home, a cache and a temporary folder of its own as well.
+SECURITY.md says what each of the four kinds guarantees. A worker has its own home, cache and temporary folder as well.
 
-Namespaces, with the processes keeper - init - plug-in: the keeper makes a user namespace, in which it may do what follows
+Namespaces use three processes, keeper, init and plug-in. The keeper creates a user namespace, in which it may create the others
 without privileges outside; a mount namespace, in which the protected folders and the kernel's settings are read-only, and the
-folders above them cannot be moved, because each is a mount; and one of processes, all of which the kernel kills when its first,
-init, ends. The keeper ends as the plug-in's process ended, and init with the keeper.
+folders above them cannot be moved, because each is a mount point; and a PID namespace, in which the kernel kills all processes
+when its first one, init, ends. The keeper ends with the status of the plug-in's process, and init ends with the keeper.
 
-Landlock (Linux 5.13) grants rights beneath folders and refuses them everywhere else, for good and for all descendants. The
-rights to write are granted to all that neither is nor holds a protected folder; beside one nothing can be created.
+Landlock (Linux 5.13) grants rights beneath folders and refuses them elsewhere, permanently and for all descendants. Writing is
+allowed in all that neither is nor contains a protected folder, so that nothing can be created beside one.
 
 See the manual pages user_namespaces(7), pid_namespaces(7), mount_setattr(2), and https://docs.kernel.org/userspace-api/landlock.html.
 """
@@ -34,7 +34,7 @@ NAMESPACES, LANDLOCK, FILES_ONLY, GROUPS = "namespaces", "landlock", "landlock, 
 
 
 def best() -> str:
-    """The best sandbox on this machine, tried in a process of its own."""
+    """Return the best sandbox on this machine. Namespaces are tried in a separate process."""
     pid = os.fork()
     if pid == 0:
         try:
@@ -48,23 +48,23 @@ def best() -> str:
     return LANDLOCK if found >= SCOPES else FILES_ONLY if found else GROUPS
 
 
-MOST_FILE = 2**30  # bytes: far above what an answer takes
+MOST_FILE = 2**30  # largest file in bytes: an answer takes far less
 
 
 def use_scratch(scratch: Path, kernels: Path) -> None:
-    """Give this process and its children another home, cache and folder of kernels, and bound their files."""
+    """Give this process and its children another home, cache and folder of kernels, and bound the size of their files."""
     os.environ["PYTHONUSERBASE"] = site.getuserbase()
     os.environ["HOME"] = os.environ["XDG_CACHE_HOME"] = str(scratch)
-    os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = str(kernels)  # both: numba reads the variables again when one changes
+    os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = str(kernels)  # both, since numba may read its variables again
     _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     bound = MOST_FILE if most == resource.RLIM_INFINITY else min(MOST_FILE, most)
     resource.setrlimit(resource.RLIMIT_FSIZE, (bound, bound))
 
 
 def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], *own: Path) -> None:
-    """Confine the calling process, before it runs a plug-in's code; with namespaces it returns in another process.
+    """Confine the calling process before it runs a plug-in's code. With namespaces, the call returns in another process.
 
-    own: folders to which it may write, beside which lie those of other workers. Errors: OSError.
+    own: folders to which it may write; the folders of other workers are beside them. Errors: OSError.
     """
     if sandbox == GROUPS:
         return
@@ -78,13 +78,13 @@ def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], *own: Path) -
 
 
 def _outermost(paths: list[Path]) -> list[Path]:
-    """The existing ones among the paths, links resolved, without those inside another."""
+    """Return the existing paths with links resolved, without those inside another one."""
     found = {path.resolve() for path in paths if path.exists()}
     return sorted(path for path in found if not any(parent in found for parent in path.parents))
 
 
 def _tolerate_read_only_caches() -> None:
-    """A kernel that is compiled here, and whose cache is read-only, is not cached; numba would raise."""
+    """Make numba skip caching, instead of raising, for kernels whose cache is read-only."""
     save = caching.Cache.save_overload
 
     def tolerant(self: caching.Cache, *compiled: object) -> None:
@@ -95,10 +95,10 @@ def _tolerate_read_only_caches() -> None:
 
 
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446  # system calls
-VERSION, PATH_BENEATH = 1, 1  # asks for the version of the interface; the kind of rule
+VERSION, PATH_BENEATH = 1, 1  # the flag that asks for the interface's version; the type of rule
 WRITE_FILE, TRUNCATE = 1 << 1, 1 << 14
-FOLDER_RIGHTS = sum(1 << bit for bit in range(4, 14))  # to remove, to make each kind of file, and to move between folders
-TRUNCATES, SCOPES = 3, 6  # the first versions that bound truncating, and signals and abstract sockets
+FOLDER_RIGHTS = sum(1 << bit for bit in range(4, 14))  # to remove files, create files of each type, and move between folders
+TRUNCATES, SCOPES = 3, 6  # the first versions that restrict truncation, and signals and abstract sockets
 SCOPED = 3
 
 
@@ -112,13 +112,13 @@ class _Beneath(ctypes.Structure):
 
 
 def landlock_version() -> int:
-    """The version of Landlock's interface; 0 where the kernel has none, or one that does not bound truncating."""
+    """Return the version of Landlock's interface; 0 if the kernel has none, or one that does not restrict truncation."""
     found = int(libc.syscall(CREATE_RULESET, None, 0, VERSION))
     return found if found >= TRUNCATES else 0
 
 
 def _restrict(protected: Sequence[Path], own: Sequence[Path]) -> None:
-    """Give up writing to the protected folders, except for those of its own, and, from version 6 on, signalling others.
+    """Give up the rights to write to protected folders, except own ones, and from version 6 on to signal other processes.
 
     Errors: OSError.
     """
@@ -136,7 +136,7 @@ def _restrict(protected: Sequence[Path], own: Sequence[Path]) -> None:
 
 
 def _beside(protected: Sequence[Path]) -> list[Path]:
-    """The largest files and folders, without links, that neither are protected nor hold anything protected."""
+    """Return the topmost files and folders, without links, that neither are protected nor contain anything protected."""
     above = {parent for path in protected for parent in path.parents}
     found: list[Path] = []
     for folder in above:
@@ -148,7 +148,7 @@ def _beside(protected: Sequence[Path]) -> list[Path]:
 def _grant(ruleset: int, path: Path) -> None:
     try:
         opened = os.open(path, os.O_PATH | os.O_NOFOLLOW | os.O_CLOEXEC)
-    except (FileNotFoundError, PermissionError):  # a temporary file that has gone, or nothing to which it could write
+    except (FileNotFoundError, PermissionError):  # a temporary file that is gone, or a path without the right to write
         return
     try:
         rights = WRITE_FILE | TRUNCATE | (FOLDER_RIGHTS if path.is_dir() else 0)
@@ -161,7 +161,7 @@ def _grant(ruleset: int, path: Path) -> None:
 NEW_MOUNTS, NEW_USERS, NEW_PROCESSES = 0x00020000, 0x10000000, 0x20000000  # linux/sched.h
 BIND, RECURSIVE, PRIVATE = 0x1000, 0x4000, 1 << 18  # linux/mount.h
 MOUNT_SETATTR, AT_FDCWD, AT_RECURSIVE, READ_ONLY = 442, -100, 0x8000, 1
-SETTINGS = Path("/proc/sys")  # of the kernel; what stands in core_pattern is executed by root
+SETTINGS = Path("/proc/sys")  # the kernel's; root executes the program named in core_pattern
 CAPABILITIES = 0x20080522  # version 3 of the structures of capset(2)
 
 
@@ -170,9 +170,9 @@ class _Attributes(ctypes.Structure):
 
 
 def _enter_namespaces(protected: Sequence[Path], own: Sequence[Path]) -> None:
-    """Return in a new process of new namespaces, where beneath the protected folders only its own can be written to.
+    """Return in a new process in new namespaces, where the protected folders are read-only except for `own`.
 
-    The calling process becomes its keeper and does not return. Errors: OSError, in the calling process or in the new one.
+    The calling process becomes the keeper and does not return. Errors: OSError, in the calling process or in the new one.
     """
     user, group = os.getuid(), os.getgid()
     checked("unshare", libc.unshare(NEW_USERS | NEW_MOUNTS | NEW_PROCESSES))
@@ -181,19 +181,19 @@ def _enter_namespaces(protected: Sequence[Path], own: Sequence[Path]) -> None:
             mapping.write(line)
     _mount(None, Path("/"), PRIVATE | RECURSIVE)
     for above in sorted({above for path in protected for above in path.parents} - {Path("/")}):
-        _mount(above, above, BIND | RECURSIVE)  # what is mounted cannot be moved
+        _mount(above, above, BIND | RECURSIVE)  # a mount point cannot be moved
     for path in (*protected, Path("/sys")):
         _mount(path, path, BIND | RECURSIVE)
         _set_attributes(path, _Attributes(set=READ_ONLY))
     for path in own:
         _mount(path, path, BIND)
         _set_attributes(path, _Attributes(clear=READ_ONLY))
-    os.chdir(os.getcwd())  # into the new mounts; by the old ones all could be written to
+    os.chdir(os.getcwd())  # into the new mounts: through the old ones everything could be written to
     said, says = os.pipe()
     if os.fork():
         _close_others(said)
         status = os.read(said, 4)
-        _end_as(int.from_bytes(status, "little") if status else 1 << 8)  # without a status init could not start the process
+        _end_as(int.from_bytes(status, "little") if status else 1 << 8)  # no status: init could not start the process
     die_with_parent(0)
     os.close(said)
     _mount(Path("proc"), Path("/proc"), 0, kind=b"proc")
@@ -208,7 +208,7 @@ def _enter_namespaces(protected: Sequence[Path], own: Sequence[Path]) -> None:
 
 
 def _be_init(process: int, says: int) -> None:
-    """Wait for orphans and for the process, and report its status; the end of init ends all others."""
+    """Wait for orphans and for the process, and report its status. When init ends, the kernel kills all others."""
     try:
         while True:
             pid, status = os.wait()
@@ -220,7 +220,7 @@ def _be_init(process: int, says: int) -> None:
 
 
 def _end_as(status: int) -> None:
-    """End as the process ended, with its exit code or by its signal."""
+    """End with the exit code or the signal that the status gives."""
     code = os.waitstatus_to_exitcode(status)
     if code < 0:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -232,7 +232,7 @@ def _end_as(status: int) -> None:
 
 
 def _close_others(kept: int) -> None:
-    """Close all descriptors but one: whoever reads the process's pipes sees them closed when the process closes them."""
+    """Close all descriptors but one, so that readers of the plug-in's pipes see them closed when the plug-in closes them."""
     os.closerange(3, kept)
     os.closerange(kept + 1, resource.getrlimit(resource.RLIMIT_NOFILE)[0])
 
@@ -249,7 +249,7 @@ def _set_attributes(path: Path, attributes: _Attributes) -> None:
 
 
 def _drop_capabilities() -> None:
-    """Give up all rights in the namespaces, also for programs that are executed later."""
+    """Give up all rights in the namespaces, including those of programs executed later."""
     forbid_new_privileges()
     header, none = (ctypes.c_uint32 * 2)(CAPABILITIES, 0), (ctypes.c_uint32 * 6)()
     checked("capset", libc.capset(header, none))

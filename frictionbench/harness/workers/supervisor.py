@@ -1,10 +1,10 @@
-"""Supervisors: processes that run only this package's code, each with one worker, which also runs solvers (see SECURITY.md).
+"""Supervisors: processes that run only this package's code. Each has one worker, which also runs solvers (see SECURITY.md).
 
-The server imports what workers need once, and forks a supervisor for every socket that the main process sends it. A supervisor
+The server imports the workers' modules once, and forks a supervisor for every socket that the main process sends. A supervisor
 forks its worker, sends it tasks, and kills it at its deadline. It is the subreaper of all processes that its worker starts, and
-ends them after each task, except for the package's own helper processes (solvers.outside.children). When its socket to the
-main process closes, a supervisor ends all its descendants and exits; the kernel kills a worker whose supervisor is killed, and
-the server what that worker had started. A worker of a plug-in (Task.owner) runs no other solver, in a sandbox.
+ends them after each task, except for the package's helper processes (solvers.outside.children). When its socket to the main
+process closes, a supervisor ends all its descendants and exits. If a supervisor is killed, the kernel kills its worker, and the
+server what that worker had started. A worker of a plug-in (Task.owner) is sandboxed and runs no other solver.
 """
 
 import json
@@ -34,8 +34,8 @@ from frictionbench.solvers import plugins
 from frictionbench.solvers.outside.children.child import living
 
 POLL = 0.25  # seconds between checks of a deadline, which the worker may have moved
-FOREIGN_SECONDS = 180.0  # seconds of a plug-in's task beyond three limits: to import it, to warm it up and to verify it
-POLL_CLOSED = 0.01  # seconds between checks for the exit code of a worker that has closed its pipe: it is about to exit
+FOREIGN_SECONDS = 180.0  # seconds for a plug-in's task, in addition to three limits: to import, warm up and verify it
+POLL_CLOSED = 0.01  # seconds between checks for the exit code of a worker that has closed its pipe and is about to exit
 
 
 def serve(control_fd: int) -> None:
@@ -48,12 +48,12 @@ def serve(control_fd: int) -> None:
     with socket.socket(fileno=control_fd) as control, tempfile.TemporaryDirectory(prefix="frictionbench-") as scratch:
         control.sendall(json.dumps({"code": machine.code(), "sandbox": confined}).encode() + b"\n")
         for context in (cpu_target.typing_context, cpu_target.target_context):
-            context.refresh()  # imports what numba needs for its first kernel, once for all workers
+            context.refresh()  # imports numba's modules for the first kernel, once for all workers
         while True:
             if ended in (ready := wait([control, ended])):
                 os.read(ended, 2**10)
                 supervisors -= _reaped()
-                process.end_children(spare=supervisors)  # what the worker of a supervisor that was killed had started
+                process.end_children(spare=supervisors)  # processes that the worker of a killed supervisor had started
             if control not in ready:
                 continue
             _, fds, _, _ = socket.recv_fds(control, 1, 1)
@@ -69,7 +69,7 @@ def serve(control_fd: int) -> None:
 
 
 def _signalled(number: signal.Signals) -> int:
-    """A descriptor that can be read after the signal has arrived."""
+    """Return a descriptor that becomes readable when the signal arrives."""
     arrived, arrives = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
     signal.signal(number, lambda *_: None)
     signal.set_wakeup_fd(arrives, warn_on_full_buffer=False)
@@ -77,7 +77,7 @@ def _signalled(number: signal.Signals) -> int:
 
 
 def _reaped() -> set[int]:
-    """The children of this process that have ended, which it waits for."""
+    """Wait for the children of this process that have ended, and return their ids."""
     found = set()
     with suppress(ChildProcessError):
         while (pid := os.waitpid(-1, os.WNOHANG)[0]) != 0:
@@ -88,9 +88,9 @@ def _reaped() -> set[int]:
 def supervise(channel: Connection, confined: str, scratch: Path) -> None:
     """Run a supervisor: receive tasks from the channel, and send the worker's replies back through it.
 
-    Each worker has a folder of its own in scratch, which is removed after its end, whatever it or its processes left there.
-    A plug-in's kernels are compiled once for all workers of a run, and anew in the next: numba notices a change of a kernel's
-    own file, not of those that it calls.
+    Each worker has its own folder in scratch, which is removed with all its contents after the worker's end. A plug-in's
+    kernels are compiled once for all workers of a run, and again in the next run, because numba notices a change of a kernel's
+    own file only, not of the files of the functions that it calls.
     """
     process.adopt_orphans()
     signal.set_wakeup_fd(-1)
@@ -109,7 +109,7 @@ def supervise(channel: Connection, confined: str, scratch: Path) -> None:
                     channel.send_bytes(_reply(unusable=str(error)))
                     break
             reply, reusable = child.run(task, channel)
-            helpers = [] if task.owner or not reusable else json.loads(reply)["helpers"]  # of our own code alone
+            helpers = [] if task.owner or not reusable else json.loads(reply)["helpers"]  # only those of our own code
             if process.end_descendants(spare=[*child.processes, *helpers] if reusable else ()) or not reusable:
                 _end(child)
                 child = None
@@ -133,9 +133,9 @@ class _Worker:
     def __init__(
         self, channel: Connection, core: int | None, settings: Settings, scratch: Path, owner: str, confined: str
     ) -> None:
-        """Start a worker, in the sandbox where it runs a plug-in, and wait until it is ready.
+        """Start a worker, in the sandbox if it runs a plug-in, and wait until it is ready.
 
-        Errors: OSError where it cannot be started, InputError with the reason it gives.
+        Errors: OSError if it cannot be started, InputError with the reason that it gives.
         """
         self.deadline = Deadline()
         self.owner, self.scratch = owner, scratch
@@ -158,20 +158,20 @@ class _Worker:
             ready += received
         if reason := json.loads(ready).get("reason"):
             raise InputError(reason)
-        self.processes = [self.pid, *process.descendants(self.pid)]  # itself, in a sandbox after its keeper and its init
+        self.processes = [self.pid, *process.descendants(self.pid)]  # the worker, with namespaces after its keeper and init
 
     def __del__(self) -> None:
         os.close(self._replies)
 
     def may_run(self, task: Task) -> bool:
-        """Whether it is alive, was started for the task's owner, and has sent nothing since its last reply."""
+        """Return whether it is alive, was started for the task's owner, and has sent nothing since its last reply."""
         silent = not wait([self._replies], timeout=0)
         return self.owner == task.owner and silent and self._ended() is None
 
     def run(self, task: Task, channel: Connection) -> tuple[bytes, bool]:
-        """The reply to a task, a line, and whether the worker can be reused. Errors: EOFError if the main process has ended."""
+        """Return the reply, a line, and whether the worker can be reused. Errors: EOFError if the main process has ended."""
         self.deadline.allow(HARNESS_SECONDS)
-        last = Deadline()  # holds even if the worker extends its own without end
+        last = Deadline()  # applies even if the worker keeps extending its own
         last.allow(3 * task.limit + (FOREIGN_SECONDS if task.owner else 3 * COMPILE_SECONDS + HARNESS_SECONDS))
         with suppress(OSError):
             self._tasks.send(task)
@@ -182,7 +182,7 @@ class _Worker:
             if left <= 0:
                 return _failure(Verdict.TIMEOUT, f"stopped at its limit of {task.limit:g} s"), False
             ready = wait(open_ends, timeout=min(left, poll))
-            if channel in ready:  # nothing is sent while a task runs: it was closed
+            if channel in ready:  # closed, since nothing is sent while a task runs
                 raise EOFError
             if self._replies in ready:
                 received = os.read(self._replies, 2**20)
@@ -192,18 +192,18 @@ class _Worker:
                         checked, reusable = _checked(line)
                         if not reusable or json.loads(checked).keys() != {"loaded"}:
                             return checked, reusable
-                        channel.send_bytes(checked)  # what the worker has loaded so far, in case it is ended in the call
+                        channel.send_bytes(checked)  # what the worker has loaded so far, in case it is ended during the call
                     reply.clear()
                 if not received:
                     open_ends, poll = [channel], POLL_CLOSED
             ended = self._ended()
-            if ended is not None:  # SIGKILL comes from outside (out of memory, an operator): it is tried again
+            if ended is not None:  # SIGKILL comes from outside (lack of memory, an operator), and the task is tried again
                 how = signal.Signals(-ended).name if ended < 0 else f"exit code {ended}"
                 return _failure(Verdict.CRASHED, f"the process ended: {how}", retry=ended == -signal.SIGKILL), False
         return _failure(Verdict.CRASHED, f"the worker's reply was longer than {LONGEST_REPLY} bytes"), False
 
     def _ended(self) -> int | None:
-        """Its exit code if it has ended, -s for signal s."""
+        """Return its exit code if it has ended, -s for signal s, otherwise None."""
         try:
             pid, status = os.waitpid(self.pid, os.WNOHANG)
         except ChildProcessError:
@@ -212,9 +212,9 @@ class _Worker:
 
 
 def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, settings: Settings, confined: str) -> None:
-    """Run a worker: receive tasks from one pipe, and write what they return to another, each as a line of JSON.
+    """Run a worker: receive tasks from one pipe, and write their results to another, each as a line of JSON.
 
-    The first line says that it is ready, or why it cannot be.
+    The first line says that it is ready, or why it cannot start.
     """
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
@@ -248,7 +248,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
             refused = isinstance(error, InputError)
             reason = str(error) if refused else plugins.describe_error(error)
             found = {"failure": Verdict.CRASHED.name, "reason": reason, "refused": refused}
-        if os.getpid() != pid:  # a child that a solver forked, and that returned from the call as well
+        if os.getpid() != pid:  # a child that a solver forked and that returned from the call as well
             os._exit(0)
         os.chdir(home)
         signal.pthread_sigmask(signal.SIG_SETMASK, ())
@@ -256,14 +256,14 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
 
 
 def _write(replies: int, **fields: Any) -> None:
-    """Write a reply, a line, to the pipe of this worker."""
+    """Write a reply, as a line, to the pipe of this worker."""
     reply = _reply(**fields)
     while reply:
         reply = reply[os.write(replies, reply) :]
 
 
 def _checked(line: bytes) -> tuple[bytes, bool]:
-    """The reply to send on, and whether its worker can be reused. A solver may have written anything to the pipe."""
+    """Return the reply to forward, and whether its worker can be reused. A solver may have written anything to the pipe."""
     with suppress(ValueError, RecursionError):
         reply = json.loads(line) if line.count(b"\n") == 1 else None
         if (
@@ -296,7 +296,7 @@ def _run_and_exit(main: Callable[..., None], *arguments: Any) -> None:
 
 
 def _detach() -> None:
-    """Ignore the terminal's signals and discard all output; the end of the main process is seen by its socket."""
+    """Ignore the terminal's signals and discard all output. The main process's end is detected by its socket."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     null = os.open(os.devnull, os.O_RDWR)
