@@ -1,4 +1,4 @@
-"""What a solver returns, and the check of its format: a copy as plain arrays and numbers, or an error that names the field."""
+"""The answer of a solver, and the check of its format: a copy as plain arrays and numbers, or an error naming the field."""
 
 import math
 import operator
@@ -10,11 +10,11 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 
-LONGEST = 500  # characters of a solver's own message: a few lines of a table's reason
+LONGEST = 500  # characters kept of a solver's own message: a few lines in a table
 
 
 class Status(Enum):
-    """How a solver reports that it ended; the values are messages. It is a claim: `verify` checks the answer.
+    """How a solver reports that it ended; the values are messages. The status is a claim: `verify` checks the answer.
 
     >>> import frictionbench as fb
     >>> fb.Status.STALLED.value
@@ -39,11 +39,11 @@ class Answer:
     impulse: (nc, d), N s, the normal component first; (0, 0) for a bare LCP. z: (n,), the solution of the LCP, for LCP solvers.
     status: how the solver reports that it ended.
     work: deterministic counts by name (pivots, sweeps, iterations, factorisations).
-    history: the method's measure of convergence, one number per iteration, where it has one.
+    history: the method's own measure of convergence, one number per iteration; empty if it has none.
     detail: the message of the outside library, or the reason of the status.
     clock: s, the solve time that the library reports itself, if any; the harness times the whole call as well.
     softness: (nc, d), 1/kg, for solvers of regularised contacts: the R >= 0 in u = W r + q + R r; problems.verify bounds it.
-    solver: the name by which frictionbench.solve called the solver, "" of one called by itself.
+    solver: the name under which frictionbench.solve called the solver; "" if the solver was called directly.
 
     >>> import frictionbench as fb
     >>> answer = fb.solve(fb.scene("stack", blocks=2).problem(), "lemke")
@@ -94,7 +94,7 @@ def checked_copy(given: Any) -> Answer:
 
 
 def is_plain(answer: Any) -> bool:
-    """Whether reading an answer computes nothing: its arrays are numpy's own, and its counts and texts Python's or numpy's."""
+    """Whether an answer has only numpy arrays and Python's or numpy's integers and text, so that reading it runs no code."""
     if type(answer) is not Answer or type(answer.work) is not dict or type(answer.detail) is not str:
         return False
     arrays = (answer.impulse, answer.z, answer.softness)

@@ -1,4 +1,4 @@
-"""The catalogues of scenes and of instances: what a name and a few parameters make.
+"""The catalogues of scenes and of instances, each built from a name and a few parameters.
 
     @generator(friction=0.02, restitution=0.2, example_3={"friction": 0.02}, example_4={"friction": 0.1})
     def two_blocks(speed: float = 3.0) -> Scene: ...
@@ -6,10 +6,10 @@
     @instance()
     def cubes(boxes: int = 5, friction: float = 0.5, ...) -> FrictionProblem: ...
 
-A scene moves in time. Its generator makes bodies and an initial state; the fields LAWS of the scene are set here. An instance
-is a friction problem of one step, made from parameters and a seed, that no scene simulates.
-Every scene also takes mass_unit and length_unit, the units in which its masses and lengths are then given: the motion is the
-same.
+A scene is simulated over time. Its generator makes the bodies and the initial state; the fields LAWS of the scene are set here.
+An instance is the friction problem of a single step, made from parameters and a seed and not by a scene.
+Every scene also takes mass_unit and length_unit, the units in which its masses and lengths are given; they do not change the
+motion.
 """
 
 from collections.abc import Callable, Iterable
@@ -33,7 +33,7 @@ InstanceFunction = TypeVar("InstanceFunction", bound=Callable[..., FrictionProbl
 
 
 def near(name: str, known: Iterable[str]) -> str:
-    """A question that follows the statement that a name is unknown, " (did you mean lemke?)"; "" if no known name is near."""
+    """The end of an error about an unknown name, such as " (did you mean lemke?)"; "" if no known name is similar."""
     found = get_close_matches(name, list(known), n=1)
     return f" (did you mean {found[0]}?)" if found else ""
 
@@ -46,8 +46,8 @@ def import_all(package: str, path: list[str]) -> None:
 
 @dataclass(frozen=True)
 class Generator(Generic[Made]):
-    """A function under its name in a catalogue, with its parameters' defaults and its docstring. dimension: 2 or 3, of the
-    contacts of what it makes, known before anything is made. kind: "scene" or "instance"."""
+    """A function in a catalogue, with its name, its parameters' defaults and its docstring. kind: "scene" or "instance".
+    dimension: of the contacts in what it makes, 2 or 3, so that it is known before anything is made."""
 
     name: str
     make: Callable[..., Made]
@@ -58,7 +58,7 @@ class Generator(Generic[Made]):
 
     @property
     def summary(self) -> str:
-        """The first paragraph of the description; python -OO leaves none."""
+        """The first paragraph of the description; empty under python -OO, which removes docstrings."""
         return " ".join(self.description.partition("\n\n")[0].split())
 
 
@@ -74,7 +74,7 @@ def _all(kind: str) -> dict[str, Generator[Any]]:
 
 
 def _add(kind: str, make: Callable[..., Any], name: str, dimension: int, **defaults: Any) -> None:
-    """List a function under a name; defaults replace those of its signature. Errors: ValueError where the name is taken."""
+    """List a function under a name; defaults replace those of its signature. Errors: ValueError if the name is taken."""
     if name in _REGISTERED:
         raise ValueError(f"{kind}: the name {name!r} is taken by {_REGISTERED[name].make}")
     own = {key: parameter.default for key, parameter in signature(make).parameters.items()}
@@ -109,8 +109,8 @@ def generator(
     """List a scene's generator under its name, and under each name in `others` with the defaults given there.
 
     dimension: of its scenes, so that it is known before one is built. friction, restitution, step (s), duration (s): defaults
-    of these parameters, which need not be the function's; None where the scene has no such parameter.
-    Errors: ValueError where a name is taken.
+    of these parameters, which the function itself need not take; None if the scene has no such parameter.
+    Errors: ValueError if a name is taken.
     """
     given = zip(LAWS, (friction, restitution, step, duration), strict=True)
     laws = {name: default for name, default in given if default is not None}
@@ -124,9 +124,9 @@ def generator(
 
 
 def instance(dimension: int = 3, name: str = "") -> Callable[[InstanceFunction], InstanceFunction]:
-    """List a generator of problems with contacts of this dimension under its own name, or another one.
+    """List a generator of problems with contacts of this dimension, under its own name or another.
 
-    Errors: ValueError where the name is taken.
+    Errors: ValueError if the name is taken.
     """
 
     def register(make: InstanceFunction) -> InstanceFunction:
@@ -169,7 +169,7 @@ def find_scene(name: str, parameters: Iterable[str]) -> Generator[Scene]:
 def scene(name: str, **parameters: Any) -> Scene:
     """The named scene, with the parameters given in place of its defaults.
 
-    Every scene also takes mass_unit (kg) and length_unit (m), the units in which its masses and lengths are then given.
+    Every scene also takes mass_unit (kg) and length_unit (m), the units in which its masses and lengths are given.
     Scene.problem() gives the friction problem of its first time step.
     Errors: InputError naming the scene or parameter that is unknown, or the parameter that is out of range.
 
@@ -202,12 +202,12 @@ def make_instance(name: str, **parameters: Any) -> FrictionProblem:
 
 
 def require_known(name: str, parameters: Iterable[str]) -> None:
-    """Errors: InputError naming the scene or instance, or the parameter, that is unknown; nothing is built."""
+    """Check the names without building anything. Errors: InputError naming the unknown scene, instance or parameter."""
     _find("instance" if name in instances() else "scene", name, parameters)
 
 
 def problem_of(name: str, **parameters: Any) -> FrictionProblem:
-    """The instance of this name, or the problem of the scene's first step: what `frictionbench solve NAME` solves.
+    """The named instance, or the problem of the named scene's first step, which `frictionbench solve NAME` solves.
 
     Errors: as for scene and instance.
 

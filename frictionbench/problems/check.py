@@ -1,4 +1,4 @@
-"""Checks of input data and of parameters of scenes. Every error names the field that it is about."""
+"""Checks of input data and of the parameters of scenes. Every error names its field."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,7 +11,7 @@ from scipy import sparse
 from frictionbench.problems.rows import Rows, from_dense, from_matrix
 
 Array = NDArray[np.float64]
-MOST = 10**8  # of whatever is counted: no machine holds a problem of more
+MOST = 10**8  # the largest count: no machine holds a larger problem
 REAL = "fiu"  # numpy's kinds of real numbers: floats, integers with and without sign
 
 
@@ -28,7 +28,7 @@ class InputError(ValueError):
 
 
 class ReadOnly:
-    """Copies by pickle or copy.deepcopy, of which numpy makes the arrays writeable, are read-only like the original."""
+    """Copies by pickle or copy.deepcopy are read-only like the original, although numpy makes copied arrays writeable."""
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for name, part in state.items():
@@ -37,7 +37,7 @@ class ReadOnly:
 
 
 def set_read_only(value: Any) -> None:
-    """Arrays, also in tuples and sparse matrices. Kernels are compiled anew for another kind, so problems have one kind."""
+    """Make arrays read-only, also in tuples and sparse matrices. All problems need the same, as kernels depend on it."""
     if isinstance(value, np.ndarray):
         value.setflags(write=False)
     elif isinstance(value, tuple):
@@ -54,7 +54,7 @@ def require(condition: bool, field: str, reason: str) -> None:
 
 
 def require_installed(module: str, extra: str) -> None:
-    """Errors: InputError naming a module of one of the package's extras that is missing, and the command that installs it."""
+    """Errors: InputError naming the module, if it is missing, and the command that installs the extra to which it belongs."""
     require(find_spec(module) is not None, module, f"not installed; pip install 'frictionbench[{extra}]'")
 
 
@@ -81,7 +81,7 @@ def count(name: str, value: Any, least: int = 1) -> int:
 
 
 def counted(number: int, noun: str) -> str:
-    """The number with its noun: 1 contact, 12 contacts, 3 bodies."""
+    """The number with its noun in the singular or plural: 1 contact, 12 contacts, 3 bodies."""
     plural = noun[:-1] + "ies" if noun.endswith("y") else noun + "s"
     return f"{number} {noun if number == 1 else plural}"
 
@@ -97,9 +97,9 @@ def vector(field: str, value: Any, length: int | None = None) -> Array:
 
 
 def entries(field: str, array: Array, expected: int) -> Array:
-    """The array, flattened. Errors: InputError naming the field where it does not have `expected` entries.
+    """The array, flattened. Errors: InputError naming the field if it does not have `expected` entries.
 
-    Compiled loops do not check bounds, so the number of entries is checked before.
+    The number of entries is checked here because compiled loops do not check bounds.
     """
     flat = _real(field, array).ravel()
     if len(flat) != expected:
@@ -110,7 +110,7 @@ def entries(field: str, array: Array, expected: int) -> Array:
 def rows(field: str, value: Any, shape: tuple[int | None, int]) -> Rows:
     """A checked matrix by rows (problems.rows), accepted in any form that `matrix` accepts.
 
-    Of Rows, which this package makes canonical, only the number and the entries are checked.
+    Rows are canonical, because only this package makes them, so only their number and their entries are checked.
     Errors: InputError naming the field.
     """
     if sparse.issparse(value):
@@ -150,12 +150,12 @@ def _require_shape(field: str, value: Any, shape: tuple[int | None, int | None])
 
 
 def require_consistent(field: str, value: Any) -> None:
-    """Refuse a sparse matrix whose arrays do not fit together: SciPy's compiled code would read or write outside them."""
+    """Refuse a sparse matrix whose arrays are inconsistent: SciPy's compiled code would read or write outside them."""
     try:
         if value.format in ("csr", "csc", "bsr"):
-            start = value.indptr  # SciPy compares by differences, which overflow
+            start = value.indptr  # SciPy's own test uses differences, which may overflow
             require(bool((start[1:] >= start[:-1]).all()), field, "not a sparse matrix (its indptr decreases)")
-            value.copy().check_format(full_check=True)  # of a copy, because it shortens arrays
+            value.copy().check_format(full_check=True)  # on a copy, because check_format shortens arrays
         elif value.format == "coo":
             for index, size in zip(value.coords, value.shape, strict=True):
                 require(len(index) == len(value.data), field, "as many indices as entries are needed")
@@ -167,7 +167,7 @@ def require_consistent(field: str, value: Any) -> None:
 
 
 def path(field: str, value: Any) -> Path:
-    """Value as a path. Errors: InputError naming the field."""
+    """The value as a path. Errors: InputError naming the field."""
     try:
         return Path(value)
     except TypeError:
@@ -175,15 +175,15 @@ def path(field: str, value: Any) -> Path:
 
 
 def floats(field: str, value: Any) -> Array:
-    """A copy of value as an array of floats, of any shape. Errors: InputError naming the field."""
+    """A copy of the value as an array of floats, of any shape. Errors: InputError naming the field."""
     return np.array(_real(field, value))
 
 
 def _real(field: str, value: Any) -> Array:
-    """Value as an array of floats, itself where it is one.
+    """The value as an array of floats, without a copy if it is one.
 
-    Nothing is converted that is no real number: complex numbers would lose a part, masked ones their mask, and text, truth
-    values, dates and objects would be read as numbers that nobody meant. Errors: InputError naming the field.
+    Only real numbers are converted. Complex numbers would lose their imaginary part and masked arrays their mask; text, truth
+    values, dates and objects would become numbers that were not meant. Errors: InputError naming the field.
     """
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
@@ -199,7 +199,7 @@ def _real(field: str, value: Any) -> Array:
 
 
 def require_finite(field: str, values: Array, of: sparse.csr_array | None = None) -> None:
-    """Errors: InputError naming the field and its first entry that is not finite. of: the matrix whose values these are."""
+    """Errors: InputError naming the field and its first entry that is not finite. of: the sparse matrix with these values."""
     if np.isfinite(values).all():
         return
     bad = int(np.flatnonzero(~np.isfinite(values))[0])

@@ -13,20 +13,20 @@ Problem = TypeVar("Problem", bound=FrictionProblem | LCP)
 
 
 def duplicate(problem: Problem) -> Problem:
-    """A deep copy of the problem without anything derived: changes to it leave the original as it is.
+    """A deep copy of the problem without anything derived from it; changes to the copy do not affect the original.
 
-    What is read-only in the original is read-only in the copy, since kernels are compiled for each kind of array.
+    Arrays that are read-only in the original are read-only in the copy, because kernels are compiled for each kind of array.
     """
     return _own(problem.fresh())
 
 
 def nudged(problem: Problem, ulps: int) -> Problem:
-    """A copy of the problem with every number larger by so many units in its last place, or twice as many; zeros stay zero."""
+    """A copy of the problem with every number multiplied by 1 + ulps * eps: larger by about ulps to 2 ulps last places."""
     return _own(problem.fresh(), 1.0 + ulps * np.finfo(float).eps)
 
 
 def same(one: FrictionProblem | LCP, other: FrictionProblem | LCP) -> bool:
-    """Whether the two problems hold equal data, with the inverse mass that came of it."""
+    """Whether the two problems hold equal data, including the inverse mass derived from it."""
     return _digest(one) == _digest(other)
 
 

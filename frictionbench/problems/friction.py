@@ -4,7 +4,7 @@ In velocities v (nv) and contact impulses r (nc*d, per contact the normal first)
 
     M (v - v*) = J' r + F' lam,      F v + b_F = 0,      u = J v + b,
 
-and at each contact Coulomb's law between its impulse and its velocity u = (u_n, u_t), b acting on u_n alone:
+Coulomb's law relates the impulse of each contact to its velocity u = (u_n, u_t), where b acts on u_n alone:
 
     0 <= u_n  ⟂  r_n >= 0,      |r_t| <= mu r_n + b_f,      r_t opposes u_t with |r_t| = mu r_n + b_f wherever u_t != 0.
 
@@ -40,10 +40,10 @@ class FrictionProblem(Mechanics):
     friction_bias: (nc,), N s, >= 0: friction available without a normal impulse of this step (Poisson's decompression).
     joints: (nj, nv), joint_bias: (nj,), m/s: bilateral constraints, of any rank, satisfied exactly.
 
-    Joints that stop and rub are contacts by convention, in rad/s and N m s where the joint's coordinate is an angle:
-    a limit has T = 0 and mu = 0: N is its direction and b the gap over the step;
-    dry friction has N = 0 and mu = 0: T is the direction, in its first row, b_f the step times the force of friction, and b any
-    positive number, 1 by custom, so that r_n = 0. That b is no velocity and counts nowhere.
+    Joint limits and dry friction in joints are represented as contacts, in rad/s and N m s if the joint's coordinate is an
+    angle. For a limit, T = 0 and mu = 0; N is its direction and b is the gap divided by the step. For dry friction, N = 0 and
+    mu = 0; the first row of T is its direction and b_f is the step times the friction force. Its b may be any positive number,
+    by convention 1, so that r_n = 0. That b is not a velocity, and the units of residuals do not depend on it.
 
     Everything is checked, copied and made read-only here. Errors: InputError naming the field.
 
@@ -60,7 +60,7 @@ class FrictionProblem(Mechanics):
     [[0.2, -0.1]]
     """
 
-    FIELDS: ClassVar[tuple[str, ...]] = (  # that define it, in the order of the content hash
+    FIELDS: ClassVar[tuple[str, ...]] = (  # the defining fields, in the order of the content hash
         *("mass", "normal", "tangent", "friction", "free_velocity", "bias", "friction_bias", "joints", "joint_bias"),
     )
 
@@ -105,11 +105,10 @@ class FrictionProblem(Mechanics):
 
     @staticmethod
     def from_delassus(W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> "FrictionProblem":
-        """The problem of which only u = W r + q is known; rows per contact, normal first (FCLIB's order).
+        """The problem given by W and q in u = W r + q alone; rows per contact, normal first (FCLIB's order).
 
-        W: (nc*d, nc*d), 1/kg, its symmetric part positive semidefinite; stored as given, also where it is unsymmetric, which
-        `asymmetry` and the summary state. Methods that work in velocities do not take it then. q: (nc*d,), m/s.
-        friction: (nc,).
+        W: (nc*d, nc*d), 1/kg, with a positive semidefinite symmetric part. W may be unsymmetric: `asymmetry` and the summary
+        state by how much, and methods that work in velocities then refuse the problem. q: (nc*d,), m/s. friction: (nc,).
         Errors: InputError naming the field.
 
         >>> import frictionbench as fb
@@ -127,14 +126,14 @@ class FrictionProblem(Mechanics):
 
     @property
     def mechanical(self) -> bool:
-        """Whether the mechanics are given; where not, only W and q are."""
+        """Whether the masses and Jacobians are given; otherwise only W and q are."""
         return True
 
     def lcp(self, facets: int = 8) -> LCP:
         """The friction LCP of nc (K + 2) unknowns (problems.forms.lcp). Exact in the plane, where K = 2.
 
         In space the cone's section is an inscribed polygon with K = facets corners.
-        Errors: InputError naming facets where they are odd or fewer than 4.
+        Errors: InputError naming facets if it is odd or less than 4.
         """
         basis = tangent_basis(self.dimension, facets)
         *rows, right = friction_rows(*self.blocks, self.q, self.friction, self.friction_bias, basis)
@@ -162,7 +161,7 @@ class FrictionProblem(Mechanics):
 
     @property
     def summary(self) -> str:
-        """Its size in words: 9 contacts in space, 40 joint equations, 54 velocities."""
+        """The size in words, for example: 9 contacts in space, 40 joint equations, 54 velocities."""
         size = [f"{counted(self.contacts, 'contact')} in {'the plane' if self.dimension == 2 else 'space'}"]
         if not self.mechanical:
             off = self.asymmetry
@@ -176,12 +175,11 @@ class FrictionProblem(Mechanics):
 
 
 class GivenDelassus(FrictionProblem):
-    """A problem of which only W (nc*d, nc*d) and q (nc*d,) are known, rows per contact, normal first.
+    """A problem given by W (nc*d, nc*d) and q (nc*d,) alone, rows per contact, normal first.
 
-    W is stored as given, also where it is unsymmetric, as gyroscopic or follower forces make it, or slightly indefinite, as
-    recorded ones are (problems.forms.definite). Its velocities (nc*d) are those of the symmetric root of W's symmetric part,
-    J J', with unit mass. The root is dense, and computed only where a method asks for the Jacobian, its normal or its tangent
-    rows.
+    W is stored as given. It may be unsymmetric, because of gyroscopic or follower forces, or slightly indefinite, as in
+    recorded problems (problems.forms.definite). The problem has nc*d velocities, unit mass and a dense Jacobian J, for which
+    J J' is W's symmetric part. J is computed only when a method asks for it.
     """
 
     DEFINED_BY = (*Mechanics.DEFINED_BY[:-1], "W", "blocks", "q")
@@ -252,7 +250,7 @@ class GivenDelassus(FrictionProblem):
 
     @cached_property
     def contact_rows(self) -> ByContact:  # type: ignore[override]
-        """J (nc*d, nc*d), J J' the symmetric part of W; dense but for the columns of W's null space, which are empty."""
+        """J (nc*d, nc*d), where J J' is the symmetric part of W. J is dense, but its columns for W's null space are empty."""
         value, basis = np.linalg.eigh((self.W + self.W.T).toarray() / 2)
         floor = np.finfo(float).eps * len(value) * abs(value).max(initial=0.0)
         root = (basis * np.sqrt(np.where(value > floor, value, 0.0))).reshape(self.contacts, self.dimension, len(value))
@@ -266,7 +264,7 @@ def _is_dimension(value: object) -> bool:
 
 
 def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:
-    """The coefficients mu and the friction biases (nc,), checked; no friction_bias stands for zeros."""
+    """The checked coefficients mu and friction biases (nc,); a friction_bias of None stands for zeros."""
     mu = check.vector("friction", friction)
     bias = check.vector("friction_bias", np.zeros(len(mu)) if friction_bias is None else friction_bias, len(mu))
     for name, values in (("friction", mu), ("friction_bias", bias)):
@@ -275,5 +273,5 @@ def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:
 
 
 def require_problem(given: object) -> None:
-    """Errors: InputError naming `problem` where it is neither a friction problem nor an LCP."""
+    """Errors: InputError naming `problem` if it is neither a friction problem nor an LCP."""
     require(isinstance(given, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {type(given)}")

@@ -1,10 +1,10 @@
-"""Scenes in generalised coordinates: any mass matrix and forces, and contacts by gap functions; no bodies.
+"""Scenes in generalised coordinates: any mass matrix and forces, contacts given by gap functions, and no bodies.
 
     M(q) v' = k(q, v, t) + N' f_n + T' f_t,    q' = v,    N = d gap/dq,    T v the sliding velocities.
 
-k contains what comes from M'(q), Coriolis and centrifugal forces, and springs. The linear part -K q of the springs may be named
-as `stiffness`: the theta schemes take it implicitly. A scene of bodies on joints becomes one by its independent coordinates
-(ReducedScene): no joint equations are left, and nothing drifts.
+k contains the Coriolis and centrifugal forces, which come from M'(q), and the springs. A linear part -K q of the springs may be
+given as `stiffness`, which the theta schemes treat implicitly. A scene of bodies with joints can be expressed in independent
+coordinates (ReducedScene): no joint equations are left, and constraints do not drift.
 """
 
 from abc import abstractmethod
@@ -25,7 +25,7 @@ from frictionbench.problems.spatial.bodies import Solid
 
 @dataclass(frozen=True, eq=False)
 class GivenContacts(Contacts):
-    """Contacts of given rows N and T (nc, nv). place: where they are drawn, T the velocities along n turned by -90 degrees."""
+    """Contacts with given rows N and T (nc, nv). T gives the velocity along n rotated by -90 degrees. place: for drawing."""
 
     N: Array
     T: Array
@@ -41,7 +41,7 @@ class GivenContacts(Contacts):
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class GeneralisedScene(Scene):
-    """q0, v0: (nv,). size: of the mechanism, m, for tolerances. The rest as of a Scene."""
+    """q0, v0: (nv,). size: of the mechanism, m, for tolerances. The other fields are as in Scene."""
 
     bodies: tuple[Body | Solid, ...] = ()
     size: float
@@ -57,7 +57,7 @@ class GeneralisedScene(Scene):
 
     @abstractmethod
     def force(self, q: Array, v: Array, t: float) -> Array:
-        """k (nv,), with all springs and what comes from M'(q)."""
+        """k (nv,), including all springs and the Coriolis and centrifugal forces from M'(q)."""
 
     @abstractmethod
     def potential(self, q: Array) -> float:
@@ -70,15 +70,15 @@ class GeneralisedScene(Scene):
     @property
     @abstractmethod
     def outlines(self) -> tuple[tuple[int, Shape], ...]:
-        """What is drawn: shapes, each with the index of the pose that moves it, -1 where it is fixed."""
+        """The shapes to draw, each with the index of the pose that moves it, or -1 if it is fixed."""
 
     @abstractmethod
     def poses(self, q: Array) -> Array:
-        """(nb, 3), x, y and angle of what is drawn."""
+        """(nb, 3): x, y and angle of the moving shapes to draw."""
 
     @property
     def stiffness(self) -> Array | None:
-        """K (nv, nv), constant, of a part -K q of the force; None where there is none."""
+        """The constant K (nv, nv) of a part -K q of the force; None if there is no such part."""
         return None
 
     @property
@@ -115,7 +115,7 @@ class GeneralisedScene(Scene):
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class ReducedScene(GeneralisedScene):
-    """A planar scene on joints in independent coordinates. full: that scene, with hinges that `place` satisfies."""
+    """A planar scene with joints in independent coordinates. full: the scene with bodies, whose hinges `place` satisfies."""
 
     full: Scene
 

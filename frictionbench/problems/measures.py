@@ -1,18 +1,18 @@
-"""By how much an engine's answer violates each part of Coulomb's law.
+"""The violations of each part of Coulomb's law by an engine's answer.
 
-At each contact, as a velocity, with D the disc of radius mu r_n + b_f and s as in problems.residual,
+At each contact, in m/s, where D is the disc of radius mu r_n + b_f and s is as in problems.residual,
 
     signorini      |min(s r_n, u_n)|                   0 <= u_n  ⟂  r_n >= 0
     cone           s max(|r_t| - mu r_n - b_f, 0)      friction beyond the cone
     direction      the part of E across u_t            friction that does not oppose the slip
-    dissipation    the part of E along u_t             slip although friction could still hold, or too little of it
+    dissipation    the part of E along u_t             slip although friction could still hold, or too little friction
 
-with E = s (p - P_D(p - u_t/s)), p the friction impulse cut to D. The four are zero together exactly where Coulomb's law holds.
+with E = s (p - P_D(p - u_t/s)), where p is the friction impulse projected onto D and P_D is that projection. All four are zero
+exactly if Coulomb's law holds.
 
-A step that begins with bodies that penetrate says nothing about how much of the penetration it has to take away: engines spread
-that over many steps on purpose. The bias b = gap/step of such a contact is therefore read as any value from b to 0, the one
-that suits the engine's answer best: what is left of the penetration is stated in metres, and a violation is only to go deeper,
-or to separate faster than the penetration takes.
+Engines deliberately remove a penetration over many steps, so a step need not remove all of it. The bias b = gap/step of a
+penetrating contact is therefore replaced by the value in [b, 0] that fits the engine's answer best. The penetration is
+reported separately, in metres. A violation is only to penetrate more deeply, or to separate faster than b requires.
 """
 
 from typing import NamedTuple
@@ -34,7 +34,7 @@ class Violations(NamedTuple):
 
 
 def judged(step: EngineStep) -> FrictionProblem:
-    """The problem by which the step is judged: of penetrations as much is taken away as the engine did, at most all."""
+    """The problem by which the step is judged: it removes as much of each penetration as the engine did, at most all of it."""
     problem = step.problem
     if step.step is None or not problem.mechanical or not (problem.bias < 0).any():
         return problem
@@ -43,7 +43,7 @@ def judged(step: EngineStep) -> FrictionProblem:
 
 
 def penetration(step: EngineStep) -> float | None:
-    """The deepest penetration with which the step begins, m; None where the step's length is not known."""
+    """The deepest penetration at the start of the step, m; None if the length of the step is unknown."""
     return None if step.step is None else float(-step.step * step.problem.bias.min(initial=0.0)) + 0.0
 
 
@@ -61,6 +61,6 @@ def violations(problem: FrictionProblem, impulse: Array) -> Violations:
 
 
 def _cut(tangential: Array, limit: Array) -> Array:
-    """The vectors (nc, d-1), shortened to the limits (nc,)."""
+    """The vectors (nc, d-1), shortened to lengths of at most limit (nc,)."""
     size = np.linalg.norm(tangential, axis=1)
     return tangential * np.where(size > limit, limit / np.where(size > 0, size, 1.0), 1.0)[:, None]

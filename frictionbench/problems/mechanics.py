@@ -27,10 +27,10 @@ NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))  # a m
 
 
 class Mechanics(ReadOnly):
-    """nc contacts of dimension d, 2 planar or 3 spatial, and nv velocities, with M (v - v*) = J' r + F' lam, F v + b_F = 0 and
+    """nc contacts of dimension d (2 planar, 3 spatial) and nv velocities, with M (v - v*) = J' r + F' lam, F v + b_F = 0 and
     u = J v + offset.
 
-    The matrices are held as plain arrays (problems.rows) for compiled passes; scipy's matrices are made of them on demand.
+    The matrices are stored as plain arrays (problems.rows) for compiled code; SciPy's matrices are made from them on demand.
 
     mass_rows, inverse_rows: M and M^-1 (nv, nv), joint_rows: F (nj, nv), by rows. contact_rows: J (nc*d, nv), by contacts.
     free_velocity: v* (nv,). bias: b (nc,), m/s. joint_bias: b_F (nj,), m/s.
@@ -56,13 +56,13 @@ class Mechanics(ReadOnly):
         raise AttributeError(f"{name}: a problem cannot be changed; problem.replace() makes another one")
 
     def _like(self, **changes: Any) -> Self:
-        """The same without anything derived, some of what defines it changed to what has been checked and is read-only."""
+        """A copy without derived data and with changed defining fields, which must be checked and read-only."""
         own, again = vars(self), object.__new__(type(self))
         vars(again).update({name: own[name] for name in self.DEFINED_BY} | changes)
         return again
 
     def fresh(self) -> Self:
-        """The same problem without anything derived from it, so that the cost of preparing it is incurred again."""
+        """The same problem without anything derived from it, so that the cost of preparation is incurred again."""
         return self._like()
 
     @property
@@ -72,7 +72,7 @@ class Mechanics(ReadOnly):
 
     @cached_property
     def mass(self) -> sparse.csr_array:
-        """M (nv, nv), read-only, as all matrices."""
+        """M (nv, nv). All matrices are read-only."""
         return self._matrix(self.mass_rows)
 
     @cached_property
@@ -153,7 +153,7 @@ class Mechanics(ReadOnly):
         return self.blocks.dense(self.q)
 
     def csr(self) -> CSR:
-        """W in compressed rows and q, as plain arrays: indptr, indices, data, q; formed once and read-only."""
+        """W in compressed sparse rows and q, as plain arrays: indptr, indices, data, q; formed once and read-only."""
         return self._csr
 
     @cached_property
@@ -167,8 +167,8 @@ class Mechanics(ReadOnly):
 
     @property
     def scale(self) -> Array:
-        """s (nc,), 1/kg: the mean of the positive diagonal entries of each contact's block of W, where joints lock it of W
-        without joints; where none is positive, the mean of all contacts."""
+        """s (nc,), 1/kg: the mean of the positive diagonal entries of each contact's block of W. If joints lock the contact, W
+        without joints is used; if no entry is positive, the mean of all contacts."""
         return self._measures[1]
 
     @property
@@ -178,19 +178,19 @@ class Mechanics(ReadOnly):
 
     @property
     def units(self) -> Array:
-        """(nc,), m/s: the velocity in which the residual of each contact is measured (problems.forms.islands): the largest
-        closing speed of the contacts of its island that can carry load. A solver that stops by one number stops at
-        tol * min(units)."""
+        """(nc,), m/s: the velocity relative to which the residual of each contact is measured (problems.forms.islands), the
+        largest closing speed of the contacts of its island that can carry load. A solver with a single tolerance for all
+        contacts stops at tol * min(units)."""
         return self._measures[3]
 
     @property
     def spread(self) -> float:
-        """The largest of the units over the smallest; 1 where nothing moves."""
+        """The largest of the units divided by the smallest; 1 if nothing moves."""
         return self._measures[4]
 
     @cached_property
     def _measures(self) -> tuple[Array, Array, float, Array, float]:
-        """(q, scale, velocity_scale, units and their spread), which one pass over the contacts computes together."""
+        """q, scale, velocity_scale, units and their spread, computed together in one pass over the contacts."""
         free, bodies = self._on_joints(self.free_velocity), (*self.contact_rows, *self.inverse_rows)
         q, scale, velocity_scale, units, unlike = delassus.measures(*bodies, free, self.bias, self.friction_bias)
         if self._has_joints:
@@ -205,32 +205,32 @@ class Mechanics(ReadOnly):
         return q, scale, velocity_scale, units, unlike
 
     def _units_at(self, q: Array, scale: Array) -> tuple[Array, Index64]:
-        """The units (nc,) where the free contact velocities are q (nc*d,), and the islands (nc,) that have them."""
+        """The units (nc,) for free contact velocities q (nc*d,), and the islands (nc,) of contacts that share a unit."""
         found: tuple[Array, Index64] = mechanical_units(*self._bodies, self._moves, self.bias, q, scale, self.friction_bias)
         return found
 
     @cached_property
     def _moves(self) -> Array:
-        """(nv,): the size of the terms of each velocity."""
+        """(nv,): the sum of the absolute values of the terms of each velocity, for bounds on rounding errors."""
         moves = np.abs(self.free_velocity)
         return moves + self._held.rounding(self.free_velocity) if self._has_joints else moves
 
     @property
     def _bodies(self) -> tuple[NDArray[Any], ...]:
-        """J by contacts, M^-1 by rows, and where the joints have their entries."""
+        """J by contacts, M^-1 by rows, and the sparsity pattern of F."""
         return *self.contact_rows, *self.inverse_rows, self.joint_rows.start, self.joint_rows.column
 
     @cached_property
     def relaxation_units(self) -> Array:
-        """(nc,), m/s: those of the convex relaxation: the units at q_n - mu |q_t|, as its impulses have to lift u_n to mu |u_t|
-        where a contact slides."""
+        """(nc,), m/s: the units of the convex relaxation. They are those at q_n - mu |q_t|, because its impulses must raise u_n
+        to mu |u_t| at a sliding contact."""
         q = self.q.reshape(-1, self.dimension).copy()
         q[:, 0] -= self.friction * np.linalg.norm(q[:, 1:], axis=1)
         return self._units_at(q.ravel(), self.scale)[0]
 
     @cached_property
     def bearing_islands(self) -> Index64:
-        """(nc,), numbers below 2 nc + nv: contacts that have one alike are connected by contacts that can bear."""
+        """(nc,), labels below 2 nc + nv: contacts with equal labels are connected by contacts that can carry load."""
         return self._units_at(self.q, self.scale)[1]
 
     @cached_property
@@ -239,10 +239,10 @@ class Mechanics(ReadOnly):
         return islands(*mechanical_graph(*self._bodies, self.scale))
 
     def balanced(self, relaxed: bool = False) -> tuple[Self, Array]:
-        """The problem with islands that nothing couples in like units, and factor (nc,): impulses r of it are factor r here.
+        """The problem with its uncoupled parts scaled to similar units, and factor (nc,): impulses r of it are factor r here.
 
-        relaxed: in like units of the convex relaxation. A method whose tolerances are relative to the fastest contact solves
-        this one as well for the slow islands.
+        relaxed: scale by the units of the convex relaxation. If a method's tolerances are relative to the fastest contact, it
+        solves the slow parts of the balanced problem as accurately as the fast ones.
         """
         factor = factors(self.parts(), self.relaxation_units if relaxed else self.units)
         own = factor[: self.contacts]
@@ -251,32 +251,32 @@ class Mechanics(ReadOnly):
         return self._like(**biases), own
 
     def _over(self, factor: Array) -> dict[str, Array]:
-        """The velocities that define the problem, but for the contacts' biases, over the factors of the nodes of parts()."""
+        """The fields that are velocities, except the contacts' bias, divided by the factors of the entries of parts()."""
         of_velocities, of_joints = np.split(factor[self.contacts :], [len(self.free_velocity)])
         return {"free_velocity": self.free_velocity / of_velocities, "joint_bias": self.joint_bias / of_joints}
 
     def parts(self) -> Index64:
-        """The part that each contact (nc,) is in, numbered from 0; with given mechanics followed by those of the velocities and
-        of the joints' equations, -1 where no contact is connected with them."""
+        """The part of each contact (nc,), numbered from 0. If the problem is mechanical, the parts of the velocities and of the
+        joint equations follow, with -1 for those that are not connected to any contact."""
         J, M, F = self.contact_rows, self.mass_rows, self.joint_rows
         found: Index64 = mechanical_parts(J.start, J.column, M.start, M.column, F.start, F.column)
         return found
 
     def velocity(self, impulse: Array) -> Array:
-        """v (nv,) after the contact impulses (nc, d) or (nc*d,), the joints' equations satisfied; computed without W."""
+        """v (nv,) after the contact impulses (nc, d) or (nc*d,), which satisfies the joint equations; computed without W."""
         return self._on_joints(self._pushed(self._by_contact(impulse)))
 
     def contact_velocity(self, impulse: Array) -> Array:
-        """u (nc, d), bias included, after the contact impulses (nc, d) or (nc*d,); of given mechanics computed without W."""
+        """u (nc, d), bias included, after the contact impulses (nc, d) or (nc*d,); computed without W if mechanical."""
         r = self._by_contact(impulse)
         if not self._has_joints:
             return delassus.pushed_contact_velocity(*self.contact_rows, *self.inverse_rows, self.free_velocity, r, self.bias)
         u = delassus.contact_velocity(*self.contact_rows, self._on_joints(self._pushed(r)), self.bias)
-        np.copyto(u, self.q.reshape(u.shape), where=self._joint_diagonal[1])  # what joints lock
+        np.copyto(u, self.q.reshape(u.shape), where=self._joint_diagonal[1])  # directions that joints lock
         return u
 
     def velocity_size(self, impulse: Array) -> Array:
-        """(nc, d): the sum of the absolute values of the terms of contact_velocity; its rounding error is some eps of this."""
+        """(nc, d): the sum of the absolute values of the terms of contact_velocity, whose rounding error is a few eps of it."""
         r, free = self._by_contact(impulse), self.free_velocity
         if self._has_joints:
             free = np.abs(free) + self._held.rounding(self._pushed(r))
@@ -300,7 +300,7 @@ class Mechanics(ReadOnly):
         return delassus.velocity(*self.contact_rows, *self.inverse_rows, self.free_velocity, r)
 
     def _on_joints(self, velocity: Array) -> Array:
-        """The velocity nearest in the kinetic metric with F v + b_F = 0."""
+        """The velocity v nearest to the given one in the kinetic metric, subject to F v + b_F = 0."""
         return self._held.hold(velocity) if self._has_joints else velocity
 
     @property
@@ -309,15 +309,15 @@ class Mechanics(ReadOnly):
 
     @cached_property
     def _held(self) -> JointEquations:
-        """The joints' equations with an inverse of F M^-1 F'."""
+        """The joint equations with an inverse of F M^-1 F'."""
         inverted = FewJoints if len(self.joint_bias) <= FEW else ManyJoints
         return inverted(self.joint_rows, self.joint_bias, self.inverse_rows, self.contact_rows)
 
     @cached_property
     def _joint_diagonal(self) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-        """The diagonal (nc, d) of W, 0 in locked directions, but without the joints where they lock the whole contact; the
-        locked directions (nc, d): those in which joints leave a contact no velocity that impulses could change, so that W's
-        diagonal is a rounding error; and those whose rows of W are found by `_held_response`."""
+        """The diagonal of W, the locked directions and the directions with cancellation, each (nc, d). In a locked direction
+        joints prevent any change of velocity, so that W's diagonal is a rounding error. It is 0 here, or that of W without
+        joints if the whole contact is locked. `_held_response` computes W's rows in the directions with cancellation."""
         diagonal: Array = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
         held, terms = (share.reshape(diagonal.shape) for share in self._held.shares())
         left = diagonal - held
@@ -328,6 +328,6 @@ class Mechanics(ReadOnly):
         return np.where(locked.all(axis=1, keepdims=True), diagonal, np.where(locked, 0.0, left)), locked, lost
 
     def _held_response(self, k: int) -> Array:
-        """P J_k' (nv,) of row k of J, to rounding also where it is a small difference of large terms."""
+        """P J_k' (nv,) for row k of J, accurate to rounding even if it is a small difference of large terms."""
         pushed = self.inverse_mass @ self.jacobian[[k]].toarray()[0]
         return self._held.hold(self._held.hold(pushed, 0.0), 0.0)

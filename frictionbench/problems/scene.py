@@ -3,8 +3,8 @@
     M v' = k(q, v, t) + forces of contacts and joints,    q' = H(q) v,    M diagonal and constant.
 
 In the plane q = (x, y, angle) of each body's centre of mass and q' = v. In space q = (x, y, z, unit quaternion), v is the
-velocity of the centre and the spin in the body's own frame, and k contains the gyroscopic torque. Coordinates change in
-`Scene.moved` alone, which turns a body by the length of h times its spin, so that quaternions stay unit ones.
+velocity of the centre and the spin in the body's own frame, and k contains the gyroscopic torque. Only `Scene.moved` changes
+coordinates. It rotates a body by the vector h times its spin, so that quaternions keep unit length.
 
 A scene provides the mechanics and the geometry. Time is discretised by a scheme (problems.schemes), which computes the contacts
 with the scene and sets up a FrictionProblem.
@@ -32,13 +32,12 @@ GRAVITY = 9.81
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Scene:
-    """nb bodies, nv = 3 nb velocities and as many coordinates in the plane, 6 nb and 7 nb in space.
+    """nb bodies with 3 nb velocities and 3 nb coordinates in the plane, or 6 nb velocities and 7 nb coordinates in space.
 
-    The bodies are planar ones (problems.planar) or spatial ones (problems.spatial), which have no hinges. q0, v0: the initial
-    state; by default at rest. friction: mu of contacts between bodies of roughness 1, see
-    coefficients. restitution: e in [0, 1], of every
-    contact. gravity: m/s^2, a vector. step: h, s. duration: T, s. path: where the scene has a
-    closed form, the centres of mass (nb, d) at a time. name and parameters: the generator's and its arguments.
+    bodies: all planar (problems.planar) or all spatial (problems.spatial). hinges: only in the plane. q0, v0: the initial
+    state, by default at rest. friction: mu of contacts between bodies of roughness 1 (see coefficients). restitution: e in
+    [0, 1], of every contact. gravity: m/s^2, a vector. step: h, s. duration: T, s. path: the centres of mass (nb, d) at a time,
+    if the motion has a closed form. name and parameters: those of the generator.
     Errors: InputError naming the field.
     """
 
@@ -87,16 +86,16 @@ class Scene:
 
     @cached_property
     def weights(self) -> Array:
-        """The diagonal (nv,) of the mass matrix: kg and, of rotations, kg m^2."""
+        """The diagonal (nv,) of the mass matrix, in kg for translations and kg m^2 for rotations."""
         return np.array([body.weights for body in self.bodies]).reshape(-1)
 
     @cached_property
     def _roughness(self) -> Array:
-        """That of every body, and last that of the obstacles, whose index is -1."""
+        """The roughness of every body, followed by that of the obstacles, whose index is -1."""
         return np.array([*(body.roughness for body in self.bodies), 1.0])
 
     def coefficients(self, contacts: Contacts) -> Array:
-        """mu of each contact (nc,): `friction` times the geometric mean of its two bodies' roughness, 1 for an obstacle."""
+        """mu of each contact (nc,): `friction` times the geometric mean of its bodies' roughness, which is 1 for obstacles."""
         return np.asarray(self.friction * np.sqrt(self._roughness[contacts.bodies].prod(axis=1)))
 
     @cached_property
@@ -109,14 +108,14 @@ class Scene:
         return np.full(len(contacts), self.restitution)
 
     def accelerate(self, q: Array, force: Array, ahead: float = 0.0) -> Array:
-        """M(q)^-1 force: the accelerations by a force (nv,), or the velocities by an impulse; (nv, n) for n of them.
+        """M(q)^-1 force: the acceleration due to a force (nv,), or the velocity due to an impulse; (nv, n) for n of them.
 
-        ahead: as of mass_matrix.
+        ahead: as in mass_matrix.
         """
         return np.asarray((force.T / self.weights).T)
 
     def mass_matrix(self, q: Array, ahead: float = 0.0) -> sparse.csr_array:
-        """M(q) + ahead^2 K (nv, nv), with a time and the stiffness of springs, which bodies have none of."""
+        """M(q) + ahead^2 K (nv, nv), where ahead is a time in s and K a stiffness; bodies have no springs, so K = 0 here."""
         return self.mass
 
     @property
@@ -137,12 +136,12 @@ class Scene:
 
     @property
     def touch(self) -> float:
-        """The gap, m, up to which a contact counts as touching: 1e-6 of the largest body, far above the
-        gaps that round-off and a solver's tolerance leave at a closed contact, far below the gap after one step of motion."""
+        """The gap, m, up to which a contact counts as touching: 1e-6 times the size of the largest body. It is far above the
+        gaps that rounding and a solver's tolerance leave at a closed contact, and far below the motion in one step."""
         return 1e-6 * self.reach
 
     def force(self, q: Array, v: Array, t: float) -> Array:
-        """The external force k (nv,), N and N m; in space with the mean gyroscopic torque of a step from v."""
+        """The external force k (nv,), N and N m; in space it includes the mean gyroscopic torque of a step from v."""
         turns = [0.0] * (self.geometry.velocities - self.dimension)
         return self.weights * np.tile([*self.gravity, *turns], len(self.bodies)) + self.geometry.gyroscopic(v, self.step)
 
@@ -164,7 +163,7 @@ class Scene:
         return find_contacts(geometry, q, within)
 
     def path_error(self, q: Array, t: float) -> float | None:
-        """The largest distance, m, of a centre of mass from the closed form; None where there is none."""
+        """The largest distance, m, of a centre of mass from the closed form; None if there is no closed form."""
         return None if self.path is None else float(np.linalg.norm(self.geometry.centres(q) - self.path(t), axis=1).max())
 
     def deepest_overlap(self, q: Array) -> float:
@@ -195,8 +194,8 @@ class Scene:
         joint_bias: Array | float = 0.0,
         ahead: float = 0.0,
     ) -> FrictionProblem:
-        """The friction problem of these contacts and of the joints at q; a bias may be one number for all. ahead: as of
-        mass_matrix."""
+        """The friction problem of these contacts and of the joints at q. A bias may be one number for all contacts or joints.
+        ahead: as in mass_matrix."""
         nc, F = len(contacts), hinge_equations(self.hinges, q)[1] if self.hinges else None
         return FrictionProblem(
             mass=self.mass_matrix(q, ahead),
@@ -220,7 +219,7 @@ class Scene:
         """The scene with every mass multiplied by `mass` and every length by `length`: the motion is the same.
 
         The unit of time is unchanged. A solver whose results depend on the units has an absolute tolerance.
-        Errors: InputError where the scene has no bodies: generalised coordinates may be lengths, angles or anything.
+        Errors: InputError if the scene has no bodies, because the units of generalised coordinates are unknown.
         """
         require(bool(self.bodies), "mass_unit, length_unit", "a scene in generalised coordinates has its own units only")
 

@@ -15,7 +15,7 @@ from frictionbench.problems.schemes.anitescu_potra import anitescu_potra
 def simulate(scene: Scene, solve: Solve, scheme: Scheme = anitescu_potra, steps: int | None = None) -> Iterator[Step]:
     """The initial state, then each step; by default as many as cover the scene's duration.
 
-    Errors: InputError where the scheme refuses the scene; NoSolution, after the steps before, where the scheme has none.
+    Errors: InputError if the scheme refuses the scene; NoSolution, after the previous steps, if a step has no solution.
     """
     step = start(scene)
     yield step
@@ -25,7 +25,7 @@ def simulate(scene: Scene, solve: Solve, scheme: Scheme = anitescu_potra, steps:
 
 
 def first_problem(scene: Scene, scheme: Scheme = anitescu_potra) -> FrictionProblem:
-    """The first friction problem that a scheme sets up in a scene. Errors: InputError where the scheme refuses the scene."""
+    """The first friction problem that a scheme sets up in a scene. Errors: InputError if the scheme refuses the scene."""
     met: list[FrictionProblem] = []
 
     def meet(problem: FrictionProblem) -> Array:
@@ -38,12 +38,12 @@ def first_problem(scene: Scene, scheme: Scheme = anitescu_potra) -> FrictionProb
 
 
 def first_problem_of(scene: Scene, scheme: str) -> FrictionProblem:
-    """The first problem that a scheme, by its name, meets in a scene; for the default scheme the one after its impacts."""
+    """The first problem that the named scheme sets up in a scene; for the default scheme, the one after its impacts."""
     return scene.problem() if SCHEMES[scheme] is anitescu_potra else first_problem(scene, SCHEMES[scheme])
 
 
 def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:
-    """The energy, J, that an answer (nc, d) adds compared with the energy balance of an exact one.
+    """The energy, J, that an answer (nc, d) adds compared with the energy balance of an exact answer.
 
     With v* the free velocity, lambda = |u_t|, and u = J v + b, an exact answer satisfies
 

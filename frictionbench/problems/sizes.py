@@ -1,7 +1,7 @@
-"""The numbers of contacts, velocities and joint equations that the fields of a problem state by their shapes.
+"""The numbers of contacts, velocities and joint equations that follow from the shapes of a problem's fields.
 
-The fields must agree. Where they do not, the field that differs from most is named: of three coefficients mu for the two
-contacts of N and T, mu is wrong.
+The fields must agree. If they do not, the error names the field that differs from the majority: if mu has three coefficients
+but N and T have two contacts, mu is wrong.
 """
 
 from collections import Counter
@@ -14,7 +14,7 @@ from frictionbench.problems.rows import Rows
 
 Shape = tuple[int | None, ...]
 
-# The number that each axis of a field states, and the rows that a contact has of it in dimension d.
+# The number to which each axis of a field refers.
 _AXES: dict[str, tuple[str, ...]] = {
     "normal": ("contacts", "velocities"),
     "tangent": ("contacts", "velocities"),
@@ -33,9 +33,9 @@ _AXES: dict[str, tuple[str, ...]] = {
 def agree(d: int, fields: dict[str, Any], names: dict[str, str] | None = None) -> None:
     """Check that the fields of a problem of dimension d, or those of its Delassus form, state the same numbers.
 
-    fields: as they were given, by name, perhaps among others. What has a wrong number of axes states nothing; the check of the
-    field itself refuses it. names: what an error calls the fields, where not as here.
-    Errors: InputError naming the field that differs from most, with both numbers.
+    fields: as given, by name; other names are ignored. A field with a wrong number of axes is ignored too, because the check of
+    the field itself refuses it. names: how an error calls a field or the dimension, if not by the name used here.
+    Errors: InputError naming the field that differs from the majority, with both numbers.
     """
     rows, named = {"tangent": d - 1, "W": d, "q": d}, names or {}
     stated: dict[str, list[tuple[str, Shape, float]]] = {}
@@ -47,7 +47,7 @@ def agree(d: int, fields: dict[str, Any], names: dict[str, str] | None = None) -
                 stated.setdefault(number, []).append((field, shape, size / per_contact))
     for number, found in stated.items():
         counts = Counter(one for _, _, one in found)
-        most = max(counts, key=lambda count: (count.is_integer(), counts[count]))  # the first stated, where none has most
+        most = max(counts, key=lambda count: (count.is_integer(), counts[count]))  # of equally frequent ones, the first
         for field, shape, one in found:
             if one != most or not most.is_integer():
                 agreeing = dict.fromkeys(named.get(other, other) for other, _, same in found if same == most and other != field)
@@ -58,10 +58,10 @@ def agree(d: int, fields: dict[str, Any], names: dict[str, str] | None = None) -
 
 
 def _shape(value: Any) -> Shape:
-    """The shape of a field, () where it has none; the columns of a matrix by rows are not known."""
+    """The shape of a field, () if it has none. The number of columns of Rows is unknown: None."""
     if isinstance(value, Rows):
         return len(value.start) - 1, None
     try:
         return np.shape(value)
-    except ValueError:  # rows of unlike lengths
+    except ValueError:  # rows of different lengths
         return ()

@@ -8,7 +8,7 @@ from frictionbench.problems.check import InputError
 
 
 def split(field: str, text: str) -> tuple[str, dict[str, str | None]]:
-    """The name and its settings as text, None where one has no `=`. Errors: InputError naming the field."""
+    """The name and its settings as text; the value of a setting without `=` is None. Errors: InputError naming the field."""
     match = re.fullmatch(r"\s*([\w.-]+)\s*(?:\[(.*)\])?\s*", text)
     if match is None:
         raise InputError(f"{field}: cannot read {text!r}; write name or name[setting=value,...]")

@@ -1,7 +1,7 @@
-"""Problems made smaller, taken apart and put together.
+"""Problems reduced to some contacts, separated into parts, and combined.
 
-The parts of a problem are what nothing connects: no body, no joint, no entry of the mass matrix or of W. Each can be solved by
-itself, exactly. That differs from the islands of problems.forms.islands, in which couplings below rounding count as none.
+The parts of a problem are not connected by any body, joint, or entry of the mass matrix or of W. Each can be solved by itself,
+exactly. The islands of problems.forms.islands differ: they ignore couplings below rounding.
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ Parts = list[tuple[Index64, FrictionProblem]]
 
 
 def separate(problem: FrictionProblem) -> Parts:
-    """The parts, each with the contacts that are in it; one that is the whole problem is the problem itself."""
+    """The parts, each with the numbers of its contacts. If there is only one part, it is the problem itself."""
     part, nc, nv = problem.parts(), problem.contacts, len(problem.free_velocity)
     count = int(part.max(initial=0)) + 1
     if count == 1:
@@ -40,7 +40,7 @@ def separate(problem: FrictionProblem) -> Parts:
 
 
 def _taken(problem: FrictionProblem, contacts: Index64, velocities: Index64, joints: Index64) -> FrictionProblem:
-    """The problem with only these contacts and, of given mechanics, these velocities and joint equations."""
+    """The problem with only these contacts and, if it is mechanical, these velocities and joint equations."""
     d, mu, b = problem.dimension, problem.friction[contacts], problem.friction_bias[contacts]
     if not problem.mechanical:
         rows = _rows(contacts, d)
@@ -60,12 +60,12 @@ def _taken(problem: FrictionProblem, contacts: Index64, velocities: Index64, joi
 
 
 def _rows(contacts: Index64, count: int) -> Index64:
-    """The rows of these contacts, each with so many."""
+    """The rows of these contacts, `count` rows for each."""
     return (contacts[:, None] * count + np.arange(count)).ravel()
 
 
 def side_by_side(*problems: FrictionProblem) -> FrictionProblem:
-    """Problems of one dimension as one, without any coupling."""
+    """Problems of the same dimension combined into one, without any coupling."""
     matrices = {
         name: sparse.block_diag([getattr(problem, name) for problem in problems], format="csr")
         for name in ("mass", "normal", "tangent", "joints")

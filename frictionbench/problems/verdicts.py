@@ -1,4 +1,4 @@
-"""The verdicts on a cell, in one order from the best to the worst."""
+"""The verdicts on a cell, ordered from the best to the worst."""
 
 from enum import StrEnum
 from typing import TYPE_CHECKING
@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 
 class Verdict(StrEnum):
-    """The result of verifying a cell, with its meaning. The order is from the best to the worst, then SKIPPED: not measured.
+    """The result of verifying a cell, with its meaning, from the best to the worst. The last one, SKIPPED, is not measured.
 
     >>> import frictionbench as fb
     >>> fb.Verdict.SKIPPED.meaning, fb.Verdict("solved") is fb.Verdict.SOLVED
@@ -37,7 +37,7 @@ class Verdict(StrEnum):
     SKIPPED = "skipped", "not run, for the reason given"
 
 
-SINGLE = "single precision"  # begins the reason why a solver of that precision is skipped at a tolerance
+SINGLE = "single precision"  # the start of the reason for which a solver of single precision is skipped
 RANK: dict[str, int] = {verdict: rank for rank, verdict in enumerate(Verdict)}  # 0 is the best
 ACCEPTED = (Verdict.SOLVED, Verdict.RELAXED)  # the exact problem or the solver's own model is solved
 

@@ -1,31 +1,31 @@
 """Verification: the verdict on an answer (problems.verdicts), computed from the problem and the answer alone.
 
-The answer's claim decides only between verdicts on an answer that is not accurate enough: an accurate one is `solved` (or
-`relaxed`) whatever its status, another `unsolved` if it does not claim to be solved, and else `near_miss`, `unjudgeable` or
-`wrong`. An answer that is malformed and claims to be solved is `wrong`.
+The answer's claim decides only between the verdicts on an inaccurate answer. An accurate answer is `solved` or `relaxed`,
+whatever its status. An inaccurate one is `unsolved` if it does not claim to be solved, and otherwise `near_miss`,
+`unjudgeable` or `wrong`. A malformed answer that claims to be solved is `wrong`.
 
 The residuals of the exact problem and of the model are computed separately: the first contains model error and solver error,
-the second only the solver's. Verdicts are no finer than floating-point arithmetic: see residual_floor in problems.residual.
+the second only solver error. Verdicts are no finer than floating-point arithmetic allows (contact_floors in problems.residual).
 
-Contacts are judged one by one, each in its own unit and with its own floor (problems.residual). A contact is unjudgeable where
-its floor is above the tolerance and its residual is within the floor, and where the residual is above LEAST_GAIN of that of no
-impulses in its island, because there being within the tolerance says little; the verdict is that on all other contacts if they
-are not solved, otherwise `unjudgeable`. So is a claim within NEAR times what rounding in a file makes W unsymmetric by
-(DIGITS). The floor of a solver of the relaxation is that of its model where the verdict is `relaxed`, elsewhere the larger one
-of both laws. So neither the speed nor the rounding errors of one part excuse another. A solver that stops by the norm of the
-whole problem leaves the slow islands of a problem less accurate by the ratio of the speeds, and its answer is a `near_miss` or
-`wrong` as for any other difference of norms: it must ask for tol times the smallest unit, or solve the balanced problem, as the
-solvers and adapters of this package do (solvers.balanced).
+Contacts are judged one by one, each in its own unit and with its own floor (problems.residual), so that neither the speed nor
+the rounding errors of one part excuse another. A contact is unjudgeable in two cases: if its floor is above the tolerance and
+its residual is within the floor; and if its residual is within the tolerance but above LEAST_GAIN times that of zero impulses
+in its island, because such a residual says little. If the other contacts are not solved, theirs is the verdict; otherwise it is
+`unjudgeable`. So is a false claim whose residual is below NEAR times W's asymmetry, if rounding in a file can cause that
+asymmetry (DIGITS). For a solver of the relaxation, a verdict `relaxed` uses the floor of the relaxation; any other verdict uses
+the larger of the floors of both laws. A solver that stops by the norm of the whole problem leaves slow islands less accurate by
+the ratio of the speeds, and its answer may be a `near_miss` or `wrong`. It must ask for tol times the smallest unit, or solve
+the balanced problem, as the solvers and adapters of this package do (solvers.balanced).
 
-The tolerance, and the margins of solvers. tol bounds the residual of the solver's own model in the measure of
-problems.residual, the maximum over contacts. A solver that computes this residual stops at tol. One that stops by another
-measure must ask for as much less as that measure can underestimate this one: tol times a margin, which stands where it is used,
-with its reason. Then no solver does more work than its measure needs, and none gains time by claiming early. Where a bound
-between two norms does not hold, the verdict is `near_miss` if the residual is close and `wrong` otherwise.
+Tolerance and margins: tol bounds the residual of the solver's own model in the measure of problems.residual, the maximum over
+contacts. A solver that computes this residual stops at tol. If a solver's own measure can underestimate it, the solver must ask
+for tol times a margin. Each margin is defined where it is used, with its reason. Then no solver does more work than its measure
+needs, and none gains time by stopping early. Where the bound between the two norms does not hold, the verdict is `near_miss` if
+the residual is close and `wrong` otherwise.
 
 A solver of regularised contacts states its softness R, u = W r + q + R r, and is verified as a solver of that model. Since
-any answer solves some regularised model, R is bounded by the tolerance: 0 <= R_i <= max(tol, SOFTEST) s_i, s_i as in
-problems.residual. Beyond that the answer is verified without R, and the reason says so; within, the reason gives R.
+any answer solves some regularised model, R is bounded: 0 <= R_i <= max(tol, SOFTEST) s_i, with s_i as in problems.residual. An
+answer with a larger R is verified without R, and the reason says so; otherwise the reason gives R.
 """
 
 from dataclasses import dataclass
@@ -42,9 +42,9 @@ from frictionbench.problems.residual import contact_floors, contact_residuals, f
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 
-NEAR = 10.0  # times the tolerance: a residual below may be due to another norm in the solver's own stopping test
-LEAST_GAIN = 0.01  # of the residual of no impulses: a residual above it hardly tells an answer from none
-SOFTEST = 1e-6  # of s: softness allowed at any tolerance, because regularised methods cannot solve with rigid contacts
+NEAR = 10.0  # times the tolerance: a smaller residual may be due to another norm in the solver's own stopping test
+LEAST_GAIN = 0.01  # times the residual of zero impulses: a larger residual hardly differs from that of no answer
+SOFTEST = 1e-6  # times s: softness allowed at any tolerance, because regularised methods cannot solve rigid contacts
 
 
 @dataclass(frozen=True)
@@ -52,10 +52,10 @@ class Finding:
     """The verdict on an answer, its reason and the values behind it.
 
     verdict          a Verdict
-    reason           why, where the verdict needs a reason; otherwise empty
+    reason           why, if the verdict needs a reason; otherwise empty
     residual         of the exact problem, relative contact velocity; infinite where the impulse has a wrong shape
     model_residual   of the solver's own model, in the same measure
-    floor            what rounding alone may change of the residual, in the same measure; 0 for an LCP, where it is not measured
+    floor            how much rounding alone may change the residual, in the same measure; 0 for an LCP: not computed
     fclib_error      FCLIB's error measure, dimensionless; NaN for an LCP
     energy_defect    J, defect of the energy balance; NaN for an LCP
     """
@@ -75,8 +75,8 @@ class Finding:
 def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: float, *, quiet: bool = False) -> Finding:
     """The finding on an answer.
 
-    model: that of the solver, "coulomb", "lcp", "relaxation" or "regularised" (solvers.interface). quiet: an accepted answer's
-    detail is no reason, because a library's message of success says nothing more than its status.
+    model: that of the solver, "coulomb", "lcp", "relaxation" or "regularised" (solvers.interface). quiet: leave the detail of
+    an accepted answer out of the reason, because a library's message of success adds nothing to its status.
     """
     if isinstance(problem, LCP):
         return _verify_lcp(problem, answer, tol)
@@ -114,7 +114,7 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
 
 
 def _softness(problem: FrictionProblem, answer: Answer, model: str, tol: float) -> tuple[Array | None, str]:
-    """The softness R (nc, d) with which a regularised answer is verified, None for none, and a remark about it."""
+    """The softness R (nc, d) with which a regularised answer is verified, or None, and a remark about it."""
     if model != "regularised" or answer.softness is None or not problem.contacts:
         return None, ""
     claimed, bound = np.asarray(answer.softness, dtype=float), max(tol, SOFTEST)
@@ -131,7 +131,7 @@ def _model_residuals(problem: FrictionProblem, answer: Answer, model: str, exact
     if model in ("relaxation", "regularised"):
         return contact_residuals(problem, np.asarray(answer.impulse, dtype=float), 0.0, softness)
     if model == "lcp" and problem.dimension == 3 and answer.z is not None:
-        facets = np.size(answer.z) // max(problem.contacts, 1) - 2  # z is (c, beta, lambda), beta of as many parts a contact
+        facets = np.size(answer.z) // max(problem.contacts, 1) - 2  # z is (c, beta, lambda); beta has `facets` per contact
         if problem.contacts and np.shape(answer.z) == (problem.contacts * (facets + 2),) and facets >= 4 and facets % 2 == 0:
             return polygon_residuals(problem, problem.lcp(facets), answer.z)
     return exact
@@ -149,11 +149,11 @@ def _verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
 
 
 def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> tuple[Verdict, str]:
-    """The verdict and its reason, with the numbers of the contacts that decide.
+    """The verdict and its reason, which states the residuals or floors that decide.
 
-    parts: by contact the residuals of the exact problem and of the model, the floor, and the residual of no impulses in its
-    island.
-    reported: the answer says that it is as good as rounding allows.
+    parts: for each contact, the residuals of the exact problem and of the model, the floor, and the residual of zero impulses
+    in its island. claimed: the answer claims to be solved.
+    reported: the answer claims to be solved, or solved as far as rounding allows.
     """
     exact, model, floor, idle = parts
     best = np.minimum(exact, model)
@@ -174,7 +174,7 @@ def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> t
         return Verdict.UNSOLVED, ""
     of = "" if nearest == worst else " of its model"
     above = f"{nearest:.2g}, {nearest / tol:.2g} times that"
-    if nearest < 1.05 * tol:  # with as many digits as show that it is above
+    if nearest < 1.05 * tol:  # rounded to two digits, the residual would equal tol
         above = f"above it by {100 * (nearest / tol - 1):.1g} %"
     why = f"claimed solved within {tol:g}; the residual{of} is {above}"
     return Verdict.NEAR_MISS if nearest < NEAR * tol else Verdict.WRONG, why

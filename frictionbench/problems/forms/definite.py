@@ -1,9 +1,9 @@
 """Whether a given matrix is positive semidefinite, as W must be.
 
-It is decided by estimates of the least and the largest eigenvalue from a few products with the matrix (Lanczos 1950). A Ritz
-value is a weighted mean of eigenvalues: the least is never below the least eigenvalue, the largest never above the largest. Few
-steps suffice for extreme eigenvalues that are well separated, such as the negative ones of a matrix that is indefinite by more
-than round-off; up to STEPS rows the values are exact.
+The test estimates the smallest and the largest eigenvalue from a few products with the matrix (Lanczos 1950). A Ritz value is a
+weighted mean of eigenvalues, so the smallest is never below the smallest eigenvalue and the largest never above the largest. A
+few steps suffice for well separated extreme eigenvalues, such as the negative ones of a matrix that is indefinite by more than
+rounding. For up to STEPS rows the values are exact.
 """
 
 import numpy as np
@@ -11,16 +11,16 @@ from scipy import sparse
 
 from frictionbench.problems.check import Array, InputError, require
 
-LARGEST = 1e150  # 1/kg, of an entry; squares of larger ones overflow
-DIGITS = 1e-6  # of the largest entry: what is unsymmetric by no more counts as rounding in a file
-INDEFINITE = 1e-6  # of the largest eigenvalue: recorded problems are indefinite by that much, as their files round W's digits
-STEPS = 60  # products with the matrix; up to so many rows the values are exact
+LARGEST = 1e150  # 1/kg, for an entry: the squares of larger entries overflow
+DIGITS = 1e-6  # relative to the largest entry: an asymmetry up to this counts as rounding in a file
+INDEFINITE = 1e-6  # relative to the largest eigenvalue: W may be indefinite by this, because files round its digits
+STEPS = 60  # products with the matrix; for up to so many rows the values are exact
 
 
 def require_semidefinite(field: str, W: sparse.csr_array) -> None:
-    """Errors: InputError naming the field where W (n, n) overflows, has entries on one side of its diagonal alone that are more
-    than rounding, as one stored by a triangle does, or its symmetric part has an eigenvalue below -INDEFINITE of the largest,
-    as far as spectrum_ends finds it."""
+    """Errors: InputError naming the field if W (n, n) has entries of LARGEST or more; if only one of its triangles has entries
+    and they exceed rounding, because the other triangle was probably not stored; or if its symmetric part has an eigenvalue
+    below -INDEFINITE times the largest, as estimated by spectrum_ends."""
     require(abs(W).max() < LARGEST if W.nnz else True, field, f"its entries must be below {LARGEST:g}")
     sides = sparse.tril(W, -1, format="coo"), sparse.triu(W, 1, format="coo")
     for side, other in (sides, sides[::-1]):
@@ -33,7 +33,7 @@ def require_semidefinite(field: str, W: sparse.csr_array) -> None:
 
 
 def spectrum_ends(A: sparse.csr_array) -> tuple[float, float]:
-    """The least and the largest Ritz value of (A + A')/2, for A (n, n); (0, 0) where n = 0."""
+    """Estimates of the smallest and the largest eigenvalue of (A + A')/2, for A (n, n); (0, 0) if n = 0."""
     n = A.shape[0]
     if not n:
         return 0.0, 0.0
@@ -54,7 +54,7 @@ def spectrum_ends(A: sparse.csr_array) -> tuple[float, float]:
 
 
 def _orthogonal_to(basis: Array, direction: Array) -> Array:
-    """The unit vector along direction less its part in the span of basis's orthonormal rows; twice, for the rounding."""
+    """The normalised part of direction orthogonal to basis's orthonormal rows; projected twice to reduce rounding errors."""
     for _ in range(2):
         direction = direction - basis.T @ (basis @ direction)
         direction = direction / np.linalg.norm(direction)

@@ -1,12 +1,12 @@
-"""Joint equations F v + b_F = 0 of any rank: the nearest velocities that satisfy them, and what they change in W.
+"""Joint equations F v + b_F = 0 of any rank: the nearest velocities that satisfy them, and their contribution to W.
 
-With G = F M^-1 F' the nearest velocity in the kinetic metric is v - M^-1 F' X (F v + b_F). Redundant equations make G singular;
-any X with G X G = G gives the same velocities. For few equations X is dense. Many, each on few bodies, are taken in Cuthill and
-McKee's order of the graph in which equations are neighbours that share a body, or whose bodies touch: then G, and the entries
-of its inverse that a contact's own block of W needs, lie within a band. Chains and trees of thousands of links have narrow
-bands. Equations that depend on earlier ones are left out of the band's factors (problems.forms.banded).
+With G = F M^-1 F', the nearest velocity in the kinetic metric is v - M^-1 F' X (F v + b_F). Redundant equations make G
+singular; any X with G X G = G gives the same velocities. For few equations, X is dense. Many equations, each on few bodies, are
+put into the reverse Cuthill-McKee order of a graph, in which equations are neighbours if they share a body or if their bodies
+touch. Then G, and the entries of its inverse that a contact's own block of W needs, lie within a band, which is narrow for
+chains and trees of thousands of links. Equations that depend on earlier ones are left out of the factors (forms.banded).
 
-Redundant equations must agree: where F v + b_F = 0 has no solution, no impulses satisfy it, and the problem is refused.
+Redundant equations must be consistent: if F v + b_F = 0 has no solution, no impulses satisfy it, and the problem is refused.
 """
 
 from dataclasses import dataclass
@@ -22,20 +22,20 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.forms import banded, delassus, held
 from frictionbench.problems.rows import ByContact, Index32, Rows, by_row, row_of_entry
 
-FEW = 100  # equations up to which a dense inverse is as fast as a factorisation of a band
-# Of a joint's bias: a larger defect is a contradiction. It is the tightest tolerance of the suites.
+FEW = 100  # up to so many equations, a dense inverse is as fast as a band factorisation
+# Relative to a joint's bias: a larger defect is a contradiction. The value is the tightest tolerance of the suites.
 CONTRADICTION = 1e-8
-# Of the largest terms of any joint equation, as speeds of unit kinetic energy: what rounding leaves.
+# Relative to the largest terms of any joint equation, with each equation in its own unit: a defect that rounding may leave.
 ROUNDING = 1000 * held.EPSILON
-# Of the terms' rounding errors, which are independent: their sum is seldom larger than twice the root of their squares' sum.
+# Samples of random signs of the rounding errors, and the standard deviations that a sum of independent errors seldom exceeds.
 PROBES, DEVIATIONS = 8, 2.0
 
 
 @dataclass(eq=False)
 class FewJoints:
-    """With a dense X. rows: F (nj, nv) by rows. bias: b_F (nj,). inverse_mass: M^-1 by rows. contacts: J by contacts.
+    """Few equations, with a dense X. rows: F (nj, nv) by rows. bias: b_F (nj,). inverse_mass: M^-1 by rows. contacts: J.
 
-    Errors: InputError naming joints where G overflows.
+    Errors: InputError naming joints if G overflows.
     """
 
     rows: Rows
@@ -50,13 +50,13 @@ class FewJoints:
         self.inverse: Array = held.generalised_inverse(G)
 
     def hold(self, velocity: Array, share: float = 1.0) -> Array:
-        """The velocity (nv,) nearest in the kinetic metric that satisfies the equations with a share of the biases."""
+        """The nearest velocity (nv,), in the kinetic metric, that satisfies the equations with share times the biases."""
         nearest: Array = held.hold(*self.rows, share * self.bias, self.response, self.inverse, velocity)
         return nearest
 
     def solution(self) -> Array:
-        """A velocity that satisfies the equations, where one does: of least squares, with each velocity in that of a unit of
-        kinetic energy, and each equation in the speed that such velocities give it."""
+        """A velocity that satisfies the equations, if there is one: the least-squares solution. Each velocity is scaled by the
+        speed that has unit kinetic energy, and then each equation by the norm of its row."""
         root = np.sqrt(self.inverse_mass.matrix(len(self.response)).diagonal())
         F = self.rows.dense(len(self.response)) * root
         size = np.linalg.norm(F, axis=1)
@@ -67,17 +67,17 @@ class FewJoints:
         return v * root
 
     def rounding(self, velocity: Array) -> Array:
-        """(nv,) the absolute values of the terms that `hold` adds to a velocity."""
+        """(nv,): the sum of the absolute values of the terms that `hold` adds to a velocity."""
         size: Array = held.hold_rounding(*self.rows, self.bias, self.response, self.inverse, velocity, self.hold(velocity))
         return size
 
     def shares(self) -> tuple[Array, Array]:
-        """(nc*d,) each: the diagonal of J M^-1 F' X F M^-1 J', which W lacks, and the same of its terms' absolute values."""
+        """The diagonal of J M^-1 F' X F M^-1 J' and the sums of the absolute values of its terms, each (nc*d,)."""
         C, size = self._coupling, np.abs(self._coupling)
         return np.sum(C * (self.inverse @ C), axis=0), np.sum(size * (np.abs(self.inverse) @ size), axis=0)
 
     def coupled(self) -> Array:
-        """J M^-1 F' X F M^-1 J' (nc*d, nc*d), which W lacks."""
+        """J M^-1 F' X F M^-1 J' (nc*d, nc*d), by which the joints reduce W."""
         coupled: Array = self._coupling.T @ self.inverse @ self._coupling
         return coupled
 
@@ -90,7 +90,7 @@ class FewJoints:
 
 @dataclass(eq=False)
 class ManyJoints:
-    """With the factors of G's band. Arguments and errors as of FewJoints."""
+    """Many equations, with a band factorisation of G. Arguments and errors as in FewJoints."""
 
     rows: Rows
     bias: Array
@@ -107,7 +107,7 @@ class ManyJoints:
         coupling = Rows(*by_row(*self.contacts, 0, self.contacts.value.shape[1])).matrix(nv) @ response.T
         touching = abs(coupling.T) @ abs(coupling)
         order = reverse_cuthill_mckee(sparse.csr_matrix(abs(G) + touching), symmetric_mode=True)
-        # From here on the equations are in that order and each in its own unit, so that G has a unit diagonal.
+        # From here on the equations are in this order, each scaled so that G has a unit diagonal.
         place = np.argsort(order)
         self.own_bias = (unit * self.bias)[order]
         self.rows = _reordered(self.rows, unit, order)
@@ -116,7 +116,7 @@ class ManyJoints:
         self.coupling = Rows(coupling.indptr, within, coupling.data * unit[coupling.indices])  # J M^-1 F' (nc*d, nj)
         below = place[row] - place[near]  # rows below the diagonal
         filled = coupling.indptr[:-1][np.diff(coupling.indptr) > 0]
-        width = np.maximum.reduceat(within, filled) - np.minimum.reduceat(within, filled)  # of the rows of the coupling
+        width = np.maximum.reduceat(within, filled) - np.minimum.reduceat(within, filled)  # of nonempty rows of the coupling
         half = int(max(width.max(initial=0), below.max(initial=0)))
         lower = below >= 0
         self.factor = np.zeros((nj, half + 1))
@@ -124,18 +124,18 @@ class ManyJoints:
         banded.factorise(self.factor, 10 * nj * held.EPSILON)
 
     def hold(self, velocity: Array, share: float = 1.0) -> Array:
-        """As of FewJoints."""
+        """As in FewJoints."""
         return self._hold(share * self.own_bias, velocity)
 
     def solution(self) -> Array:
-        """A velocity that satisfies the equations, where one does."""
+        """A velocity that satisfies the equations, if there is one."""
         return self.hold(np.zeros(len(self.inverse_mass.start) - 1))
 
     def rounding(self, velocity: Array) -> Array:
-        """(nv,) the size of the terms that `hold` adds to a velocity, of what errors in them change, and of what it leaves.
+        """(nv,): the size of the terms that `hold` adds to a velocity, of the effect of their errors, and of what `hold` leaves.
 
-        |X| is not formed. Errors of each equation's terms, with random signs, are put through X instead, and the root of the
-        mean square of the results is taken.
+        |X| is not formed. Instead X is applied to errors of each equation's terms with random signs, and the root mean square
+        of the results is taken.
         """
         settled, (start, column, F) = self.hold(velocity), self.rows
         off = np.abs(self.own_bias) + np.bincount(row_of_entry(start), np.abs(F * settled[column]), len(start) - 1)
@@ -146,12 +146,12 @@ class ManyJoints:
         return np.abs(settled - velocity) + left + DEVIATIONS * spread
 
     def shares(self) -> tuple[Array, Array]:
-        """(nc*d,) each: the diagonal of J M^-1 F' X F M^-1 J', which W lacks, and the same of its terms' absolute values."""
+        """As in FewJoints."""
         held, terms = banded.forms(banded.inverse_in_band(self.factor), *self.coupling).T
         return held, terms
 
     def coupled(self) -> Array:
-        """J M^-1 F' X F M^-1 J' (nc*d, nc*d), which W lacks; dense."""
+        """As in FewJoints; dense."""
         whitened = self.coupling.dense(len(self.bias))
         banded.whiten(self.factor, whitened)
         coupled: Array = whitened @ whitened.T
@@ -166,15 +166,15 @@ JointEquations = FewJoints | ManyJoints
 
 
 def require_consistent(held: JointEquations, F: sparse.csr_array, bias: Array, inverse_mass: Array, free: Array) -> None:
-    """Check that the equations have a solution, and that rounding leaves them satisfied by the velocity nearest to v*.
+    """Check that the equations have a solution, and that the velocity nearest to v* satisfies them despite rounding.
 
     held: the equations F v + bias = 0. inverse_mass: the diagonal of M^-1 (nv,). free: v* (nv,).
-    Errors: InputError naming joint_bias where they contradict each other, joints where rounding leaves them above CONTRADICTION
-    of their terms, each row in its own unit: of rows that are nearly dependent the inverse has too few digits.
+    Errors: InputError naming joint_bias if the equations contradict each other, or joints if a row, in its own unit, is missed
+    by more than CONTRADICTION times the largest terms, because the inverse is inaccurate for nearly dependent rows.
     """
     size = np.sqrt(F.multiply(F) @ inverse_mass)  # the speed that a unit of kinetic energy gives each joint
     unit = np.where(size > 0, size, 1.0)
-    with np.errstate(over="ignore", invalid="ignore"):  # what overflows compares as false and is refused
+    with np.errstate(over="ignore", invalid="ignore"):  # after an overflow the test fails and refuses the problem
         if bias.any():  # without biases, v = 0 satisfies all
             _require_solution(held, F, bias, unit, free)
         v = held.hold(free)
@@ -186,10 +186,10 @@ def require_consistent(held: JointEquations, F: sparse.csr_array, bias: Array, i
 
 
 def _require_solution(held: JointEquations, F: sparse.csr_array, bias: Array, unit: Array, free: Array) -> None:
-    """Errors: InputError naming joint_bias where no velocity satisfies F v + bias = 0, by more than rounding explains.
+    """Errors: InputError naming joint_bias if every velocity violates F v + bias = 0 by more than rounding explains.
 
-    Whether one does depends on F and the biases alone. With each row in its own unit, the velocity of least squares is compared
-    with the rounding of its terms and of those of F v*.
+    This depends on F and the biases alone. With each row in its own unit, the defect of the least-squares velocity is compared
+    with the rounding errors of its terms and of those of F v*.
     """
     own = bias / unit
     check.require(bool(np.isfinite(own).all()), "joints", "b_F overflows")
@@ -203,7 +203,7 @@ def _require_solution(held: JointEquations, F: sparse.csr_array, bias: Array, un
 
 
 def _reordered(rows: Rows, unit: Array, order: Index32) -> Rows:
-    """The rows times their units, in an order."""
+    """The rows multiplied by their units and reordered."""
     count = np.diff(rows.start)
     start = np.append(0, count[order].cumsum()).astype(np.int32)
     entry = np.repeat(rows.start[order] - start[:-1], count[order]) + np.arange(start[-1])

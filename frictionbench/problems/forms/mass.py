@@ -1,7 +1,7 @@
 """The inverse of a mass matrix.
 
-A multibody system's mass matrix is block diagonal: a block per body, or per set of coordinates that generalised
-coordinates couple. Each block's inverse is dense, so the inverse has the blocks' own sparsity.
+A multibody system's mass matrix is block diagonal, with a block for each body or each set of coupled generalised coordinates.
+Each block's inverse is dense, so the inverse has the same block structure.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from frictionbench.problems.rows import Array, Index64, Rows
 def inverse_mass(mass: Rows) -> Rows:
     """The inverse of a symmetric positive definite (nv, nv) matrix by rows, block by block.
 
-    Errors: InputError naming `mass` where it is not symmetric to round-off or not positive definite.
+    Errors: InputError naming `mass` if it is not symmetric to rounding or not positive definite.
     """
     n, value = len(mass.start) - 1, mass.value
     if (
@@ -47,7 +47,7 @@ def inverse_mass(mass: Rows) -> Rows:
 
 
 def _inverse(block: Array, coordinates: Index64) -> Array:
-    """The inverse of a dense block, symmetric. Errors: InputError naming mass and the coordinates of the block."""
+    """The symmetric inverse of a dense block. Errors: InputError naming mass and the coordinates of the block."""
     try:
         inverse = cho_solve(cho_factor(block), np.eye(len(block)))
     except LinAlgError:

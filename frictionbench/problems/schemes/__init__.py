@@ -1,4 +1,4 @@
-"""Time-stepping schemes, one file per scheme, with one signature, registered by a decorator (problems.schemes.stepping)."""
+"""Time-stepping schemes: one file each, with a common signature, registered by a decorator (problems.schemes.stepping)."""
 
 from frictionbench.problems.catalogue import import_all
 from frictionbench.problems.schemes.stepping import SCHEMES, NoSolution, Scheme, Solve, Solved, Step, require_scheme, start

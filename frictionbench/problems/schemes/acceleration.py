@@ -3,13 +3,13 @@
     M a = k + J' f + F' lam,      F a + F. v = 0,      v+ = v + h a,      q+ = q + h v+,
     0 <= n'a + n'. v ⟂ f_n >= 0,      f_t = -mu sign(t'v) f_n  where a contact slides,  |f_t| <= mu f_n where it does not,
 
-at the contacts that touch at q; a dot is the rate along v, computed by finite differences. (The law is imposed on
-n'v + h (n'a + n'. v), which is the same where n'v = 0, so that round-off in n'v does not grow; and a contact slides if one step
-of the external force cannot stop it.) Where a touching contact approaches, an impact precedes the step
+at the contacts that touch at q. A dot is the rate along v, computed by finite differences. The law is imposed on
+n'v + h (n'a + n'. v), which is equivalent if n'v = 0, so that rounding errors in n'v do not grow. A contact slides if the
+external force cannot stop it in one step. If a touching contact approaches, an impact precedes the step
 (problems.schemes.impact).
 
-With the direction of sliding given a force need not exist: where Painlevé's rod slides with
-p = n'M^-1 (n - mu sign(t'v) t) < 0, every f_n > 0 accelerates it downwards. Then NoSolution is raised.
+For a given direction of sliding, a force need not exist: if Painlevé's rod slides with
+p = n'M^-1 (n - mu sign(t'v) t) < 0, every f_n > 0 accelerates it downwards. NoSolution is then raised.
 
 The direction of sliding is imposed by belts (problems.schemes.events.forces).
 """
@@ -24,7 +24,7 @@ from frictionbench.problems.schemes.stepping import Solve, Solved, Step, free_ve
 
 @scheme("acceleration")
 def acceleration(scene: Scene, now: Step, solve: Solve) -> Step:
-    """One step of length scene.step. Errors: NoSolution where no force satisfies the law."""
+    """One step of length scene.step. Errors: NoSolution if no force satisfies the law."""
     h, q, v = scene.step, now.q, now.v
     contacts = scene.contacts(q)
     solved: list[Solved] = []
@@ -32,7 +32,7 @@ def acceleration(scene: Scene, now: Step, solve: Solve) -> Step:
         solved, v = impact(scene, q, v, contacts, solve)
     free = free_velocity(scene, now, v)
     normal_rate, _, joint_rate = rates(scene, q, v, contacts)
-    if (contacts.normal @ free + h * normal_rate >= 0).all():  # no force is a solution
+    if (contacts.normal @ free + h * normal_rate >= 0).all():  # zero forces are a solution
         contacts, normal_rate = contacts.only(np.zeros(len(contacts), dtype=bool)), normal_rate[:0]
     problem = scene.friction_problem(q, free, contacts, bias=h * normal_rate, joint_bias=h * joint_rate)
 

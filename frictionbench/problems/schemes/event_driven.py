@@ -1,23 +1,23 @@
 """The event-driven scheme: smooth motion integrated with error control from event to event, and impacts at located times.
 
     M v' = k + J' f + F' lam,  q' = v      between events, in one mode of contact (problems.schemes.events.path)
-    v+ = the answer of an impact           where a contact closes at a speed, by Poisson's or Newton's law of restitution
+    v+ = the velocity after an impact      when a contact closes with a speed, by Poisson's or Newton's law of restitution
 
-After each event the modes of the closed contacts follow from their accelerations, the solution of the friction problem of
-forces (problems.schemes.events.forces). Its solver has to be exact up to rounding. A step of length scene.step has as many
-events as occur; the results do not depend on its length. The energy changes by the work of friction, which is integrated too,
-and in impacts.
+After each event the modes of the closed contacts follow from their accelerations, which solve the friction problem of forces
+(problems.schemes.events.forces). The solver must be exact up to rounding. A step of length scene.step contains any number of
+events; the results do not depend on its length. The energy changes only in impacts and by the work of friction, which is
+integrated as well.
 
-A bounce that would not rise by LOW of the largest body ends a sequence of bounces: restitution is then zero, and the contact
-stays closed. Where one contact alone bounces, on what pulls it back with an acceleration -a, the sequence accumulates at
+A bounce that would rise by less than LOW times the size of the largest body ends a sequence of bounces: its restitution is
+zero, and the contact stays closed. If only one contact bounces, with an acceleration -a towards contact, the bounces accumulate
+at the time
 
     t + 2 v / (a (1 - e)),
 
-v its speed after the impact at t, and the event `accumulation` tells that time: exact for the bouncing ball.
+where v is the speed after the impact at t. The event `accumulation` has this time, which is exact for the bouncing ball.
 
-The scheme cannot go on, and says where and when, at a contact that slides where no force exists (Painlevé), where a force
-grows beyond all bounds, and where MOST events do not reach the end of a step: impacts of several contacts accumulate.
-Scenes are planar: it refuses those in space.
+The scheme stops, and states where and when, if no force exists at a sliding contact (Painlevé), if a force grows without bound,
+or if MOST events do not reach the end of a step, because impacts of several contacts accumulate. It refuses spatial scenes.
 
 References: Pfeiffer and Glocker 1996; Génot and Brogliato 1999; Acary and Brogliato 2008, chapter 8.
 """
@@ -36,12 +36,12 @@ from frictionbench.problems.schemes.events.path import fly, typical_speed
 from frictionbench.problems.schemes.impact import impact
 from frictionbench.problems.schemes.stepping import Event, NoSolution, Scheme, Solve, Solved, Step, respond, scheme
 
-ACCURACY = 1e-10  # of the integrator
-CLOSED = 1e-9  # of the largest body: a gap at which a contact is closed, far above the error of a located event
-LOW = 1e-9  # of the largest body: see above
-AT_REST = 1e-9  # of the fastest speed: a normal or tangential speed that is none
-SURE = 1e-8  # of the accelerations at hand: one that is none; far below events.path.MARGIN
-MOST = 500  # smooth parts of a step, each with an event at its end: also touches that leave the motion as it is
+ACCURACY = 1e-10  # relative tolerance of the integrator
+CLOSED = 1e-9  # relative to the largest body: contacts with smaller gaps are closed; far above the error of a located event
+LOW = 1e-9  # relative to the largest body: see above
+AT_REST = 1e-9  # relative to the fastest speed: smaller normal or tangential speeds count as zero
+SURE = 1e-8  # relative to the accelerations without contact forces: smaller ones count as zero; far below events.path.MARGIN
+MOST = 500  # smooth parts of a step, each ended by an event; touches that do not change the motion count as well
 
 Impact = Callable[[Scene, Array, Array, Contacts, Solve], tuple[list[Solved], Array]]
 
@@ -92,7 +92,7 @@ def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float) 
         flight = fly(scene, q, v, time, end, mode, solve, found.size, speed, accuracy)
         smooth.append(flight.smooth)
         time, q, v = flight.time, flight.q, flight.v
-        if flight.event not in ("", "touch"):  # what touches has an impact, or leaves the motion as it is
+        if flight.event not in ("", "touch"):  # a touch causes an impact or does not change the motion
             events.append(Event(time, flight.event, v, v))
         if len(smooth) > MOST:
             raise NoSolution(f"{MOST} events by t = {time:.9g} s: the events accumulate, and their limit is not known")
@@ -104,14 +104,14 @@ def _closed(scene: Scene, q: Array) -> Contacts:
 
 
 def _signs(values: Array, least: float) -> NDArray[np.int64]:
-    """Their signs; 0 for those up to `least`."""
+    """The signs of the values; 0 for magnitudes up to `least`."""
     return np.where(np.abs(values) > least, np.sign(values), 0).astype(np.int64)
 
 
 def _impact(
     scene: Scene, q: Array, v: Array, time: float, contacts: Contacts, solve: Solve, law: Impact
 ) -> tuple[list[Solved], Array, str, float]:
-    """The phases, the velocity after, the kind of the event and its time."""
+    """The phases of the impact, the velocity after it, and the kind and time of the event."""
     solved, after = law(scene, q, v, contacts, solve)
     rebound = contacts.normal @ after
     back = rates(scene, q, after, contacts).normal + contacts.normal @ scene.accelerate(q, scene.force(q, after, time))

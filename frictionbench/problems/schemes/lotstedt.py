@@ -1,12 +1,11 @@
-"""Lötstedt's scheme (1984): the friction of this step is limited by the normal impulse of the step before.
+"""Lötstedt's scheme (1984): the normal impulse of the previous step limits the friction of this step.
 
     M (v+ - v) = h k + J' r + F' lam,      q+ = q + h v+,      F v+ = 0,
     0 <= n'v+ ⟂ r_n >= 0,      |r_t| <= mu r_n(before),  r_t opposing the slip,
 
-at the contacts that touch at q. With its limits known, friction is a convex problem, so every step has a solution, and its
-velocity is unique. The limits lag by one step: the error is O(h) in smooth motion, and a contact has no friction in its first
-step, that is at the start and in impacts. Contacts of successive steps are matched by their feature. There is no law of
-restitution.
+at the contacts that touch at q. With known limits, friction is a convex problem, so every step has a solution with a unique
+velocity. The limits lag by one step: the error is O(h) in smooth motion, and a contact has no friction in its first step, that
+is, at the start and in impacts. Contacts of successive steps are matched by their features. There is no law of restitution.
 """
 
 import numpy as np

@@ -1,10 +1,10 @@
-"""The scheme of Paoli and Schatzman (2002): positions only, restitution without events, and no friction. A reference.
+"""The scheme of Paoli and Schatzman (2002) in positions, with restitution but without friction; for reference.
 
     M (q+ - 2 q + q-) = h^2 k + h (N' c + F' lam),      Theta(q+) = 0,
     0 <= phi((q+ + e q-)/(1 + e)) ⟂ c >= 0.
 
-With v+ = (q+ - q)/h, v = (q - q-)/h, and Theta and phi linearised at q, that is a friction problem with the biases
-(1 + e) phi/h - e n'v and Theta/h. A body that hits overlaps for one step, and then leaves with e times its speed.
+With v+ = (q+ - q)/h, v = (q - q-)/h, and Theta and phi linearised at q, this is a friction problem with the biases
+(1 + e) phi/h - e n'v and Theta/h. After an impact, bodies overlap for one step and then separate with e times their speed.
 
 Reference: Paoli and Schatzman, SIAM Journal on Numerical Analysis 40 (2002), pages 702-733.
 """

@@ -1,13 +1,13 @@
-"""The interface of the time-stepping schemes, and what they share.
+"""The interface of the time-stepping schemes, and the functions that they share.
 
-A scheme takes a scene, the step before, and a way to solve friction problems, and returns the next step. It knows no solver:
-`solve` maps a FrictionProblem to its impulses (nc, d). The step records every problem that was solved.
+A scheme takes a scene, the previous step and a function `solve`, and returns the next step. `solve` maps a FrictionProblem to
+its impulses (nc, d), so that a scheme does not depend on a solver. The step records every problem that was solved.
 
     @scheme("lotstedt", lacks=("restitution",))
     def lotstedt(scene, now, solve): ...
 
-A scheme states in advance which scenes it does not treat (`refuses`), and raises NoSolution where its equations have no
-solution, which is a property of the scheme and not a failure of the solver.
+A scheme states in advance which scenes it does not support (`refuses`). It raises NoSolution if its equations have no solution,
+which is a property of the scheme and not a failure of the solver.
 """
 
 from collections.abc import Callable
@@ -30,8 +30,8 @@ class NoSolution(Exception):  # noqa: N818  # a finding, not an error
 
 
 class Solved(NamedTuple):
-    """A friction problem of one time step, the impulses (nc, d), N s, that the solver gave, and its contacts. That of the phase
-    `forces` is in accelerations and forces, N. returned: (nc,), the normal impulses that Poisson's law gives back before a
+    """A friction problem of one time step, the solver's impulses (nc, d), N s, and the contacts. In the phase `forces`, the
+    problem is in accelerations and forces, N. returned: (nc,), the normal impulses that Poisson's law returns before a
     decompression."""
 
     phase: Phase
@@ -42,8 +42,8 @@ class Solved(NamedTuple):
 
 
 class Smooth(NamedTuple):
-    """Smooth motion within a step: the closed contacts, their impulses (nc, 2), N s, the work of friction, J, and how often
-    the forces were evaluated."""
+    """Smooth motion within a step: the closed contacts, their impulses (nc, 2), N s, the work of friction, J, and the number
+    of evaluations of the forces."""
 
     contacts: Contacts
     impulse: Array
@@ -62,8 +62,8 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The state (q, v) at the end of a step, at time t; its contacts, and the problems it solved, in order. A scheme that
-    follows the motion within the step tells its smooth parts and its events."""
+    """The state (q, v) at the end of a step, with its time, its contacts and the problems solved, in order. An event-driven
+    scheme also records the smooth parts and the events of the step."""
 
     time: float
     q: Array
@@ -76,22 +76,22 @@ class Step:
 
 @dataclass(frozen=True)
 class Scheme:
-    """advance: one step of length scene.step. lacks: properties of scenes that it does not support. events: whether it follows
-    the motion within a step from event to event, for which its solver has to be exact up to rounding."""
+    """advance: one step of length scene.step. lacks: properties of scenes that it does not support. events: whether it is
+    event-driven within a step, which requires a solver that is exact up to rounding."""
 
     advance: Callable[[Scene, Step, Solve], Step]
     lacks: tuple[Feature, ...] = ()
     events: bool = False
 
     def refuses(self, scene: Scene) -> str | None:
-        """The reason why this scheme does not treat the scene, or None."""
+        """The reason why this scheme does not support the scene, or None."""
         if self.events and scene.dimension != 2:
             return "it follows planar motion only: in space a contact slides in directions that change all the time"
         unmet = [feature for feature in self.lacks if getattr(scene, feature) > 0]
         return f"it has no law of {' and '.join(unmet)}" if unmet else None
 
     def __call__(self, scene: Scene, now: Step, solve: Solve) -> Step:
-        """The step after `now`. Errors: InputError where the scheme refuses the scene, NoSolution."""
+        """The step after `now`. Errors: InputError if the scheme refuses the scene, NoSolution."""
         reason = self.refuses(scene)
         require(reason is None, "scheme", str(reason))
         return self.advance(scene, now, solve)
@@ -113,7 +113,7 @@ def scheme(
 
 
 def require_scheme(name: str) -> None:
-    """Errors: InputError where no scheme has this name."""
+    """Errors: InputError if no scheme has this name."""
     require(name in SCHEMES, "scheme", f"unknown scheme {name!r}{near(name, SCHEMES)}; known are {', '.join(SCHEMES)}")
 
 
@@ -123,7 +123,7 @@ def start(scene: Scene) -> Step:
 
 
 def respond(phase: Phase, problem: FrictionProblem, contacts: Contacts, solve: Solve) -> tuple[Solved, Array]:
-    """The solved problem, and the velocity (nv,) afterwards."""
+    """The solved problem, and the velocity (nv,) after its impulses."""
     impulse = solve(problem)
     return Solved(phase, problem, impulse, contacts), problem.velocity(impulse)
 
@@ -134,6 +134,6 @@ def free_velocity(scene: Scene, now: Step, v: Array) -> Array:
 
 
 def contacts_within_reach(scene: Scene, q: Array, *velocities: Array) -> Contacts:
-    """The contacts that could close within one step: gaps up to twice the fastest point's displacement at these velocities."""
+    """The contacts that could close within one step: their gaps are at most twice the way of the fastest point."""
     speed = max(scene.fastest(v) for v in velocities)
     return scene.contacts(q, scene.touch + 2 * scene.step * speed)

@@ -1,17 +1,17 @@
-"""The time-stepping scheme of Stewart and Trinkle (1996), on gaps, with Poisson restitution.
+"""The time-stepping scheme of Stewart and Trinkle (1996), with constraints on gaps and Poisson restitution.
 
     M (v+ - v) = h k + J' r + F' lam,      q+ = q + h v+,      F v+ + Theta/h = 0,
 
-with Coulomb's law between r and u = J v+ + phi/h e_n at all contacts within reach of the step: a linearised gap is
-nonnegative at the end of the step, and a contact that remains open has no impulse. The drift is O(h^2). Where gaps are
-positive every problem has a solution; an overlap phi < 0 is corrected at the speed |phi|/h, which adds the energy
--c phi/h, and between two walls that overlap a body there may be no solution.
+with Coulomb's law between r and u = J v+ + phi/h e_n at all contacts within reach of the step. The linearised gaps are
+nonnegative at the end of the step, and a contact that remains open has no impulse. The drift is O(h^2). If all gaps are
+nonnegative, every problem has a solution. An overlap phi < 0 is corrected at the speed |phi|/h, which adds the energy -c phi/h.
+If a body overlaps with two opposite walls, there may be no solution.
 
-The scheme reduces the approach velocity of a body so that its gap just closes. With e > 0 an impact therefore precedes the step
-wherever a contact would close within it, over the remaining gap; restitution then acts up to one step early.
+The scheme reduces the approach velocity of a body so that its gap just closes. If e > 0 and a contact would close within the
+step, an impact over the remaining gap therefore precedes it; restitution then acts up to one step early.
 
-Bodies that face each other corner to corner have no contact until they overlap: their normal is not determined, and a wrong one
-would stop bodies that pass each other.
+Bodies that face each other corner to corner have no contact until they overlap, because their normal is not determined and a
+wrong one would stop bodies that pass each other.
 """
 
 from frictionbench.problems.scene import Scene

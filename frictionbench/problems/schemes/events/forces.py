@@ -1,15 +1,15 @@
 """Contact forces and accelerations as a friction problem (Baraff 1993; Pfeiffer and Glocker 1996).
 
-With a the acceleration, f the contact forces, and a dot the rate along v, at contacts that are closed and remain so for now,
+With the acceleration a, the contact forces f, and a dot for the rate along v, at closed contacts with zero normal velocity,
 
     M a = k + J' f + F' lam,      F a + F. v = 0,      u = J a + J. v,      0 <= u_n ⟂ f_n >= 0,
 
     f_t = -mu sign(t'v) f_n where a contact slides,      |f_t| <= mu f_n, opposing u_t, where it does not.
 
-The direction of sliding is imposed such that a friction problem remains for the solver: a sliding contact rests on a belt, an
-additional body that moves in the direction of the slip, SWIFT times faster than all else. Friction does not depend on the speed
-of the slip, so the forces are the same for every speed at which the belt continues to move. Where a correct answer stops a
-belt, the forces are unbounded in the limit of fast belts, and the equations have no solution.
+The direction of sliding is imposed so that the equations remain a friction problem: a sliding contact rests on a belt, an
+additional body that moves in the direction of the slip, SWIFT times faster than everything else. Friction does not depend on
+the speed of the slip, so the forces are the same for every speed at which the belt continues to move. If a correct answer stops
+a belt, the forces are unbounded in the limit of fast belts, and the equations have no solution.
 """
 
 from typing import NamedTuple
@@ -27,8 +27,8 @@ from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes.stepping import NoSolution, Solve, Solved
 
 SWIFT = 1e3  # the belts' speed, relative to the contacts' speeds and to their change by the external force
-RIGHT = 1e-6  # the residual up to which an answer is taken as the solution of the scheme's equations
-NUDGE = 1e-5  # the displacement of the finite differences, relative to the largest body: balances round-off and curvature
+RIGHT = 1e-6  # the residual up to which an answer counts as a solution of the scheme's equations
+NUDGE = 1e-5  # the displacement of finite differences, relative to the largest body: balances rounding and truncation errors
 
 
 class Rates(NamedTuple):
@@ -40,7 +40,7 @@ class Rates(NamedTuple):
 
 
 def rates(scene: Scene, q: Array, v: Array, contacts: Contacts) -> Rates:
-    """By central differences along v; 0 at contacts that do not exist at both ends."""
+    """The rates by central differences along v; 0 for contacts that do not exist at both ends."""
     nc, nj, nv, d = len(contacts), 2 * len(scene.hinges), len(v), scene.dimension
     way = NUDGE * scene.reach
     fastest = np.abs(v).max(initial=0.0) * max(1.0, scene.reach)
@@ -61,7 +61,7 @@ def rates(scene: Scene, q: Array, v: Array, contacts: Contacts) -> Rates:
 
 
 def on_belts(problem: FrictionProblem, contacts: Index64, velocities: Array) -> FrictionProblem:
-    """The problem with a belt of this velocity (n, d - 1) under each of these contacts (n,): d - 1 velocities more for each."""
+    """The problem with a belt of given velocity (n, d - 1) under each of these contacts (n,), which adds d - 1 velocities."""
     n = velocities.size
     nc, nj, tangents = problem.contacts, problem.joints.shape[0], velocities.shape[1]
     row = (tangents * contacts[:, None] + np.arange(tangents)).ravel()
@@ -76,7 +76,7 @@ def on_belts(problem: FrictionProblem, contacts: Index64, velocities: Array) -> 
 
 
 def require_moving_belts(problem: FrictionProblem, impulse: Array, belts: Array, contacts: Contacts, time: float) -> None:
-    """Errors: NoSolution where a correct answer stops one of the belts, of velocities (nc, d - 1), 0 where there is none."""
+    """Errors: NoSolution if a correct answer stops a belt. belts: their velocities (nc, d - 1), 0 where there is none."""
     speed = np.linalg.norm(belts, axis=1)
     left = (problem.contact_velocity(impulse)[:, 1:] * belts).sum(axis=1)
     caught = (speed > 0) & (left < speed**2 / 2)
@@ -86,8 +86,8 @@ def require_moving_belts(problem: FrictionProblem, impulse: Array, belts: Array,
 
 
 class Accelerations(NamedTuple):
-    """The force problem with its answer in N, the contacts' accelerations (nc, 2), 0 along t where a contact slides, and
-    their size without contact forces."""
+    """The force problem with its answer in N, the contacts' accelerations (nc, 2), 0 along t at a sliding contact, and the
+    largest acceleration of a contact without contact forces."""
 
     solved: Solved
     contacts: Array
@@ -97,10 +97,10 @@ class Accelerations(NamedTuple):
 def accelerations(
     scene: Scene, q: Array, v: Array, time: float, contacts: Contacts, slip: NDArray[np.int64], solve: Solve
 ) -> Accelerations:
-    """slip: (nc,), the direction in which each contact slides, 0 where it does not. Errors: NoSolution.
+    """Solve for the accelerations. slip: (nc,), the direction of sliding of each contact, 0 if it sticks. Errors: NoSolution.
 
-    The tangential rates of contacts that do not slide enter through a shift d of the accelerations with t'd = t.'v, because a
-    friction problem has none of its own.
+    A friction problem has no tangential bias. The tangential rates of sticking contacts are therefore included by a shift d of
+    the accelerations with t'd = t.'v.
     """
     rate = rates(scene, q, v, contacts)
     held = slip == 0

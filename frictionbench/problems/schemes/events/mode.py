@@ -1,12 +1,12 @@
-"""A mode of contact: which contacts are closed, and whether each sticks or slides; its forces are linear in the accelerations.
+"""A mode of contact: which contacts are closed, and whether each sticks or slides. Its forces solve linear equations.
 
-With G the rows of what is held (normals of closed contacts, tangents of sticking ones, joints) and C those along which their
-forces x act (n - mu sign(t'v) t where a contact slides),
+The rows of G are the constraints: normals of closed contacts, tangents of sticking contacts, and joints. The rows of C are the
+directions of their forces x, n - mu sign(t'v) t at a sliding contact. Then
 
     M a = k + C' x,      G a + G. v = 0,      A x = -(G M^-1 k + G. v),  A = G M^-1 C'.
 
-For one sliding contact A is Painlevé's p = n'M^-1 (n - mu sign(t'v) t). Where A loses rank contacts are redundant: the
-accelerations are determined and the forces, here those of least norm, are not.
+For one sliding contact, A is Painlevé's p = n'M^-1 (n - mu sign(t'v) t). If A is rank-deficient, contacts are redundant: the
+accelerations are determined, but the forces are not, and those of least norm are used.
 """
 
 from typing import NamedTuple
@@ -19,24 +19,24 @@ from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes.events.forces import rates
 
-SINGULAR = 1e-9  # the least singular value of A, relative to the largest, above which contacts are not redundant
+SINGULAR = 1e-9  # relative to A's largest singular value: smaller ones count as zero, and contacts are redundant
 
 
 class Mode(NamedTuple):
-    """features: (nc, 2), of the closed contacts. slip: (nc,), the sign of t'v where one slides, 0 where it sticks."""
+    """features: (nc, 2), of the closed contacts. slip: (nc,), the sign of t'v at a sliding contact, 0 at a sticking one."""
 
     features: NDArray[np.int64]
     slip: NDArray[np.int64]
 
     def find(self, contacts: Contacts) -> tuple[Contacts, bool]:
-        """These contacts in the mode's order, and whether all of them were among the given."""
+        """The mode's contacts among the given ones, in the mode's order, and whether all were found."""
         place = {tuple(feature): i for i, feature in enumerate(contacts.feature.tolist())}
         index = [place[f] for f in map(tuple, self.features.tolist()) if f in place]
         return contacts.only(np.array(index, dtype=np.int64)), len(index) == len(self.features)
 
 
 class Forces(NamedTuple):
-    """a: (nv,). normal, tangential: (nc,), N. sign: that of det A. redundant: whether the forces are not determined.
+    """a: (nv,). normal, tangential: (nc,), N. sign: of det A, 1 if redundant. redundant: whether the forces are undetermined.
     stiffness: (nc, 2), the diagonal of J M^-1 J', 1/kg."""
 
     a: Array
@@ -55,7 +55,7 @@ def _rows(scene: Scene, q: Array, contacts: Contacts) -> tuple[Array, Array, Arr
 
 
 def forces(scene: Scene, q: Array, v: Array, time: float, contacts: Contacts, mode: Mode) -> Forces:
-    """The forces and the accelerations in this mode, whether or not they satisfy the inequalities."""
+    """The forces and accelerations in this mode, whether or not they satisfy the inequalities."""
     N, T, F = _rows(scene, q, contacts)
     sticks, nc = mode.slip == 0, len(contacts)
     rate = rates(scene, q, v, contacts)
@@ -74,7 +74,7 @@ def forces(scene: Scene, q: Array, v: Array, time: float, contacts: Contacts, mo
 
 
 def project(scene: Scene, q: Array, v: Array, mode: Mode) -> tuple[Array, Array]:
-    """The nearest state, in the metric of M, in which closed contacts and joints are closed and do not move apart."""
+    """The nearest state in the metric of M that satisfies the mode's constraints in positions and in velocities."""
     contacts, complete = mode.find(scene.contacts(q, 10 * scene.touch))
     theta = scene.joints(q)[0]
     if not complete or not (len(contacts) or len(theta)):

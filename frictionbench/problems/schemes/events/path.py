@@ -1,16 +1,16 @@
 """The smooth path of one mode of contact up to its next event, by Dormand and Prince's method of order 8 with dense output.
 
-The state is integrated with the friction work and the impulses of the contacts. After each step of the integrator the
-conditions of the mode are evaluated on its dense output, and the first that is violated is located by Brent's method:
+The friction work and the impulses of the contacts are integrated with the state. After each step of the integrator the
+conditions of the mode are evaluated on its dense output, and the first violation is located by Brent's method or bisection:
 
     touch      the gap of another contact closes
     lift       f_n < 0                  slip    |f_t| > mu f_n
     turn       t'v changes its sign     lost    the contact's features no longer face each other
-    singular   det A changes its sign: past Painlevé's p = 0 no force is determined
-    redundant  where forces are not determined, the friction problem's accelerations are others than the mode's
+    singular   det A changes its sign: beyond Painlevé's p = 0 no force is determined
+    redundant  forces are not determined, and the friction problem's accelerations differ from the mode's
 
-A force violates its condition when the acceleration that it would have to prevent exceeds MARGIN of the accelerations at hand,
-so that the mode after the event is beyond doubt; the impulse until then is of the order of MARGIN squared.
+A force violates its condition when the acceleration that it would have to prevent exceeds MARGIN times the accelerations
+without contact forces, so that the next mode is unambiguous. The impulse until then is of the order of MARGIN squared.
 """
 
 from collections.abc import Callable
@@ -27,17 +27,17 @@ from frictionbench.problems.schemes.events.forces import accelerations
 from frictionbench.problems.schemes.events.mode import Forces, Mode, forces
 from frictionbench.problems.schemes.stepping import NoSolution, Smooth, Solve
 
-SAMPLES = 6  # of the dense output of an integrator's step, so that a touch and rebound within it is seen
+SAMPLES = 6  # of the dense output in each step of the integrator, so that a touch and rebound within it are detected
 MARGIN = 1e-6  # see above
-STILL = 1e-11  # of the fastest speed or the largest body: what a speed or a gap may be on the wrong side of zero
-RISES = 40  # halvings of an interval in which a condition is sought to hold for a while
+STILL = 1e-11  # relative to the fastest speed or the largest body: how far a speed or a gap may be on the wrong side of zero
+RISES = 40  # halvings of an interval in the search for a time at which a condition holds
 EXACT = 1e-14  # relative accuracy of an event's time
 KINDS = ("touch", "lost", "singular", "redundant", "lift", "slip", "turn")
 
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """The state at the end of a smooth path, what happened there, and what the contacts did on the way."""
+    """The state at the end of a smooth path, the event there, and the contacts' impulses and friction work along the path."""
 
     time: float
     q: Array
@@ -55,7 +55,7 @@ class _Path:
         self.features = set(map(tuple, mode.features.tolist()))
 
     def at(self, time: float, y: Array) -> tuple[Contacts, Contacts, Forces | None]:
-        """The contacts near, those of the mode, and its forces; None where one of them is not there."""
+        """The nearby contacts, those of the mode, and the mode's forces, or None if one of its contacts is missing."""
         self.evaluations += 1
         q, v = y[: self.nv], y[self.nv : 2 * self.nv]
         near = self.scene.contacts(q, self.scene.reach)
@@ -71,7 +71,7 @@ class _Path:
         return np.concatenate([v, found.a, [work], np.column_stack([found.normal, found.tangential]).ravel()])
 
     def conditions(self, time: float, y: Array) -> Array:
-        """At least -tolerance where the mode holds, by KINDS and contact."""
+        """The values of the conditions, by KINDS and contact, which are at least -tolerance while the mode holds."""
         near, contacts, found = self.at(time, y)
         others = [gap for gap, f in zip(near.gap, map(tuple, near.feature.tolist()), strict=True) if f not in self.features]
         touch, nc = min(others, default=self.scene.reach), len(self.mode.slip)
@@ -100,7 +100,7 @@ class _Path:
 
 
 def typical_speed(scene: Scene, q: Array, v: Array, time: float) -> float:
-    """The fastest speed, at least that of a fall by the size of the largest body."""
+    """The fastest speed, but at least that of a fall from the height of the largest body."""
     pull = np.abs(scene.accelerate(q, scene.force(q, v, time))).max(initial=0.0)
     return float(max(scene.fastest(v), np.sqrt(pull * scene.reach)))
 
@@ -118,9 +118,9 @@ def fly(
     accuracy: float,
 ) -> Flight:
     """The path from here to the first event, or to the end. size, speed: of the contacts' accelerations and of the motion.
-    accuracy: relative, of the integrator.
+    accuracy: the relative tolerance of the integrator.
 
-    Errors: NoSolution where the integrator's steps vanish or a singular mode is reached.
+    Errors: NoSolution if the integrator's steps vanish or a singular mode is reached.
     """
     nv, nc = len(q), len(mode.slip)
     contacts, _ = mode.find(scene.contacts(q, 10 * scene.touch))
@@ -149,7 +149,7 @@ def fly(
 def _first_violation(
     path: _Path, begin: float, end: float, dense: Callable[[float], Array], last: Array
 ) -> tuple[float, Array, str]:
-    """The time, the state and the kind of the first event in a step of the integrator; its end and no kind if there is none."""
+    """The time, state and kind of the first event in a step of the integrator; the end and no kind if there is none."""
     before, known = begin, None
     for time in np.linspace(begin, end, SAMPLES + 1)[1:]:
         y = dense(time)
@@ -166,7 +166,7 @@ def _first_violation(
 
 
 def _locate(path: _Path, dense: Callable[[float], Array], i: int, before: float, after: float, known: float) -> float:
-    if i in (1, 2, 3):  # a condition without a size: by bisection
+    if i in (1, 2, 3):  # a condition that is only true or false: bisection
         for _ in range(40):
             middle = (before + after) / 2
             good = path.conditions(middle, dense(middle))[i] >= 0
@@ -177,7 +177,7 @@ def _locate(path: _Path, dense: Callable[[float], Array], i: int, before: float,
         return float(path.conditions(time, dense(time))[i] + shift)
 
     shift, least = 0.0, path.tolerance()[i]
-    if known <= least:  # it begins on the boundary, as a ball that has just bounced: it may rise above it and return
+    if known <= least:  # it starts at its bound, as for a ball that has just bounced, and may rise and return
         risen = next((t for t in before + (after - before) * 0.5 ** np.arange(1, RISES) if value(t) > least), None)
         before, shift = (before, least) if risen is None else (float(risen), 0.0)
     if value(before, shift) <= 0:
