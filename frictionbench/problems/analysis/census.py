@@ -6,10 +6,10 @@ to the left or right, the solutions are a polyhedron:
     open    r_n = 0, u_n >= 0                        stick   u_t = 0, |r_t| <= mu r_n + b_f
     closed  r_n >= 0, u_n = 0                        right   u_t >= 0, r_t = -(mu r_n + b_f)      left the mirror image
 
-The census enumerates the modes contact by contact, represents the polyhedron of the choices so far by its vertices and rays
-(problems.analysis.polyhedra), and prunes a branch where it is empty. So it finds segments, faces and rays of solutions as well
-as points, which enumerating the bases of the LCP would not: hyperstatic impulses, and the scene jam, whose solutions are not
-convex.
+The census enumerates the modes contact by contact. It represents the polyhedron of the choices made so far by its vertices and
+rays (problems.analysis.polyhedra), and prunes a branch if it is empty. Unlike an enumeration of the LCP's bases, it finds
+segments, faces and rays of solutions as well as points: for example, hyperstatic impulses, and the nonconvex set of solutions
+of the scene jam.
 """
 
 from collections.abc import Callable, Iterator
@@ -39,9 +39,9 @@ from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 
-MODES = 4**8  # the most modes that are enumerated: some seconds
-TIES = (1e-12, 1e-11, 1e-10, 1e-9)  # velocities relative to the largest free one that count as zero; the first that suffices
-WRONG = 1e-7  # a point with a larger residual is not a solution but an effect of round-off
+MODES = 4**8  # the largest number of modes that is enumerated, in some seconds
+TIES = (1e-12, 1e-11, 1e-10, 1e-9)  # relative to the largest free velocity: smaller ones count as zero; the first that suffices
+WRONG = 1e-7  # a point with a larger residual is not a solution but an effect of rounding
 
 
 Cut = tuple[Array, bool]  # row'(x, 1) >= 0, or = 0 if the flag is set
@@ -56,12 +56,12 @@ class Choice(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Census:
-    """All solutions of a problem, x the impulse (nc*d, N s), and the contact velocities y (m/s) that belong to them.
+    """All solutions of a problem: the impulses x (nc*d,), N s, and their contact velocities y (nc*d,), m/s.
 
     pieces: maximal polyhedra of solutions, each with its mode, a letter per contact ("o"pen, "s"tick, "l"eft, "r"ight,
     "c"losed without friction, and in capitals open contacts with a friction bias).
-    velocities: the same pieces in y, maximal ones; several impulses may have one velocity.
-    shape, velocity_shape: whether there is none, one, a convex set of several, isolated ones, or else a set not convex.
+    velocities: the maximal images of the pieces in y; different impulses may have the same velocity.
+    shape, velocity_shape: whether there are none, one, a convex set, isolated points, or another nonconvex set.
     """
 
     pieces: tuple[Polyhedron, ...]
@@ -71,25 +71,25 @@ class Census:
 
     @property
     def count(self) -> int | None:
-        """How many solutions there are, None for infinitely many."""
+        """The number of solutions, None if it is infinite."""
         return _count(self.pieces)
 
     @property
     def velocity_count(self) -> int | None:
-        """How many velocities the solutions have, None for infinitely many."""
+        """The number of different velocities of the solutions, None if it is infinite."""
         return _count(self.velocities)
 
 
 def census(problem: FrictionProblem) -> Census:
     """All solutions of a planar friction problem.
 
-    It works with impulses in units of |q|/s, s the mean diagonal of a contact's block of W, so its tolerances are relative:
-    impulses 1e-7 apart are the same; velocities below 1e-12 of the largest free one are zero, impulses beyond 1e12 |q|/s
-    infinite. Where a generator found this way is no solution, because of round-off in a badly conditioned W, these two are
-    relaxed by powers of ten, up to 1e-9.
-    A few contacts take milliseconds, eight up to some seconds where most modes are possible.
+    Impulses are in units of |q|/s, where s is the mean diagonal of a contact's block of W, so that tolerances are relative:
+    impulses up to 1e-7 apart are equal, velocities below 1e-12 times the largest free one are zero, and impulses beyond
+    1e12 |q|/s are infinite. If a generator found in this way is not a solution, because of rounding with an ill-conditioned W,
+    the latter two tolerances are relaxed by powers of ten, up to 1e-9.
+    A few contacts take milliseconds; eight take up to some seconds if most modes are possible.
     Errors: InputError for spatial problems and for more than 4^8 modes: 8 contacts with friction, fewer with friction_bias.
-    ArithmeticError where no such tolerance suffices.
+    ArithmeticError if no such tolerance suffices.
     """
     require(problem.dimension == 2, "dimension", "a census is for planar problems, dimension 2")
     nc = problem.contacts
@@ -104,7 +104,7 @@ def census(problem: FrictionProblem) -> Census:
         mu, b = problem.friction[i], problem.friction_bias[i] * root[2 * i] / free
         r_n, r_t, u_n, u_t = eye[2 * i], eye[2 * i + 1], velocity[2 * i], velocity[2 * i + 1]
         limit = mu * r_n + b * eye[-1]
-        wide = limit if mu else r_n + limit  # without friction the cone is a half-line, which no two facets bound
+        wide = limit if mu else r_n + limit  # without friction the cone is a half-line: start with a wider one
         facets += [wide + r_t, wide - r_t]
         cuts += [(r_n, False), (limit + r_t, False), (limit - r_t, False)]
         # The cuts on the impulse come first: they only select a face, which leaves fewer generators for the next cuts.
@@ -124,10 +124,10 @@ def census(problem: FrictionProblem) -> Census:
 
 
 def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
-    """The census in plain values, for a table; all None where it is not possible.
+    """The census in plain values, for a table; all None if a census is not possible.
 
-    solutions: the value of a Shape of the impulses: "none", "one", "convex", "isolated" or "not convex".
-    velocity_count: how many velocities, None also where infinitely many.
+    solutions: the Shape of the set of impulses: "none", "one", "convex", "isolated" or "not convex".
+    velocity_count: the number of velocities, None also if it is infinite.
     """
     try:
         found = census(problem)
@@ -137,7 +137,7 @@ def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
 
 
 def _walk(cone: Cone, choices: list[list[Choice]], mode: str = "") -> Iterator[Polyhedron]:
-    """The polyhedra of solutions of all modes that begin with the choices made so far."""
+    """The polyhedra of solutions in all modes that start with the choices made so far."""
     here = polyhedron(cone, mode)
     if here is None:
         return
@@ -160,9 +160,9 @@ def enumerate_solutions(
     y_unit: Array,
     is_solution: Callable[[Array], bool],
 ) -> Census:
-    """The census of the x with facets (x, 1) >= 0 and the cuts; y (x, 1) are the velocities, the units those of x and y.
+    """The census of the points x with facets (x, 1) >= 0 and the cuts. y (x, 1): the velocities. x_unit, y_unit: the units.
 
-    Errors: InputError for more than MODES modes; ArithmeticError where no tolerance of TIES suffices.
+    Errors: InputError for more than MODES modes; ArithmeticError if no tolerance of TIES suffices.
     """
     modes = prod(len(several) for several in choices)
     require(modes <= MODES, "contacts", f"a census enumerates at most {MODES} modes; this problem has {modes}")

@@ -1,19 +1,19 @@
-"""No solution, proved: contacts and joint equations that contradict each other.
+"""Proofs that a problem has no solution, because contacts and joint equations contradict each other.
 
-The velocities after a step satisfy N v + b >= 0 and F v + b_F = 0, whatever the friction. By Farkas' lemma no velocity does if
-and only if there are y >= 0 and z with
+The velocities after a step satisfy N v + b >= 0 and F v + b_F = 0, whatever the friction. By Farkas' lemma, no velocity does if
+and only if there are weights y >= 0 and z of these conditions with
 
-    N'y + F'z = 0,      b'y + b_F'z < 0,
+    N'y + F'z = 0,      b'y + b_F'z < 0.
 
-the weights of the conditions whose sum says 0 < 0. A linear program proposes them. They are checked in rational arithmetic, the
-data taken as the doubles they are: with the defect rho = N'y + F'z and the gain g = -(b'y + b_F'z) > 0, a velocity that
-satisfies all conditions has rho'v >= g, so that none exists where rho = 0 and none with |v| < g/|rho| otherwise.
+A linear program proposes the weights. They are checked in rational arithmetic with the exact values of the floating-point data.
+Let rho = N'y + F'z be the defect and g = -(b'y + b_F'z) > 0 the gain. A velocity that satisfies all conditions has rho'v >= g,
+so that none exists if rho = 0, and none with |v| < g/|rho| otherwise.
 
-Of a solution's velocities u_n = N v + b the weighted sum y'u_n = rho'v - g shows more: where rho = 0, some contact penetrates
-with at least g/sum y, and no impulses have a residual below g/(y'unit).
+The weighted sum y'u_n = rho'v - g of the velocities u_n = N v + b shows more: if rho = 0, some contact penetrates with at least
+g/sum y, and no impulses have a residual below g/(y'unit).
 
-Where only W is known, N v + b is replaced by the normal rows of W r + q, and velocities by impulses. The condition is
-sufficient only: a problem whose conditions can be satisfied may have no solution with friction.
+If only W is known, N v + b is replaced by the normal rows of W r + q, and velocities by impulses. The condition is only
+sufficient: with friction, a problem may have no solution although its conditions can be satisfied.
 """
 
 from collections.abc import Iterable
@@ -26,16 +26,16 @@ from scipy import sparse
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
 
-LEAST = 1e-9  # of the largest weight: smaller ones are no part of the proposal
-FAR = 1e6  # times the problem's own velocities: a proof that excludes only smaller ones is none
+LEAST = 1e-9  # relative to the largest weight: smaller ones are set to zero
+FAR = 1e6  # times the problem's own velocities: a proof must exclude all velocities up to this
 
 
 class Contradiction(NamedTuple):
     """Conditions that no velocity satisfies.
 
-    y: (nc,) >= 0 and z: (nj,), the proved weights of contacts and joint equations. beyond: no velocity below so many times the
-    problem's own, the largest of v* and b in units of each body's mass, satisfies them; infinite where rho = 0.
-    least_residual: no impulses that give velocities within sqrt(beyond) of those have a smaller residual.
+    y: (nc,) >= 0 and z: (nj,), the proved weights of contacts and joint equations. beyond: no velocity up to this multiple of
+    the problem's own, the largest of v* and b scaled by masses, satisfies the conditions; infinite if rho = 0.
+    least_residual: of all impulses that give velocities up to sqrt(beyond) times the problem's own.
     """
 
     y: Array
@@ -56,9 +56,9 @@ def _named(what: str, weights: Array) -> Iterable[str]:
 
 
 def contradiction(problem: FrictionProblem) -> Contradiction | None:
-    """The proof that a problem has no solution, None where none of this kind is found.
+    """The proof that a problem has no solution, None if no proof of this kind is found.
 
-    Errors: InputError naming problem where it is no FrictionProblem.
+    Errors: InputError naming problem if it is not a FrictionProblem.
 
     >>> import frictionbench as fb
     >>> walls = {"normal": [[1.0], [-1.0]], "tangent": [[0.0], [0.0]], "friction": [0.5, 0.5]}
@@ -74,7 +74,7 @@ def contradiction(problem: FrictionProblem) -> Contradiction | None:
     row = _power_of_two(np.sqrt(np.asarray(conditions.multiply(conditions).sum(axis=1)).ravel()))
     rows, right = sparse.diags_array(1 / row) @ conditions, offset / row
     size = max(own, float(np.abs(right).max()))
-    from scipy.optimize import linprog  # takes a quarter of a second, and few problems come here
+    from scipy.optimize import linprog  # the import takes 0.25 s, and few problems get here
 
     proposed = linprog(
         right / size,
@@ -95,13 +95,13 @@ def contradiction(problem: FrictionProblem) -> Contradiction | None:
         return None
     y, z = np.split(weight / row, [nc])
     least = gain * (1 - 1 / np.sqrt(beyond)) / float(y @ problem.units) if y.any() else np.inf
-    largest = _power_of_two(np.array(max(y.max(initial=0.0), np.abs(z).max(initial=0.0))))  # so that the weights stay proved
+    largest = _power_of_two(np.array(max(y.max(initial=0.0), np.abs(z).max(initial=0.0))))  # exact, so that the proof holds
     return Contradiction(y / largest, z / largest, beyond, least)
 
 
 def _conditions(problem: FrictionProblem) -> tuple[sparse.csr_array, Array, float]:
-    """The rows of N and F, by velocities in units of their own mass, their offsets, and the problem's largest such velocity; of
-    W and q alone the normal rows, by impulses likewise."""
+    """The rows of N and F for velocities scaled by masses, their offsets, and the problem's largest scaled velocity. If only W
+    and q are known: the normal rows for scaled impulses."""
     if not problem.mechanical:
         root = _power_of_two(np.sqrt(np.repeat(problem.scale, problem.dimension)))
         normal = sparse.csr_array(problem.W[:: problem.dimension] @ sparse.diags_array(1 / root))
@@ -118,7 +118,7 @@ def _power_of_two(size: Array) -> Array:
 
 
 def _polished(rows: sparse.csr_array, weight: Array, nc: int) -> Array:
-    """The weights that are not negligible, moved by least squares to where the defect is rounding."""
+    """The weights without negligible ones, corrected by least squares so that the defect is only rounding."""
     taken = np.abs(weight) > LEAST * np.abs(weight).max()
     taken[nc:] = True
     part = rows[taken].toarray()
@@ -130,7 +130,7 @@ def _polished(rows: sparse.csr_array, weight: Array, nc: int) -> Array:
 
 
 def _sums(rows: sparse.csr_array, right: Array, weight: Array) -> tuple[float, float]:
-    """The norm of the defect and the gain, both summed in rational arithmetic."""
+    """The 1-norm of the defect, and the gain, both summed in rational arithmetic."""
     defect: dict[int, Fraction] = {}
     gain = Fraction(0)
     for i in np.flatnonzero(weight).tolist():

@@ -1,13 +1,12 @@
-"""Whether friction is at work in a problem, or its frictionless answer satisfies Coulomb's law.
+"""Whether friction matters in a problem, or its frictionless answer satisfies Coulomb's law.
 
 Without friction the impulses are normal and minimise the kinetic energy: with tangential impulses zero,
 
     0 <= u_n  ⟂  r_n >= 0,      u = W r + q.
 
-Such an answer satisfies Coulomb's law where no contact with friction that carries load slides, as in a stack at rest. A
-friction problem with such an answer tests a solver of linear complementarity problems without friction, and is called idle. The
-frictionless velocities are unique, the impulses of hyperstatic contacts are not: the problem is idle if any of them satisfies
-the law.
+Such an answer satisfies Coulomb's law if no loaded contact with friction slides, as in a stack at rest. A friction problem with
+such an answer tests only the solution of a frictionless complementarity problem, and is called idle. The frictionless
+velocities are unique, but the impulses of hyperstatic contacts are not: the problem is idle if any of them satisfies the law.
 """
 
 from collections.abc import Callable
@@ -19,7 +18,7 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.problems.subproblems import keep_contacts
 
-# The largest residual of a frictionless answer that satisfies Coulomb's law: the tightest tolerance of most suites.
+# A frictionless answer up to this residual satisfies Coulomb's law. It is the tightest tolerance of most suites.
 WITHIN = 1e-8
 
 Solve = Callable[[FrictionProblem], Array]
@@ -28,9 +27,9 @@ Solve = Callable[[FrictionProblem], Array]
 def idle(problem: FrictionProblem, solve: Solve) -> bool:
     """Whether a frictionless answer satisfies Coulomb's law, to WITHIN or to the rounding floor of the residual.
 
-    solve gives the impulses (nc, d) of a problem, and its errors are passed on. Where the first frictionless answer does not
-    satisfy the law, a second one is tried, without impulses at the contacts with friction that slide: since the frictionless
-    velocities are unique, it satisfies the law if any does.
+    solve returns the impulses (nc, d) of a problem, and its errors are passed on. If the first frictionless answer violates the
+    law, a second one is tried, without impulses at sliding contacts with friction. Since the frictionless velocities are
+    unique, it satisfies the law if any answer does.
     """
     r = frictionless_answer(problem, solve)
     within = max(WITHIN, residual_floor(problem, r))

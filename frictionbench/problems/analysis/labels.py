@@ -1,8 +1,8 @@
 """Labels of a friction problem: size, rank, pointedness, triviality.
 
-By their labels trivial problems are excluded from headline results, and results are split by what makes problems hard. Rank
-deficiency of W, rather than lack of convexity, is what most methods suffer from (Acary, Brémond and Huber 2018). Whether a
-problem is idle is decided by an answer: problems.analysis.frictionless.
+Labels serve to exclude trivial problems from headline results, and to split results by the causes of difficulty. For most
+methods this is the rank deficiency of W rather than the lack of convexity (Acary, Brémond and Huber 2018). Whether a problem is
+idle depends on an answer: see problems.analysis.frictionless.
 """
 
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 from frictionbench.problems.subproblems import keep_contacts
 
-DENSE_ROWS = 600  # the most rows of W for dense decompositions, which cost more than solving larger problems
-NOTHING = 1e-12  # residual of r = 0 up to which it is an answer
-POINTED = 1e-9  # up to which the value of pointedness counts as 0, which it is but for rounding
-NOISE = 1e3  # times the rounding of a product of matrices: singular values below count as zero
+DENSE_ROWS = 600  # the most rows of W for dense decompositions; beyond, they cost more than solving the problem
+NOTHING = 1e-12  # r = 0 is an answer if its residual is up to this
+POINTED = 1e-9  # the pointedness up to which it counts as 0, because of rounding
+NOISE = 1e3  # times the rounding error of a matrix product: smaller singular values count as zero
 FACETS = 8  # of the polygon in space, the default of FrictionProblem.lcp
 
 
@@ -29,21 +29,21 @@ FACETS = 8  # of the polygon in space, the default of FrictionProblem.lcp
 class Labels:
     """size: of the friction LCP (lcp_size).
 
-    rank, condition: of W (largest over smallest nonzero singular value); None above DENSE_ROWS rows, where a dense singular
-    value decomposition costs more than the problem, and for a condition without any nonzero value.
-    pointedness: see pointedness(); 0 where the friction cone is pointed.
-    p0_margin: the least (a - mu |b|)/a over contacts, with a = W_nn and b = W_nt of the contact's own block: a contact alone
-    makes a P0 matrix iff it is not negative (in space |b| is a norm, and the margin a lower bound); 1 without contacts.
-    mass_ratio: the largest over the smallest effective mass at a contact, 1/s of FrictionProblem.scale; 1 without contacts.
-    largest_friction: the largest coefficient of friction; 0 without contacts.
-    asymmetry: that of FrictionProblem, and indefiniteness: the most negative eigenvalue of W's symmetric
-    part over the largest, positive where there is one, as estimated by problems.forms.definite; for problems of
-    which only W is known, as recorded ones. 0 where the mechanics are given.
-    islands: how many the contact graph has (problems.forms.islands). island_ratio: the largest over the smallest of the
-    contacts' units of velocity, those of their islands; 1 where nothing moves.
-    limits, dry_friction: how many of the contacts are limits and dry friction of joints, in the conventions of FrictionProblem.
-    trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is the answer. Where
-    the friction cone of the contacts that are closed at r = 0 is not pointed, as in a jam, r = 0 is one answer of several.
+    rank, condition: of W; the condition is the largest divided by the smallest nonzero singular value. Both are None above
+    DENSE_ROWS rows, where a dense singular value decomposition costs more than solving the problem. The condition of W = 0 is
+    None.
+    pointedness: see pointedness(); 0 if the friction cone is pointed.
+    p0_margin: the least (a - mu |b|)/a over contacts, with a = W_nn and b = W_nt of the contact's own block. A single contact
+    has a P0 matrix iff this is nonnegative (in space |b| is a norm, and the margin a lower bound); 1 without contacts.
+    mass_ratio: the ratio of the largest to the smallest effective mass at contacts, 1/s of FrictionProblem.scale; 1 without
+    contacts. largest_friction: the largest coefficient of friction; 0 without contacts.
+    asymmetry: that of FrictionProblem. indefiniteness: minus the ratio of the smallest to the largest eigenvalue of W's
+    symmetric part, as estimated by problems.forms.definite, or 0 if it is negative. Both are 0 if the mechanics are given.
+    islands: the number of islands of the contact graph (problems.forms.islands). island_ratio: the ratio of the largest to the
+    smallest unit of the contacts, which are those of their islands; 1 if nothing moves.
+    limits, dry_friction: the numbers of contacts that represent joint limits and dry friction of joints (see FrictionProblem).
+    trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" if r = 0 is the only answer. It
+    is not the only one if the friction cone of the contacts closed at r = 0 is not pointed, as in a jam.
     """
 
     size: int
@@ -82,7 +82,7 @@ def lcp_size(problem: FrictionProblem) -> int:
 
 
 def joint_rows(problem: FrictionProblem) -> tuple[Array, Array]:
-    """Which contacts are limits, and which are dry friction of joints (nc,), booleans."""
+    """Whether each contact (nc,) represents a joint limit, and whether it represents dry friction of a joint."""
     size = abs(problem.jacobian).sum(axis=1) if problem.mechanical else problem.W.diagonal()
     rows = np.reshape(size, (-1, problem.dimension)) > 0
     normal, tangent = rows[:, 0], rows[:, 1:].any(axis=1)
@@ -122,11 +122,11 @@ def _trivial(problem: FrictionProblem) -> str:
 
 
 def _rank_condition(problem: FrictionProblem) -> tuple[int, float | None]:
-    """Rank and condition of W = A A', from the singular values of A, which are the roots of those of W: forming a badly
-    conditioned W loses half its digits. Where only W is known, its own singular values are used.
+    """The rank and the condition number of W = A A', from the singular values of A, the square roots of those of W, because
+    forming an ill-conditioned W loses half its digits. If only W is known, its own singular values are used.
 
-    The rank is that of A with each contact's rows in units of their size without joints: it must not depend on how unlike the
-    masses are, and what joints cancel is rounding of that size.
+    For the rank, each contact's rows of A are divided by their norm without joints. The rank then does not depend on mass
+    ratios, and rows that joints cancel are recognised as rounding errors.
     """
     nc, d = problem.contacts, problem.dimension
     if not nc:
@@ -146,16 +146,16 @@ def _rank_condition(problem: FrictionProblem) -> tuple[int, float | None]:
 
 
 def _rank(A: Array) -> int:
-    """The rank of A, whose rows have norms of about 1 but for what has cancelled."""
+    """The rank of A, whose rows have norms of about 1 unless they have cancelled."""
     return int(np.sum(svdvals(A) > NOISE * max(A.shape) * np.finfo(float).eps))
 
 
 def pointedness(problem: FrictionProblem) -> float:
     """max { sum c : J'(c, beta) + F' lam = 0, |beta| <= mu c, 0 <= c <= 1 }, by linear programming; polygonal in space.
 
-    The amount of normal impulse that the contacts can exchange without moving anything: 0 where the friction cone is pointed,
-    and then the impulses are bounded by the data. A body jammed between two walls has 2. NaN where the program is
-    not solved, and where only W is known, above DENSE_ROWS rows, for which the dense program takes too long.
+    This is the normal impulse that the contacts can exchange without moving anything. If the friction cone is pointed, it is 0
+    and the data bound the impulses. For a body jammed between two walls it is 2. It is NaN if the program is not solved, or if
+    only W is known and has more than DENSE_ROWS rows, for which the dense program takes too long.
     """
     nc, d = problem.contacts, problem.dimension
     if not nc:
@@ -164,7 +164,7 @@ def pointedness(problem: FrictionProblem) -> float:
     directions = np.array([[1.0, -1.0]]) if d == 2 else np.array([np.cos(angle), np.sin(angle)])
     K = directions.shape[1]
     eye = sparse.eye_array(nc)
-    # W r = 0 where J' r = 0 and, symmetric and positive semidefinite, only there.
+    # W r = 0 iff J' r = 0, because W is symmetric and positive semidefinite.
     if not problem.mechanical and nc * d > DENSE_ROWS:
         return np.nan
     push = sparse.csr_array(problem.jacobian.T) if problem.mechanical else problem.W / (problem.W.max() or 1.0)
@@ -172,7 +172,7 @@ def pointedness(problem: FrictionProblem) -> float:
     D = push[:, tangential] @ sparse.kron(eye, directions)
     momentum = sparse.hstack([push[:, ~tangential], D, problem.joints.T], format="csr")
     size = abs(momentum).max(axis=1).toarray().ravel()
-    momentum = sparse.diags_array(1 / np.where(size > 0, size, 1.0)) @ momentum  # no row small for its units
+    momentum = sparse.diags_array(1 / np.where(size > 0, size, 1.0)) @ momentum  # so that units do not matter
     nj = problem.joints.shape[0]
     cone = sparse.hstack(
         [-sparse.diags_array(problem.friction), sparse.kron(eye, np.ones((1, K))), sparse.csr_array((nc, nj))], format="csr"

@@ -9,7 +9,7 @@ from frictionbench.problems.friction import FrictionProblem
 def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
     """The mode of each planar contact in an answer (nc, 2): "o"pen, "s"ticking, sliding "l"eft or "r"ight.
 
-    An impulse up to tol unit/s and a velocity up to tol unit count as zero, in the contact's own s and unit, problem.units.
+    An impulse up to tol unit/s and a velocity up to tol unit count as zero, with the contact's own s and unit.
     """
     require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
     least = tol * problem.units
@@ -20,10 +20,10 @@ def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
 
 
 def distance_to_next_mode(problem: FrictionProblem, impulse: Array) -> float:
-    """The distance of a solution (nc, 2) from the nearest change of mode, as a velocity over the contact's unit; 0 on a tie.
+    """The distance of a solution (nc, 2) from the nearest change of mode, as a velocity in the contact's unit; 0 on a tie.
 
-    An open contact changes where u_n reaches 0, a closed one where s r_n does; a sticking one where s |r_t| reaches its limit,
-    a sliding one where u_t reaches 0. Infinity without contacts.
+    An open contact changes its mode when u_n reaches 0, a closed one when s r_n does, a sticking one when s |r_t| reaches its
+    limit, and a sliding one when u_t reaches 0. Infinity without contacts.
     """
     require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
     if not problem.velocity_scale:

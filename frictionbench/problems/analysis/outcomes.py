@@ -1,22 +1,22 @@
-"""How far apart the velocities of two answers are, and an answer refined to what rounding allows.
+"""The distance between the velocities of two answers, and the refinement of an answer up to rounding.
 
-Several impulses may give one motion, so that outcomes are compared by velocities, in the metric of the mass and relative to
-what contact changes:
+Different impulses may give the same motion. Outcomes are therefore compared by velocities, in the metric of the mass matrix and
+relative to the change that contact causes:
 
     distance = |v - v*|_M / |v* - v_0|_M,      |v|_M^2 = v'M v,
 
-v* the velocities of a reference answer and v_0 those without impulses, which satisfy the joints' equations. Of W and q alone
-|v - v*|_M^2 = (r - r*)'(u - u*).
+where v* are the velocities of a reference answer and v_0 those without contact impulses, which satisfy the joint equations. If
+only W and q are known, |v - v*|_M^2 = (r - r*)'(u - u*).
 
-An answer within a tolerance is no outcome yet: in an ill-conditioned problem it may be far from any solution. Newton's method
-refines it first, on Alart and Curnier's equations in x = s r/unit and w = u/unit, contact by contact
+In an ill-conditioned problem, an answer within a tolerance may be far from any solution. It is therefore refined first, by
+Newton's method for Alart and Curnier's equations in x = s r/unit and w = u/unit, for each contact
 
-    open    x = 0                                        where x_n - w_n <= 0
-    closed  w_n = 0, and with y = x_t - w_t, L = mu x_n + b:     w_t = 0 where |y| <= L,     x_t = L y/|y| elsewhere.
+    open    x = 0                                        if x_n - w_n <= 0
+    closed  w_n = 0, and with y = x_t - w_t, L = mu x_n + b:     w_t = 0 if |y| <= L,     x_t = L y/|y| otherwise.
 
-Redundant contacts leave their derivative J singular. A step solves (J'J + DAMPING) dx = -J'E in its augmented form
-[[DAMPING, J'], [J, -1]], which does not square the condition of J, and moves little where J is singular: so it stays near the
-answer from which it starts. A step is kept only if the residual falls.
+Redundant contacts make the Jacobian J of these equations E singular. A step solves (J'J + DAMPING) dx = -J'E in the augmented
+form [[DAMPING, J'], [J, -1]], which does not square the condition number of J. Steps are small in singular directions of J, so
+that the result stays near the given answer. A step is accepted only if the residual decreases.
 
 References: Alart and Curnier 1991; Yamashita and Fukushima 2001 (Levenberg and Marquardt's method near solutions that are not
 isolated).
@@ -31,15 +31,15 @@ from frictionbench.problems.forms.islands import NOISE
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual, residual_floor
 
-FINEST = 1e-12  # residual of a refined answer, where its floor is not above
-DAMPING = 1e-13  # of a square: singular values below 3e-7 count as singular
-STEPS = 12  # most of which are needed where the damped part converges linearly
+FINEST = 1e-12  # the residual of a refined answer, unless its rounding floor is larger
+DAMPING = 1e-13  # relative to squares of singular values: those below 3e-7 count as zero
+STEPS = 12  # most of them are needed if the damped part converges linearly
 HALVINGS = 4
 
 
 def velocity_distance(problem: FrictionProblem, impulse: Array, reference: Array) -> float | None:
-    """The distance of the velocities of impulse (nc, d) from those of the reference (nc, d); None where contact changes nothing
-    beyond rounding or a shape is wrong."""
+    """The distance of the velocities of impulse (nc, d) from those of the reference (nc, d); None if contact changes nothing
+    beyond rounding or if a shape is wrong."""
     shape = problem.contacts, problem.dimension
     if impulse.shape != shape or reference.shape != shape or not np.isfinite(impulse).all():
         return None
@@ -57,9 +57,9 @@ def _norm(problem: FrictionProblem, one: Array, other: Array) -> float:
 
 
 def refined(problem: FrictionProblem, impulse: Array) -> Array | None:
-    """The answer (nc, d) refined until its residual is FINEST or within its floor; None where that is not reached.
+    """The answer (nc, d) refined until its residual is FINEST or within its floor; None if this is not reached.
 
-    Errors: InputError naming impulse, where it is no array of numbers.
+    Errors: InputError naming impulse if it is not an array of numbers.
     """
     r, least = impulse, residual(problem, impulse)
     if not np.isfinite(least):
@@ -84,7 +84,7 @@ def refined(problem: FrictionProblem, impulse: Array) -> Array | None:
 
 
 def _step(problem: FrictionProblem, x: Array, W: sparse.csr_array) -> Array:
-    """The damped Newton step in x (nc, d), W that of x and w."""
+    """The damped Newton step in x (nc, d). W: the matrix that maps x to w."""
     nc, d = x.shape
     w = problem.contact_velocity(x * (problem.units / problem.scale)[:, None]) / problem.units[:, None]
     mu, bias = problem.friction, problem.friction_bias * problem.scale / problem.units

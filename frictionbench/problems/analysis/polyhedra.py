@@ -1,10 +1,9 @@
-"""Polyhedra by vertices and rays, cut by one plane at a time, and the shape of a union of them.
+"""Polyhedra given by vertices and rays, cut by one plane at a time, and the shape of their unions.
 
-A polyhedron {x} is stored as the cone {(x, tau)} of its generators: with tau > 0 the vertices x/tau, with tau = 0 the rays.
-A cut keeps the generators on one side and adds the points where the edges cross the plane; two generators span an edge where
-no third is tight in all the inequalities that both are tight in. This is the double description method (Motzkin, Raiffa,
-Thompson and Thrall 1953; Fukuda and Prodon 1996). It needs a pointed cone to begin with and is meant for a few dozen
-generators.
+A polyhedron {x} is stored as the cone {(x, tau)} of its generators: those with tau > 0 are vertices x/tau, those with tau = 0
+rays. A cut keeps the generators on one side and adds the points where edges cross the plane. Two generators span an edge if no
+third is tight in all the inequalities in which both are tight. This is the double description method (Motzkin, Raiffa, Thompson
+and Thrall 1953; Fukuda and Prodon 1996). It must start with a pointed cone and is meant for a few dozen generators.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -18,11 +17,11 @@ from scipy.optimize import linprog
 
 from frictionbench.problems.check import Array
 
-SAME = 1e-7  # points at most this far apart, relative to 1 and their size, count as equal
+SAME = 1e-7  # points at most this far apart, relative to 1 plus their size, count as equal
 
 
 class Cone(NamedTuple):
-    """generators: (k, n+1), largest entry 1. tight: (k, m), where each generator meets each inequality exactly.
+    """generators: (k, n+1), largest entry 1. tight: (k, m), whether each inequality is an equality at each generator.
 
     tie: the distance from a plane (largest coefficient 1), also from tau = 0, up to which a generator counts as lying on it.
     """
@@ -44,7 +43,7 @@ class Polyhedron(NamedTuple):
 
     @property
     def dimension(self) -> int:
-        """0 of a point, 1 of a segment or ray, ..."""
+        """0 for a point, 1 for a segment or ray, ..."""
         spread = np.vstack([self.vertices[1:] - self.vertices[0], self.rays])
         size = 1.0 + np.abs(self.vertices).max(initial=0.0)
         return int(np.linalg.matrix_rank(spread, tol=SAME * size)) if spread.size else 0
@@ -77,7 +76,7 @@ def cut(cone: Cone, row: Array, equality: bool) -> Cone:
     if len(above) and len(below):
         p, m = (side.ravel() for side in np.meshgrid(above, below, indexing="ij"))
         both = tight[p] & tight[m]
-        not_tight = both.astype(np.float32) @ ~tight.T  # of how many of these inequalities each generator is not tight in
+        not_tight = both.astype(np.float32) @ ~tight.T  # how many of these inequalities are not tight at each generator
         edge = np.count_nonzero(not_tight == 0, axis=1) == 2
         p, m, both = p[edge], m[edge], both[edge]
         crossing = _unit(value[p, None] * generators[m] - value[m, None] * generators[p])
@@ -103,7 +102,7 @@ def distinct(points: Array) -> Array:
 
 
 def maximal(pieces: Iterable[Polyhedron], within: Callable[[Polyhedron, Polyhedron], bool]) -> list[Polyhedron]:
-    """The pieces that lie in no other; of equal ones the first."""
+    """The pieces that do not lie in another; of equal ones, the first."""
     found: list[Polyhedron] = []
     for piece in pieces:
         if not any(within(piece, other) for other in found):
@@ -112,7 +111,7 @@ def maximal(pieces: Iterable[Polyhedron], within: Callable[[Polyhedron, Polyhedr
 
 
 def is_face(piece: Polyhedron, other: Polyhedron) -> bool:
-    """Whether all generators of the piece are generators of the other: inclusion, for two that meet in a common face."""
+    """Whether all generators of the piece are generators of the other: inclusion, if the two meet in a common face."""
     return _among(piece.vertices, other.vertices) and _among(piece.rays, other.rays)
 
 
@@ -123,7 +122,7 @@ def is_subset(piece: Polyhedron, other: Polyhedron) -> bool:
 
 
 def contains(piece: Polyhedron, x: Array) -> bool:
-    """Whether x lies in the polyhedron: its distance in the largest entry, by linear programming, is SAME or less."""
+    """Whether x lies in the polyhedron: its distance in the maximum norm, by linear programming, is up to SAME (1 + |x|)."""
     size = SAME * (1.0 + np.abs(x).max())
     if len(piece.vertices) == 1 and not len(piece.rays):
         return bool(np.abs(piece.vertices[0] - x).max() <= size)
@@ -141,10 +140,10 @@ def contains(piece: Polyhedron, x: Array) -> bool:
 
 
 def shape(pieces: list[Polyhedron], is_solution: Callable[[Array], bool]) -> Shape:
-    """The shape of the union of maximal pieces, not convex where the midpoint of two of its points is outside.
+    """The shape of the union of maximal pieces, which is not convex if the midpoint of two of its points is outside.
 
-    Pairs of vertices, of points on rays and of centres are tried; a union of several pieces without such a pair is called
-    convex, although this does not prove it.
+    Pairs of vertices, of points on rays and of centres are tried. If no such pair is found, the union is called convex, which
+    is not a proof.
     """
     if not pieces:
         return Shape.NONE

@@ -14,15 +14,15 @@ from frictionbench.problems.forms.cone import project_cone
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 
-EPSILON = 8 * np.finfo(float).eps  # the rounding of a norm and of a product, with a margin
-ROUND_OFF = 1e-13  # of a contact's unit of velocity: impulses that change the contact's velocity by less are neglected
+EPSILON = 8 * np.finfo(float).eps  # the rounding error of a norm and of a product, with a margin
+ROUND_OFF = 1e-13  # relative to a contact's unit: impulses that change the contact's velocity by less are neglected
 
 
 def backward_error(problem: FrictionProblem, impulse: Array) -> float:
-    """The least eta with which impulse (nc, d) obeys Coulomb's law exactly for some |dq_i| <= eta unit_i, |dmu_i| <= eta mu_i.
+    """The least eta for which impulse (nc, d) obeys Coulomb's law exactly with some |dq_i| <= eta unit_i, |dmu_i| <= eta mu_i.
 
-    The smaller of two values: for the answer itself, and for its projection on the friction cones with impulses below round-off
-    set to zero. Infinity where there is no such change.
+    The smaller of two values is returned: for the answer itself, and for its projection onto the friction cones with impulses
+    below rounding set to zero. Infinity if there is no such change.
     """
     nc, d = problem.contacts, problem.dimension
     if not nc:
@@ -36,8 +36,8 @@ def backward_error(problem: FrictionProblem, impulse: Array) -> float:
 
 
 def _least_change(problem: FrictionProblem, impulse: Array, scale: Array) -> float:
-    """Contact by contact, with u the answer's own velocities: r_n > 0 requires u_n = 0, r_n = 0 requires u_n >= 0. Sticking
-    requires u_t = 0 with r_t inside the cone; sliding for u_t against r_t on the cone, to which mu may be moved.
+    """The largest change over contacts, with u the answer's velocities. r_n > 0 requires u_n = 0, r_n = 0 requires u_n >= 0.
+    Sticking requires u_t = 0 and r_t inside the cone; sliding requires u_t against r_t, and a mu with r_t on the cone.
     """
     n, t = impulse[:, 0], impulse[:, 1:]
     if (n < 0).any():
@@ -46,7 +46,7 @@ def _least_change(problem: FrictionProblem, impulse: Array, scale: Array) -> flo
     size, widest = np.linalg.norm(t, axis=1), problem.friction * n
     limit = widest + problem.friction_bias
     normal = np.where(n > 0, np.abs(u[:, 0]), np.maximum(-u[:, 0], 0.0))
-    at_limit = np.abs(size - limit) <= EPSILON * limit  # equal up to the rounding of a norm and of a product
+    at_limit = np.abs(size - limit) <= EPSILON * limit
     onto = np.where(at_limit, 0.0, np.where(widest > 0, np.abs(size - limit) / np.where(widest > 0, widest, 1.0), np.inf))
     against = np.where(size[:, None] > 0, -t / np.where(size > 0, size, 1.0)[:, None], 0.0)
     along = np.maximum(np.sum(u[:, 1:] * against, axis=1), 0.0)
@@ -60,10 +60,10 @@ def _least_change(problem: FrictionProblem, impulse: Array, scale: Array) -> flo
 def sensitivity(
     problem: FrictionProblem, solve: Callable[[FrictionProblem], Array], change: float = 1e-7, draws: int = 3, seed: int = 0
 ) -> float:
-    """The largest |du| / |dq| over random relative changes of q, in contact velocities over the contacts' units; infinity where
-    a perturbed problem is not solved.
+    """The largest |du| / |dq| over random relative changes of q, with velocities in the contacts' units; infinity if a
+    perturbed problem is not solved.
 
-    solve gives the impulses (nc, d) of a problem; their residuals must be at most change / 100. Where a problem has several
+    solve returns the impulses (nc, d) of a problem; their residuals must be at most change / 100. If a problem has several
     isolated solutions, a jump between them counts as ill-posedness.
     """
     nc, d = problem.contacts, problem.dimension

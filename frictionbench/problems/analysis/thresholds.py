@@ -1,4 +1,4 @@
-"""Conditions at which the theory of a problem changes, and known sufficient conditions for the existence of a solution.
+"""Conditions on which the theory of a problem depends, and known sufficient conditions for the existence of a solution.
 
     p          every contact alone has p = a - mu |b| >= 0, with a = W_nn and b = W_nt of its own block: in sliding, a normal
                force opposes the approach (Painlevé 1895), and its own LCP has a P0 matrix
@@ -6,8 +6,8 @@
     pointed    the friction cone is pointed: no contact impulses cancel, so impulses are bounded by the data
     gaps       no bias is negative: nothing overlaps
 
-A solution exists where no bias is negative, because a secondary ray needs v'q < 0 with v'Qv = 0, which forces v'q = v'b
-(Anitescu and Potra 1997); and where the cone is pointed, because then v'Qv = 0 leaves nothing but v = (0, 0, lambda).
+A solution exists if no bias is negative, because a secondary ray needs v'q < 0 with v'Qv = 0, which implies v'q = v'b
+(Anitescu and Potra 1997). It also exists if the cone is pointed, because then v'Qv = 0 implies v = (0, 0, lambda).
 """
 
 from collections.abc import Callable
@@ -18,11 +18,11 @@ import numpy as np
 from frictionbench.problems.analysis.labels import POINTED, p0_margin, pointedness
 from frictionbench.problems.friction import FrictionProblem
 
-LARGEST = 12  # unknowns of an LCP up to which all principal minors are computed: 4095 determinants
+LARGEST = 12  # the unknowns of the largest LCP whose principal minors are all computed: 4095 determinants
 
 
 def is_p0(problem: FrictionProblem) -> bool:
-    """Whether no principal minor of the friction LCP's matrix is negative; rows and columns scaled to its diagonal's roots.
+    """Whether no principal minor of the friction LCP's matrix is negative, after scaling to a unit diagonal.
 
     Beyond LARGEST unknowns only the blocks of single contacts are examined.
     """
@@ -53,7 +53,7 @@ THRESHOLDS: dict[str, Callable[[FrictionProblem], bool]] = {
 
 
 def existence(problem: FrictionProblem, pointed: bool) -> str:
-    """Why the problem is known to have a solution: "gaps", "pointed", or "" where neither condition holds."""
+    """Why the problem is known to have a solution: "gaps", "pointed", or "" if neither condition holds."""
     if not problem.mechanical or problem.joint_bias.any():
         return "pointed" if pointed else ""
     return "gaps" if gaps_only(problem) else "pointed" if pointed else ""

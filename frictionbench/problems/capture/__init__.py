@@ -1,1 +1,1 @@
-"""Steps of engines as friction problems, one file an engine; an engine is imported when its function is called."""
+"""Steps of engines as friction problems, one file per engine; an engine is imported when its function is called."""

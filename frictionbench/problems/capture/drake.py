@@ -1,12 +1,12 @@
 """A step of Drake's discrete MultibodyPlant as a friction problem.
 
-The step is taken on clones of the context by the plant's own update, whose contact results are the forces of that step. With
-the point C of a contact, its normal n from B to A, and the force f on B, the rows are those of v_B - v_A at C in the frame
-(-n, t_1, t_2), and the impulses h f in it. Without constraints the plant's step is
+The plant's own update takes the step on clones of the context, and its contact results are the forces of that step. Let C be
+the point of a contact, n its normal from B to A, and f the force on B. The contact's rows give v_B - v_A at C in the frame
+(-n, t_1, t_2), and its impulse is h f in this frame. Without constraints the plant's step is
 
     (M + h D) (v0 - v) = h tau(q, v),
 
-D the damping of the joints, tau the forces of gravity, springs, damping and actuators less the Coriolis terms.
+where D is the damping of the joints and tau the forces of gravity, springs, damping and actuators minus the Coriolis terms.
 Source: pydrake's documentation of MultibodyPlant, sections on discrete time and on contact.
 """
 
@@ -21,15 +21,15 @@ from frictionbench.problems.spatial.rotation import frames
 
 
 def drake(plant: Any, context: Any) -> EngineStep:
-    """The step that the plant takes from this context; called just before it, and changes nothing.
+    """The step that the plant takes from this context. To be called just before the step; it changes nothing.
 
-    plant: a finalized MultibodyPlant in discrete time, in a diagram with its SceneGraph. context: the diagram's, as
-    `simulator.get_context()` gives it. All point contacts are taken, and the limits of joints of one coordinate that the joint
-    passes or would pass in this step without them.
+    plant: a finalized MultibodyPlant in discrete time, in a diagram with its SceneGraph. context: the diagram's context, from
+    `simulator.get_context()`. All point contacts are included, and those limits of joints with one coordinate that the joint
+    violates or would violate in this step without them.
 
-    Returns an EngineStep: the bias is the gap over the step, negative where bodies penetrate; notes hold the shares of contacts
-    by surfaces (hydroelastic), of what softness takes of contacts, and of everything else, as constraints between joints.
-    Errors: InputError naming plant or context; step where the engine's next velocity is not that of the problem.
+    Returns an EngineStep. The bias is the gap divided by the step, negative if bodies penetrate. The notes state the shares of
+    hydroelastic contacts, of the softness of contacts, and of everything else, such as constraints between joints.
+    Errors: InputError naming plant or context, or step if the engine's next velocity differs from the problem's.
     """
     h = float(plant.time_step())
     require(h > 0, "plant", "is in continuous time, which has no steps with impulses")
@@ -55,7 +55,7 @@ def drake(plant: Any, context: Any) -> EngineStep:
 
 
 def _limits(plant: Any, now: Any, free: Array, h: float) -> tuple[Array, Array]:
-    """Rows (n, nv), one entry of 1 or -1 each, and gaps (n,) of the limits that joints reach in h at their free velocities."""
+    """Rows (n, nv), with one entry of 1 or -1, and gaps (n,) of the limits that joints reach in h at their free velocities."""
     from pydrake.multibody.tree import JointIndex
 
     q, rows, gaps = plant.GetPositions(now), [np.zeros((0, len(free)))], []
@@ -73,7 +73,7 @@ def _limits(plant: Any, now: Any, free: Array, h: float) -> tuple[Array, Array]:
 
 
 def _stepped(plant: Any, context: Any) -> tuple[Any, Any, Any]:
-    """The plant's contexts before and after the step, of clones, and the contact results of the step."""
+    """Clones of the plant's context before and after the step, and the contact results of the step."""
     try:
         now, after = (plant.GetMyMutableContextFromRoot(context.Clone()) for _ in range(2))
     except RuntimeError as error:
@@ -98,7 +98,7 @@ def _damping(plant: Any, now: Any) -> Array:
 
 
 def _forces(plant: Any, now: Any, after: Any) -> Array:
-    """tau (nv,): all forces but those of constraints and contacts."""
+    """tau (nv,): all forces except those of constraints and contacts."""
     from pydrake.multibody.tree import MultibodyForces
 
     forces = MultibodyForces(plant)
@@ -140,13 +140,13 @@ def _translation(plant: Any, now: Any, body: Any, point: Array) -> Array:
 
 
 def _friction(inspector: Any, *ids: Any) -> float:
-    """2 mu_A mu_B / (mu_A + mu_B) of the dynamic coefficients, as the plant combines them; the static ones are not used."""
+    """The plant's combination 2 mu_A mu_B / (mu_A + mu_B) of dynamic coefficients; the static ones are not used."""
     a, b = (inspector.GetProximityProperties(one).GetProperty("material", "coulomb_friction").dynamic_friction() for one in ids)
     return 2 * a * b / (a + b) if a + b > 0 else 0.0
 
 
 def _by_surface(plant: Any, now: Any, info: Any) -> Array:
-    """The generalised force (nv,) of a contact by a surface, from the force and the moment at its centroid."""
+    """The generalised force (nv,) of a hydroelastic contact, from the force and the moment at its centroid."""
     from pydrake.multibody.tree import JacobianWrtVariable
 
     inspector, surface = plant.EvalSceneGraphInspector(now), info.contact_surface()

@@ -1,19 +1,18 @@
 """A step of MuJoCo as a friction problem.
 
-The step is taken on a copy of the data, by mj_step itself. Without constraints, with the forces tau of gravity, springs,
-damping, actuators and the user, MuJoCo's integrators make of the velocity v, with the damping B of the joints and
-D = d tau / d v,
+mj_step itself takes the step on a copy of the data. Let tau be the forces of gravity, springs, damping, actuators and the user,
+B the damping of the joints, and D = d tau / d v. Without constraints, MuJoCo's integrators change the velocity v to
 
-    v* = v + h A^-1 tau,      Euler  A = M + h B,      implicitfast  A = M - h D,      implicit  the same, D not symmetric,
+    v* = v + h A^-1 tau,      Euler  A = M + h B,      implicitfast  A = M - h D,      implicit  the same, D not symmetric.
 
-and impulses meet the mass A, its symmetric part where D is not symmetric. Each contact has rows J of MuJoCo's constraints in
-its frame, normal first:
+A is also the mass matrix for impulses; if D is not symmetric, the symmetric part of A is used. Each contact has rows J of
+MuJoCo's constraints in its frame, normal first:
 
     elliptic    J_n, J_1, J_2, ... themselves, forces f_n, f_1, f_2, ...
     pyramidal   edges J_n +- mu_k J_k, forces a_k+-:     f_n = sum a,  f_k = mu_k (a_k+ - a_k-)
 
-Friction of two coefficients is that of mu_1 with the second tangent's row times mu_2/mu_1 and its impulse times mu_1/mu_2.
-Limits and dry friction of joints and tendons are rows of the problem in its conventions.
+Friction with two coefficients is friction with mu_1 if the second tangent's row is multiplied by mu_2/mu_1 and its impulse by
+mu_1/mu_2. Limits and dry friction of joints and tendons are contacts of the problem (see FrictionProblem).
 Sources: MuJoCo's documentation, "Computation", sections on the constraint model and on integrators; mju_decodePyramid.
 """
 
@@ -26,21 +25,21 @@ from frictionbench.problems.capture.parts import Contacts, Step, captured, requi
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.recorded.own import EngineStep
 
-TORSION, ROLLING = 3, 4  # rows of a contact from which on it resists torsion, and rolling
+TORSION, ROLLING = 3, 4  # the first rows of a contact for torsional friction and for rolling friction
 
 
 def mujoco(model: Any, data: Any) -> EngineStep:
-    """The step that `mujoco.mj_step(model, data)` takes from here; called just before it, and changes nothing.
+    """The step that `mujoco.mj_step(model, data)` takes from here. To be called just before it; it changes nothing.
 
-    model: a mujoco.MjModel. data: a mujoco.MjData with controls and applied forces set. Every cone and condim of contacts
-    between geoms is taken, limits and dry friction of joints and tendons, and equality constraints as joints. The step of a
-    copy of data calls the callbacks once more.
+    model: a mujoco.MjModel. data: a mujoco.MjData with controls and applied forces set. The problem includes contacts between
+    geoms with every cone and condim, limits and dry friction of joints and tendons, and equality constraints as joints. The
+    step of a copy of data calls the callbacks once more.
 
-    Returns an EngineStep: the bias is the gap over the step, negative where bodies penetrate; notes hold the shares of
-    torsional and rolling friction, of what softness takes of contacts and equalities, and of what no constraint explains, as
-    implicit terms of the integrator that are not symmetric.
+    Returns an EngineStep. The bias is the gap divided by the step, negative if bodies penetrate. The notes state the shares of
+    torsional and rolling friction, of the softness of contacts and equalities, and of everything that no constraint explains,
+    such as unsymmetric implicit terms of the integrator.
     Errors: InputError naming integrator for RK4, whose step has four sets of impulses; contact for moving surfaces and flexes
-    without friction; data where the simulation has diverged; step where the engine's next velocity is not that of the problem.
+    without friction; data if the simulation has diverged; step if the engine's next velocity differs from the problem's.
     """
     import mujoco as mj
 
@@ -65,12 +64,12 @@ def mujoco(model: Any, data: Any) -> EngineStep:
 
 
 def known(mj: Any) -> tuple[Any, ...]:
-    """The integrators whose steps have one set of impulses."""
+    """The integrators whose steps have a single set of impulses."""
     return mj.mjtIntegrator.mjINT_EULER, mj.mjtIntegrator.mjINT_IMPLICIT, mj.mjtIntegrator.mjINT_IMPLICITFAST
 
 
 def mass_of(mj: Any, model: Any, data: Any) -> Array:
-    """A (nv, nv), by which the integrator turns impulses into velocities, of data whose step has been taken from here."""
+    """A (nv, nv), the mass matrix with which impulses act in the integrator. data: after the step."""
     mass, h = np.zeros((model.nv, model.nv)), model.opt.timestep
     mj.mj_fullM(model, data, mass)
     if model.opt.integrator not in known(mj)[1:]:
@@ -79,7 +78,7 @@ def mass_of(mj: Any, model: Any, data: Any) -> Array:
         return mass
     at = np.repeat(np.arange(model.nv), model.D_rownnz), model.D_colind
     mass[at] -= h * data.qDeriv
-    if model.opt.integrator == mj.mjtIntegrator.mjINT_IMPLICITFAST:  # it keeps the lower triangle alone
+    if model.opt.integrator == mj.mjtIntegrator.mjINT_IMPLICITFAST:  # it uses only the lower triangle
         return np.tril(mass) + np.tril(mass, -1).T
     return mass
 
@@ -93,8 +92,8 @@ def jacobian(mj: Any, model: Any, data: Any) -> Array:
 
 
 def rows_of(mj: Any, model: Any, data: Any, J: Array) -> tuple[Contacts, dict[str, Array]]:
-    """The contacts, limits and rows of dry friction of MuJoCo's constraints J (nefc, nv), and the generalised impulses of
-    torsion and rolling."""
+    """The contacts, limits and dry friction in MuJoCo's constraints J (nefc, nv), and the generalised impulses of torsional and
+    rolling friction."""
     h = float(model.opt.timestep)
     contacts, others = _contacts(mj, model, data, J, h)
     limit, dry = limits_and_dry_friction(mj, data)
@@ -104,14 +103,14 @@ def rows_of(mj: Any, model: Any, data: Any, J: Array) -> tuple[Contacts, dict[st
 
 
 def limits_and_dry_friction(mj: Any, data: Any) -> tuple[Array, Array]:
-    """Which of MuJoCo's constraints are limits, and which dry friction (nefc,), of joints and tendons."""
-    kind, at = data.efc_type, mj.mjtConstraint  # of which int() is the number: numpy compares the names one by one
+    """Whether each of MuJoCo's constraints (nefc,) is a limit, and whether it is dry friction, of a joint or tendon."""
+    kind, at = data.efc_type, mj.mjtConstraint  # int() because numpy compares enum members one by one
     limit = (kind == int(at.mjCNSTR_LIMIT_JOINT)) | (kind == int(at.mjCNSTR_LIMIT_TENDON))
     return limit, (kind == int(at.mjCNSTR_FRICTION_DOF)) | (kind == int(at.mjCNSTR_FRICTION_TENDON))
 
 
 def _contacts(mj: Any, model: Any, data: Any, J: Array, h: float) -> tuple[Contacts, dict[str, Array]]:
-    """The contacts, and the generalised impulses of their torsion and rolling."""
+    """The contacts, and the generalised impulses of their torsional and rolling friction."""
     rows, impulses, friction = [np.zeros((0, model.nv))], [np.zeros((0, 3))], []
     others = {"torsional friction": np.zeros(model.nv), "rolling friction": np.zeros(model.nv)}
     at, touching = data.contact, np.flatnonzero(data.contact.efc_address >= 0)
@@ -137,7 +136,7 @@ def _contacts(mj: Any, model: Any, data: Any, J: Array, h: float) -> tuple[Conta
 
 
 def _decoded(mj: Any, data: Any, J: Array, first: int, mu: Array) -> tuple[Array, Array]:
-    """The rows (dim, nv) and forces (dim,) of a contact in its frame, of its coefficients of friction mu (dim - 1,)."""
+    """The rows (dim, nv) and forces (dim,) of a contact in its frame. mu: its coefficients of friction (dim - 1,)."""
     dim = len(mu) + 1
     if data.efc_type[first] == int(mj.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC):
         return J[first : first + dim].copy(), data.efc_force[first : first + dim].copy()

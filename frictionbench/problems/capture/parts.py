@@ -1,15 +1,15 @@
-"""What the rows of a friction problem can express of an engine's step, and notes on all other impulses of the step.
+"""The capture of an engine's step as a friction problem, with notes on all impulses that the problem cannot express.
 
-With the impulses r of contacts, limits and dry friction, lam of the equations F v + b_F = 0, and p_k of everything else
-(torsion, rolling), each as a generalised impulse (nv), a step of an engine is
+Let r be the impulses of contacts, limits and dry friction, lam those of the equations F v + b_F = 0, and p_k the generalised
+impulses (nv,) of everything else, such as torsional and rolling friction. A step of an engine is
 
     M (v+ - v0) = J' r + F' lam + sum_k p_k,
 
-v0 the engine's own velocity of the step without constraints. The problem that is captured has v* = v0 + M^-1 sum_k p_k: what it
-cannot express acts as the engine had it act, and each p_k is a note with its share |p_k| over the sum of |J' r|, |F' lam| and
-all |p_k|, in the norm of M^-1, in which lengths and angles, masses and inertias add up. b_F = -F v+: the engine's equations are
-soft, and its own answer is that of equations that moved so. A constraint J v = a - R f, of softness R, has a note with the
-share of f'R f in f'R f + |J' f|^2, 0 for a rigid one.
+where v0 is the engine's velocity after the step without constraints. The captured problem has v* = v0 + M^-1 sum_k p_k, so that
+the p_k act as in the engine. A note for each p_k states its share, |p_k| divided by the sum of |J' r|, |F' lam| and all |p_k|.
+The norm is that of M^-1, in which translations and rotations can be added. b_F = -F v+, because the engine's equations are soft
+and its answer moves them by this. The note for a constraint J v = a - R f of softness R states the share of f'R f in
+f'R f + |J' f|^2, which is 0 for a rigid one.
 """
 
 from collections.abc import Mapping
@@ -21,18 +21,17 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.own import EngineStep
 
-FAITHFUL = 1e-9  # of the velocities: what a captured step may miss of the engine's own next velocity
-REST = "other forces, the integrator, the solver's tolerance"  # as adhesion, implicit terms that are not symmetric
-NOISE = 1e-9  # shares below are rounding
-ROUNDING = 1e-13  # of the momentum: impulses below are rounding
-ZERO = 1e-14  # of sqrt(M_ii M_jj): entries of M below are rounding of its measurement
+FAITHFUL = 1e-9  # relative to the velocities: the allowed error of a captured step's velocity
+REST = "other forces, the integrator, the solver's tolerance"  # such as adhesion and unsymmetric implicit terms
+NOISE = 1e-9  # smaller shares are rounding errors
+ROUNDING = 1e-13  # relative to the momentum: smaller impulses are rounding errors
+ZERO = 1e-14  # relative to sqrt(M_ii M_jj): smaller entries of M are rounding errors of the engine
 
 
 class Contacts(NamedTuple):
-    """The contacts of a step, then its limits and its dry friction in the conventions of FrictionProblem.
+    """The contacts of a step, followed by its limits and its dry friction in the conventions of FrictionProblem.
 
-    rows (3 nc, nv) with the normal first, impulse (nc, 3) in N s, friction (nc,), gap (nc,) in m, loss (nc,) in N s: the
-    friction bias.
+    rows: (3 nc, nv), normal first. impulse: (nc, 3), N s. friction: (nc,). gap: (nc,), m. loss: (nc,), N s, the friction bias.
     """
 
     rows: Array
@@ -42,11 +41,11 @@ class Contacts(NamedTuple):
     loss: Array
 
     def and_limits(self, rows: Array, impulse: Array, gap: Array) -> "Contacts":
-        """With limits besides: rows (n, nv), impulse (n,), gap (n,)."""
+        """The contacts with additional limits: rows (n, nv), impulse (n,), gap (n,)."""
         return self._joined(0, rows, impulse, gap, np.zeros(len(rows)))
 
     def and_dry_friction(self, rows: Array, impulse: Array, loss: Array, step: float) -> "Contacts":
-        """With dry friction besides: rows (n, nv), impulse (n,), loss (n,) in N s; step in s, so that the bias is 1."""
+        """The contacts with additional dry friction: rows (n, nv), impulse (n,), loss (n,), N s; step, s, makes the bias 1."""
         return self._joined(1, rows, impulse, np.full(len(rows), step), loss)
 
     def _joined(self, place: int, rows: Array, impulse: Array, gap: Array, loss: Array) -> "Contacts":
@@ -57,9 +56,9 @@ class Contacts(NamedTuple):
 
 
 class Step(NamedTuple):
-    """mass (nv, nv) that impulses meet; velocity: the next one, free: without constraints (nv,); length: s.
+    """mass: (nv, nv), for impulses. free, velocity: (nv,), after the step, without and with constraints. length: s.
 
-    equations: F (nj, nv). others: p_k by name. softness: shares that are known already, by name.
+    equations: F (nj, nv). others: p_k by name. softness: shares of softness, by name.
     """
 
     mass: Array
@@ -75,8 +74,8 @@ class Step(NamedTuple):
 def captured(step: Step) -> EngineStep:
     """The problem of the step with the engine's impulses and notes.
 
-    Errors: InputError where the step is not finite or mass not positive definite, and where the problem's velocity is not the
-    engine's.
+    Errors: InputError if the step is not finite, if mass is not positive definite, or if the problem's velocity differs from
+    the engine's.
     """
     require_finite(step.mass, step.free, step.velocity)
     mass = without_noise(step.mass)
@@ -101,7 +100,7 @@ def captured(step: Step) -> EngineStep:
 
 
 def posed(mass: Array, free: Array, contacts: Contacts, bias: Array, F: Array, joint_bias: Array) -> FrictionProblem:
-    """The problem of these rows."""
+    """The problem with these contacts and joint equations F v + joint_bias = 0."""
     rows = contacts.rows.reshape(-1, 3, len(mass))
     return FrictionProblem(
         mass=mass,
@@ -118,13 +117,13 @@ def posed(mass: Array, free: Array, contacts: Contacts, bias: Array, F: Array, j
 
 
 def require_finite(*arrays: Array) -> None:
-    """Errors: InputError where one of a step's arrays holds an infinity or a NaN."""
+    """Errors: InputError if one of a step's arrays contains an infinity or a NaN."""
     finite = all(np.isfinite(array).all() for array in arrays)
     require(finite, "data", "masses, forces or velocities are not finite: the simulation has diverged")
 
 
 def share_of_softness(mass: Array, rows: Array, force: Array, softness: Array) -> float:
-    """f'R f over f'R f + |J' f|^2 in M^-1, for rows J (n, nv), force f (n,) and softness R (n,); 0 without forces."""
+    """f'R f / (f'R f + |J' f|^2), with the norm of M^-1, rows J (n, nv), force f (n,), softness R (n,); 0 without forces."""
     soft = float(force @ (softness * force))
     moved = rows.T @ force
     rigid = float(moved @ np.linalg.solve(mass, moved))
@@ -132,7 +131,7 @@ def share_of_softness(mass: Array, rows: Array, force: Array, softness: Array) -
 
 
 def _by_equations(F: Array, inverse: Array, held: Array) -> tuple[Array, Array]:
-    """The part of held that equations F can give, and the rest: nearest in the norm of M^-1."""
+    """The projection of held onto the range of F' in the norm of M^-1, and the rest."""
     if not len(F):
         return np.zeros_like(held), held
     root = np.linalg.cholesky(inverse)  # |p| in M^-1 is |root' p|
@@ -145,7 +144,7 @@ def _size(inverse: Array, impulse: Array) -> float:
 
 
 def without_noise(mass: Array) -> Array:
-    """The mass, symmetric, with entries that are rounding set to zero, so that separate bodies stay separate."""
+    """The symmetric part of the mass matrix without entries that are rounding errors, so that separate bodies stay separate."""
     symmetric = (mass + mass.T) / 2
     size: Array = np.sqrt(np.abs(np.diag(symmetric)))
     return np.where(np.abs(symmetric) > ZERO * np.outer(size, size), symmetric, 0.0)

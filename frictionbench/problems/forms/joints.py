@@ -132,7 +132,7 @@ class ManyJoints:
         return self.hold(np.zeros(len(self.inverse_mass.start) - 1))
 
     def rounding(self, velocity: Array) -> Array:
-        """(nv,): the size of the terms that `hold` adds to a velocity, of the effect of their errors, and of what `hold` leaves.
+        """(nv,): the size of the terms that `hold` adds to a velocity, of the effect of their errors, and of the remainder.
 
         |X| is not formed. Instead X is applied to errors of each equation's terms with random signs, and the root mean square
         of the results is taken.

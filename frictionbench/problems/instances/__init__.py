@@ -1,1 +1,1 @@
-"""Friction problems of one step, one file per kind, registered by a decorator (problems.catalogue)."""
+"""Friction problems of a single step, one file per kind, registered by a decorator (problems.catalogue)."""

@@ -1,7 +1,7 @@
 """The friction problem of spatial bodies, given by masses, contact points and contact frames.
 
-A body has six velocities, (v, omega) of its centre of mass. A contact between bodies a and b at arms x_a, x_b from their
-centres, with the frame of rows e = n, t1, t2 (n towards a), moves along e at
+A body has six velocities, (v, omega) of its centre of mass. Let bodies a and b have a contact at x_a and x_b from their
+centres, whose frame has the rows e = n, t1, t2, with n towards a. Its relative velocity along e is
 
     e.v_a + (x_a x e).omega_a - e.v_b - (x_b x e).omega_b.
 """
@@ -14,7 +14,7 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.rows import Index64, relative
 from frictionbench.problems.scene import GRAVITY
 
-GROUND = -1  # as the second body of a contact
+GROUND = -1  # the index of the ground as the second body of a contact
 
 
 def touching(
@@ -30,8 +30,8 @@ def touching(
     """The problem of nc contacts between nb bodies.
 
     bodies: (nc, 2), the second may be GROUND. arms: (nc, 2, 3). frame: (nc, 3, 3), rows n, t1, t2. weights: (nb, 6), the mass
-    matrix's diagonal. velocity: (nb, 6), the free one. friction: one for all or (nc,). bias: (nc,), none by default.
-    joints: (nj, 6 nb), none by default.
+    matrix's diagonal. velocity: (nb, 6), the free velocity. friction: one for all contacts or (nc,). bias: (nc,), zero by
+    default. joints: (nj, 6 nb), none by default.
     """
     nc, spins = len(bodies), np.cross(arms[:, None], frame[:, :, None])
     return FrictionProblem(

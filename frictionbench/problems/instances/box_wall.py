@@ -1,4 +1,4 @@
-"""A wall of boxes in space with many contacts to a face: hyperstatic, hundreds of contacts on few bodies."""
+"""A wall of boxes in space with several contacts per face: hyperstatic, hundreds of contacts on few bodies."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from frictionbench.problems.spatial.rotation import frames
 HALF = np.array([0.5, 0.25, 0.25])  # m, half the edges of a brick of 1 kg
 CORNERS = ((-1, -1), (-1, 1), (1, -1), (1, 1))
 MIDDLES = ((-1, 0), (1, 0), (0, -1), (0, 1))  # of the edges
-Bricks = dict[tuple[int, int], int]  # the body at a row and a place in it
+Bricks = dict[tuple[int, int], int]  # (row, position in the row): body
 Contact = tuple[tuple[int, int], Array, tuple[int, int, int]]  # bodies, the point from the centre of the first, the normal
 
 
@@ -28,9 +28,9 @@ def box_wall(
     push: float = 0.1,
     step: float = 0.01,
 ) -> FrictionProblem:
-    """A wall of boxes in space, every second row half a brick aside and a brick shorter, that is pushed along itself.
+    """A wall of boxes in space, pushed along its length; every second row is offset by half a brick and one brick shorter.
 
-    points: contacts at a horizontal face, 4 at its corners or 8 with those amid its edges; an upright face has 4. The normals
+    points: contacts per horizontal face: 4 at the corners, or 8 with the midpoints of the edges; vertical faces have 4. Normals
     are perturbed at random by 1e-3. noise: m/s and rad/s, standard deviation of every velocity, added to gravity. push: m/s.
     """
     rows, bricks, points = count("rows", rows), count("bricks", bricks, least=2), count("points", points)
@@ -58,11 +58,11 @@ def box_wall(
 
 
 def _contacts(bricks: Bricks, face: tuple[tuple[int, int], ...]) -> Iterator[Contact]:
-    """face: where the contacts of a horizontal face are, in halves of its edges."""
+    """All contacts of the wall. face: the contact points of a horizontal face, in units of half its edges."""
     for (k, j), a in bricks.items():
         if k == 0:
             halves = [(GROUND, 0.0, 1.0)]  # the body below, the middle of the common face, half its length
-        else:  # the row below an odd one begins half a brick to the left of it, of an even one to the right
+        else:  # odd rows start half a brick further to the right than even rows
             below = {-0.5: (k - 1, j - 1 + k % 2), 0.5: (k - 1, j + k % 2)}
             halves = [(bricks[at], side, 0.5) for side, at in below.items() if at in bricks]
         for b, middle, reach in halves:

@@ -21,12 +21,12 @@ def cubes(
     mass_ratio: float = 1.0,
     step: float = 0.01,
 ) -> FrictionProblem:
-    """A stack of unit cubes touching at their four corners, in space, pushed.
+    """A stack of unit cubes in space that touch at their four corners, pushed sideways.
 
-    With push = 0 it rests, and friction has nothing to do. smooth: the friction of every second interface over that of the
+    With push = 0 it rests, and friction does not act. smooth: the friction of every second interface divided by that of the
     others. push: m/s, in an oblique direction, increasing with height. twist: rad/s, of the topmost cube about the vertical,
-    increasing with height, so that every contact slides in a direction of its own. slope: rad, of the ground, downhill in an
-    oblique direction. fall: m/s, downwards. mass_ratio: mass of the topmost over that of the lowest cube, geometric in between.
+    increasing with height, so that every contact slides in its own direction. slope: rad, of the ground, downhill in an oblique
+    direction. fall: m/s, downwards. mass_ratio: of the topmost cube to the lowest, geometric in between.
     """
     boxes, h = count("boxes", boxes), number("step", step, above=0)
     box, corner = np.repeat(np.arange(boxes), 4), np.array([(x, y) for x in (-0.5, 0.5) for y in (-0.5, 0.5)])

@@ -1,7 +1,7 @@
 """Random planar contact graphs of many bodies.
 
-In a local one each touches near ones only, without any regular pattern. In one without places any two may touch, so that no
-order of elimination is sparse.
+In a local graph each body touches only nearby ones, without a regular pattern. In a random graph any two bodies may touch, so
+that every elimination order has much fill.
 """
 
 import numpy as np
@@ -13,19 +13,19 @@ from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.rows import Index64, planar_relative
 
-REACH = 1.05  # of the mean distance of bodies: pairs that may touch
-PAIRS = 1.6  # contacts for each body, as in a disordered packing between isostatic (1.5) and hexagonal (3)
-FRICTION = (0.1, 3.2)  # log-uniform in it
+REACH = 1.05  # m, the largest distance of the centres of bodies that may touch, with one body per unit area
+PAIRS = 1.6  # contacts per body, as in a disordered packing between isostatic (1.5) and hexagonal (3)
+FRICTION = (0.1, 3.2)  # the range of the log-uniform coefficients
 INERTIA = 0.1  # kg m^2 for 1 kg
 
 
 @instance(dimension=2)
 def local_graph(seed: int = 0, bodies: int = 100, mass_ratio: float = 1.0) -> FrictionProblem:
-    """Planar bodies at random points, touching near ones at random normals: a large irregular contact graph.
+    """Planar bodies at random points that touch nearby bodies, with random normals: a large irregular contact graph.
 
-    Bodies lie at uniform points of a square with one body per unit area; 1.6 contacts a body, at the midpoints of pairs drawn
-    from those within 1.05; friction is log-uniform in [.1, 3.2], and free velocities are standard normal. mass_ratio: masses
-    are log-uniform in [1, mass_ratio] kg.
+    Bodies lie at uniform points of a square with one body per unit area. There are 1.6 contacts per body, at the midpoints of
+    random pairs with distances up to 1.05. Friction is log-uniform in [.1, 3.2], and free velocities are standard normal.
+    mass_ratio: masses are log-uniform in [1, mass_ratio] kg.
     """
     nb = count("bodies", bodies, least=8)
     random = np.random.default_rng([count("seed", seed, least=0), nb])
@@ -40,10 +40,10 @@ def local_graph(seed: int = 0, bodies: int = 100, mass_ratio: float = 1.0) -> Fr
 
 @instance(dimension=2)
 def random_graph(seed: int = 0, bodies: int = 100) -> FrictionProblem:
-    """Planar bodies touching any others, near or not, at random points and normals: a contact graph with much fill.
+    """Planar bodies that touch any others, near or not, with random points and normals: a contact graph with much fill.
 
-    1.6 contacts a body, the arms of each from both centres normal with standard deviation .5 m; masses, friction and free
-    velocities as in local_graph.
+    There are 1.6 contacts per body, with normally distributed arms from both centres, of standard deviation .5 m. Masses are 1
+    kg; friction and free velocities are as in local_graph.
     """
     nb = count("bodies", bodies, least=8)
     random = np.random.default_rng([count("seed", seed, least=0), nb])
@@ -55,7 +55,7 @@ def random_graph(seed: int = 0, bodies: int = 100) -> FrictionProblem:
 
 
 def _graph(pair: Index64, arms: Array, angle: Array, mass: Array, random: np.random.Generator) -> FrictionProblem:
-    """Bodies of these masses (nb,) in contacts of pairs (nc, 2), at arms (nc, 2, 2) from both centres, normals at angles."""
+    """The problem of bodies with masses (nb,) and contacts of pairs (nc, 2), with arms (nc, 2, 2) and normals at angles."""
     nb, nc = len(mass), len(pair)
     normal = np.column_stack([np.cos(angle), np.sin(angle)])
     tangent = np.column_stack([-normal[:, 1], normal[:, 0]])

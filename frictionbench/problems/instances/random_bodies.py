@@ -1,9 +1,9 @@
 """Random contacts between random bodies: irregular contact graphs and directions, large mu, mass ratios, and more contacts than
 degrees of freedom, which are rare in scenes.
 
-In slots, contacts come in pairs at one point, whose normals enclose the angle pi - tilt. The two can press on each other,
-without moving anything, if their friction cones overlap, mu > tan(tilt/2): the cone of all contacts is then not pointed, and
-the data do not bound impulses. In unlike islands, an island may be lost in the whole.
+In slots, every point has a pair of contacts, whose normals enclose the angle pi - tilt. The two can press on each other without
+moving anything if their friction cones overlap, mu > tan(tilt/2). The total friction cone is then not pointed, and the data do
+not bound the impulses. In unlike_islands, a norm over the whole problem may hide the error of a slow island.
 """
 
 import numpy as np
@@ -43,10 +43,10 @@ def random_problem(
 ) -> FrictionProblem:
     """Planar bodies (3 degrees of freedom each) touching each other or the ground at random points.
 
-    bodies: by default a draw between 1 and contacts. friction: one coefficient for all, by default drawn per problem
-    log-uniformly from [.05, 10] and varied by a factor of up to 2 per contact. mass_ratio: masses are log-uniform in
-    [1, mass_ratio] kg. Contacts can number up to twice the degrees of freedom, so W is often rank deficient. Every draw has
-    b >= 0, so that it has a solution, and Lemke's method reaches one (Anitescu and Potra 1997).
+    bodies: by default random, between contacts/6 and contacts. friction: one coefficient for all contacts; by default random
+    for each problem, log-uniform in [.05, 10], and varied by a factor of up to 2 per contact. mass_ratio: masses are
+    log-uniform in [1, mass_ratio] kg. There can be twice as many contacts as degrees of freedom, so W is often rank deficient.
+    Since b >= 0, every problem has a solution, which Lemke's method reaches (Anitescu and Potra 1997).
     """
     count("contacts", contacts)
     number("mass_ratio", mass_ratio, least=1)
@@ -79,7 +79,7 @@ def slots(seed: int = 0, points: int = 5, tilt: float = 0.01, excess: float = 1e
     """Planar bodies held at random points in slots that open by `tilt` (rad), without play: nearly jammed.
 
     Bodies, points and velocities are those of random; each point has two contacts. excess: the friction
-    coefficient is (1 + excess) tan(tilt/2); where it is positive the friction cone is not pointed.
+    coefficient is (1 + excess) tan(tilt/2); if excess is positive, the friction cone is not pointed.
     """
     nc = count("points", points)
     tilt = number("tilt", tilt, above=0, most=3.0)
@@ -100,9 +100,9 @@ def slots(seed: int = 0, points: int = 5, tilt: float = 0.01, excess: float = 1e
 def unlike_islands(
     seed: int = 0, islands: int = 4, contacts: int = 5, velocity_ratio: float = 1e4, friction: float = 0.5
 ) -> FrictionProblem:
-    """Planar random problems (random) of five contacts each, side by side, with velocities of unlike size.
+    """Several random planar problems (random) side by side, five contacts each, with velocities of different magnitudes.
 
-    velocity_ratio: the free velocities and gaps of the first island over those of the last, geometric in between.
+    velocity_ratio: the free velocities and gaps of the first island divided by those of the last, geometric in between.
     """
     n, nc = count("islands", islands), count("contacts", contacts)
     mu = number("friction", friction, least=0)

@@ -21,11 +21,11 @@ def rod_chain(
     mass_ratio: float = 1.0,
     step: float = 0.01,
 ) -> FrictionProblem:
-    """Rods 1 m long lie on the ground in a random zigzag, joined end to end by balls, and are dragged along.
+    """Rods 1 m long lie on the ground in a random zigzag, joined end to end by ball joints, and are dragged along.
 
-    Each rod touches the ground on two feet, a fifth of a metre from its ends and 0.05 m below its axis. pull: m/s, of all of
-    them, in one direction. whirl: rad/s, standard deviation of the rods' spins about the vertical, before the joints hold them
-    together. fall: m/s, downwards. mass_ratio: the mass of the last rod over that of the first, geometric in between.
+    Each rod touches the ground with two feet, 0.2 m from its ends and 0.05 m below its axis. pull: m/s, of all rods, in one
+    direction. whirl: rad/s, standard deviation of the rods' free spins about the vertical, before the joints act. fall: m/s,
+    downwards. mass_ratio: the mass of the last rod divided by that of the first, geometric in between.
     """
     n = count("links", links)
     random = np.random.default_rng([count("seed", seed, least=0), n])
@@ -51,7 +51,7 @@ def rod_chain(
 
 
 def _ball_joints(along: np.ndarray) -> sparse.csr_array:
-    """F (3 (n-1), 6 n): the end of each rod moves as the beginning of the next, v_a + w_a x e_a/2 = v_b - w_b x e_b/2."""
+    """F (3 (n-1), 6 n): the end of each rod moves with the start of the next, v_a + w_a x e_a/2 = v_b - w_b x e_b/2."""
     n = len(along)
     F = sparse.lil_array((3 * (n - 1), 6 * n))
     for i in range(n - 1):

@@ -11,14 +11,14 @@ from frictionbench.problems.instances.bodies import GROUND, falling, touching
 from frictionbench.problems.rows import Index64
 from frictionbench.problems.spatial.rotation import frames
 
-NEAR = 1e-4  # of a radius: the gaps up to which spheres count as touching
+NEAR = 1e-4  # m: the gap up to which spheres, of radii near 0.5 m, count as touching
 
 
 @instance()
 def sphere_pyramid(
     seed: int = 0, levels: int = 4, friction: float = 0.5, noise: float = 0.0, mass_ratio: float = 1.0, step: float = 0.01
 ) -> FrictionProblem:
-    """A square pyramid of unit spheres, each touching its neighbours in the layer and four below: hyperstatic.
+    """A square pyramid of unit spheres, each touching its neighbours in its layer and four below: hyperstatic.
 
     The normals between spheres are perturbed at random by 1e-3. noise: m/s, standard deviation of every velocity, added to
     gravity. mass_ratio: masses are log-uniform in [1, mass_ratio] kg.
@@ -57,11 +57,11 @@ def packed_spheres(
     mass_ratio: float = 1.0,
     step: float = 0.01,
 ) -> FrictionProblem:
-    """Spheres packed at random in a closed box, of which they fill a fraction: .64 is random close packing in
-    large boxes; in small ones the walls lower it.
+    """Spheres packed at random in a closed box. fraction: of the box that they fill; random close packing has .64 in large
+    boxes and less in small ones, because of the walls.
 
-    The diameters are 0.95 to 1.05 m. Random centres are moved to a local minimum of the sum of squared overlaps; spheres that
-    touch there have contacts, of gap 0. noise: m/s, standard deviation of every velocity, added to gravity. mass_ratio: masses
+    The diameters are 0.95 to 1.05 m. Random centres are moved to a local minimum of the sum of squared overlaps. Spheres that
+    touch there have contacts with gap 0. noise: m/s, standard deviation of every velocity, added to gravity. mass_ratio: masses
     are log-uniform in [1, mass_ratio] kg.
     """
     n = count("spheres", spheres)

@@ -1,9 +1,9 @@
 """Planar rigid bodies and their shapes.
 
-A body has three coordinates (x, y, angle) at its centre of mass, so that the mass matrix is diag(m, m, I), constant. A shape
-is the convex hull of its corners, counterclockwise: k >= 3 corners make a polygon, two a rod, one with a radius a disc. A half
-plane lies to the left of the line through its two corners, and a hollow is the outside of a circle; both can only be obstacles,
-and in a scene with a hollow all bodies are discs.
+A body has three coordinates (x, y, angle) at its centre of mass, so that the mass matrix is constant, diag(m, m, I). A shape is
+the convex hull of its corners, in counterclockwise order: three or more corners form a polygon, two a rod, and one with a
+radius a disc. A half plane lies to the left of the line through its two corners, and a hollow is the outside of a circle. Both
+can only be obstacles, and in a scene with a hollow all bodies are discs.
 """
 
 from collections.abc import Sequence
@@ -20,8 +20,8 @@ from frictionbench.problems.planar.joints import Hinge
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """corners: (k, 2), m, in the body's frame (in the world's for an obstacle). radius: m, of a disc, negative of a hollow.
-    endless: a half plane or a hollow."""
+    """corners: (k, 2), m, in the body's frame (in the world's for an obstacle). radius: m, of a disc; negative for a hollow.
+    endless: whether it is a half plane or a hollow."""
 
     corners: Array
     radius: float = 0.0
@@ -114,7 +114,7 @@ def rigid_disc(radius: float, density: float = 1.0) -> Body:
 
 
 def homogeneous(corners: Array) -> tuple[Body, Array]:
-    """The body of density 1 kg/m^2 of a convex polygon (k, 2), and its centre of mass (2,), by triangles at the origin."""
+    """The body with the shape of a convex polygon (k, 2) and a density of 1 kg/m^2, and its centre of mass (2,)."""
     a, b = corners, np.roll(corners, -1, axis=0)
     twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     mass = twice.sum() / 2
@@ -124,11 +124,11 @@ def homogeneous(corners: Array) -> tuple[Body, Array]:
 
 
 class Geometry:
-    """All shapes of a scene as flat arrays, those of bodies first, then the fixed obstacles (owner -1); and how coordinates
-    follow from velocities, which in the plane are their derivatives.
+    """All shapes of a scene in flat arrays, those of bodies first, then the fixed obstacles (owner -1); and the change of the
+    coordinates, whose derivatives are the velocities in the plane.
 
     corners: (k, 2) in the owners' frames. start: (shapes+1,), where each shape's corners begin. owner, radius, endless:
-    (shapes,). corner_owner: (k,). hinges: (hinges, 2), the bodies on each, in order. reach: m, the largest distance of a
+    (shapes,). corner_owner: (k,). hinges: (hinges, 2), the bodies of each, sorted. reach: m, the largest distance of a
     body's point from its centre of mass.
     """
 
@@ -159,14 +159,14 @@ class Geometry:
         return q + way
 
     def gyroscopic(self, v: Array, step: float) -> Array:
-        """None in the plane: 0."""
+        """Zero: there are no gyroscopic forces in the plane."""
         return np.zeros_like(v)
 
     def hinged(self, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether each pair (n, 2) of shapes belongs to two bodies on a common hinge, (n,)."""
         bodies = np.sort(self.owner[pairs], axis=1)
         held = self.hinges[self.hinges[:, 0] >= 0]
-        pair = 1 + max(bodies.max(initial=0), held.max(initial=0)), 1  # one number for two bodies
+        pair = 1 + max(bodies.max(initial=0), held.max(initial=0)), 1  # encodes two bodies in one number
         return np.isin(bodies @ pair, held @ pair) & (bodies[:, 0] >= 0)
 
     def world_corners(self, q: Any) -> Array:

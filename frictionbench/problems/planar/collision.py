@@ -1,8 +1,8 @@
 """Contact finding between convex planar shapes.
 
-Every contact is a corner of one shape against an edge of another, the pair `feature`, with its gap measured along the edge's
-normal, so that the gap's gradient is exactly the contact's normal row: both bodies' arms end at the corner. This is the broad
-phase, which finds pairs of shapes that are near each other; problems.planar.narrow_phase computes their contacts.
+A contact is between a corner of one shape and an edge of another; this pair is its `feature`. The gap is measured along the
+edge's normal, and the arms of both bodies end at the corner, so that the gap's gradient is exactly the contact's normal row.
+This module is the broad phase, which finds pairs of nearby shapes; problems.planar.narrow_phase computes their contacts.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -24,9 +24,9 @@ from frictionbench.problems.rows import Index64, Rows, planar_relative
 class Contacts:
     """nc contacts, in the order of their shapes.
 
-    gap: (nc,), m, positive where separated. place: (nc, 2 d), the point, here a corner's, and the unit normal, from the second
-    body to the first. bodies: (nc, 2), -1 for the ground. feature: (nc, 2), the corner and the edge (by its first corner) that
-    meet: the same contact in two steps has the same feature. q: the bodies' coordinates.
+    gap: (nc,), m, positive if separated. place: (nc, 2 d), the point, in the plane a corner, and the unit normal, from the
+    second body to the first. bodies: (nc, 2), -1 for the ground. feature: (nc, 2), the corner and the edge (its first corner)
+    that meet; the same contact has the same feature in all steps. q: the bodies' coordinates.
     """
 
     gap: Array
@@ -58,16 +58,16 @@ class Contacts:
 
     @cached_property
     def tangent_rows(self) -> Rows:
-        """(nc*(d-1), nv), along the tangents."""
+        """(nc*(d-1), nv), the relative velocity along the tangents."""
         return self._rows(self.tangents)
 
     @property
     def tangents(self) -> Array:
-        """(nc, d - 1, d), here the normal turned by -90 degrees."""
+        """(nc, d - 1, d); in the plane, the normal rotated by -90 degrees."""
         return (self.direction[:, ::-1] * [1.0, -1.0])[:, None]
 
     def _rows(self, along: Array) -> Rows:
-        """Along one direction of each contact (nc, 1, d), or along its tangents."""
+        """The relative velocity along one direction of each contact (nc, 1, d), or along its tangents."""
         arms = self.point[:, None] - self.q.reshape(-1, 3)[self.bodies, :2]
         return planar_relative(self.bodies, arms, along[:, 0])
 
@@ -80,7 +80,7 @@ class Contacts:
         return self.tangent_rows.matrix(self.velocities)
 
     def only(self, chosen: NDArray[np.bool_] | Index64) -> Self:
-        """The contacts where `chosen` (nc,) is true, or those of these indices."""
+        """The contacts for which `chosen` (nc,) is true, or those with these indices."""
         return replace(self, **{each.name: getattr(self, each.name)[chosen] for each in fields(self) if each.name != "q"})
 
 
@@ -92,7 +92,7 @@ def find_contacts(geometry: Geometry, q: Array, margin: float) -> Contacts:
     low = np.where(endless[:, None], -np.inf, _reduce(np.minimum, corners, start) - radius[:, None])
     high = np.where(endless[:, None], np.inf, _reduce(np.maximum, corners, start) + radius[:, None])
     beyond = (low[:, None] > high + margin).any(axis=2)
-    # Pairs (i < j) of shapes of different bodies whose boxes [low, high] come within the margin, in order.
+    # Pairs (i < j) of shapes of different bodies whose bounding boxes [low, high] are within the margin, in order.
     pairs = np.argwhere(np.triu(~(beyond | beyond.T) & (owner[:, None] != owner)))
     gap, place, feature, shape = meet(pairs[~geometry.hinged(pairs)], corners, start, radius, endless, margin)
     return Contacts(gap, place, owner[shape], feature, q)

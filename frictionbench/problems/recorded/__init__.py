@@ -1,8 +1,8 @@
-"""Reading of problems from files, one module per format; the format is recognised by the content of the file.
+"""Reading of problems from files, one module per format. The format is recognised by the content of the file.
 
 FCLIB's HDF5              problems.recorded.fclib       read and written
 Siconos's text            problems.recorded.siconos     friction problems, local and global, and LCPs
-our own .npz              problems.recorded.own         read and written
+the package's own .npz    problems.recorded.own         read and written
 arrays in an .npz         problems.recorded.plain       M, N, T, mu, v or W, q, mu, d; an LCP's M, q; ContactBench's G, g, mus
 """
 
@@ -18,12 +18,12 @@ HDF5, ZIP, NUMPY = b"\x89HDF\r\n\x1a\n", b"PK\x03\x04", b"\x93NUMPY"
 
 
 def read(path: Path) -> FrictionProblem | LCP:
-    """The problem in a file of any of these formats. Errors: InputError naming the file, and the field that cannot be used."""
+    """The problem in a file of any of these formats. Errors: InputError naming the file and the invalid field."""
     return read_recording(path)[0]
 
 
 def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]]:
-    """The problem and the initial guesses (nc, d) of its impulses, which FCLIB's files may contain. Errors: as read."""
+    """The problem and the initial guesses (nc, d) of its impulses, which FCLIB's files may contain. Errors: as in read."""
     with opened(path, MAX_BYTES) as file:
         head = file.read(8)
     if head[:4] == ZIP:

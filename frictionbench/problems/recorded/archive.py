@@ -1,12 +1,12 @@
-"""Problem files may come from anybody: how they are opened, and which arrays of them are read.
+"""Safe opening of problem files, which may come from untrusted sources, and reading of their arrays.
 
-Files are opened only if they are regular and not too large: at a pipe or a device, or a link to one, reading would wait for
-ever or never end. results.files does the same for results: what compares and reports them does without this package, which
-takes longer to load than all else that they need.
+Files are opened only if they are regular and not too large. Reading a pipe or a device, or a link to one, might block or never
+end. results.files does the same for results, because the comparison and report of results do not import this package, which
+takes longer to load than everything else that they need.
 
-An archive (.npz) is refused by its headers, before anything is unpacked: pickled objects, text, more than MAX_BYTES bytes, more
-than MOST arrays, and methods of compression other than numpy's. An array of a name that no reader knows is refused too, since
-what it holds would be left out of the problem.
+The headers of an archive (.npz) are checked before anything is unpacked. Pickled objects, text, more than MAX_BYTES bytes, more
+than MOST arrays and compression methods other than numpy's are refused. An array with an unknown name is refused too, because
+its data would be missing in the problem.
 """
 
 import os
@@ -25,27 +25,27 @@ from scipy import sparse
 
 from frictionbench.problems.check import REAL, Array, InputError, require, require_consistent
 
-COMPRESSION = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # those of numpy; others can need much memory to unpack
+COMPRESSION = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the methods of numpy; unpacking others can need much memory
 MOST = 1000  # arrays: far more than a problem has
 LONGEST_HEADER = 2**16  # bytes of an array's header, which is read before its size is known
-ENTRY = b"PK\x01\x02"  # begins each entry of an archive's directory
+ENTRY = b"PK\x01\x02"  # the start of each entry in an archive's directory
 CHUNK = 2**24
 MAX_BYTES = 4 * 2**30  # bytes unpacked; a larger archive is refused without unpacking it
-ANSWERS = re.compile(r"[ru](_\w+)?")  # impulses and velocities that somebody found: not part of a problem
+ANSWERS = re.compile(r"[ru](_\w+)?")  # impulses and velocities of answers, which are not part of a problem
 
 
 @contextmanager
 def opened(path: Path, most: int) -> Iterator[BinaryIO]:
     """A regular file of at most `most` bytes, open for reading. Errors: InputError naming the file."""
     try:
-        _require_regular(path, os.stat(path), most)  # to open a device can have effects
+        _require_regular(path, os.stat(path), most)  # opening a device can have side effects
         file = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")  # does not wait for a pipe's writer
     except OSError as error:
         raise InputError(f"{path}: {'no such file' if isinstance(error, FileNotFoundError) else error.strerror}") from None
     with file:
         found = os.fstat(file.fileno())
         _require_regular(path, found, most)
-        require(found.st_size > 0 or not file.read(1), str(path), "not a regular file: it states no size")  # as in /proc
+        require(found.st_size > 0 or not file.read(1), str(path), "not a regular file: it states no size")  # as files in /proc
         yield file
 
 
@@ -82,9 +82,9 @@ def read_arrays(path: Path) -> dict[str, Array]:
 
 
 def _listed(file: BinaryIO) -> int:
-    """How often the mark of an entry of the archive's directory occurs in the file, about as often as there are entries.
+    """The number of occurrences of ENTRY in the file, which is about the number of entries.
 
-    zipfile reads the whole directory before it tells their number.
+    zipfile reads the whole directory before it gives their number.
     """
     found, end = 0, b""
     while part := file.read(CHUNK):
@@ -94,7 +94,7 @@ def _listed(file: BinaryIO) -> int:
 
 
 def _claimed(name: str, stream: IO[bytes]) -> int:
-    """The size in bytes that an array's header states; an error where the data are shorter follows when it is read."""
+    """The size in bytes that an array's header states. If the data are shorter, reading the array raises an error."""
     version = npy.read_magic(stream)
     require(version in ((1, 0), (2, 0)), name, f"has the unknown .npy format version {version}")
     shape, _, kind = (npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0)(stream)
@@ -104,7 +104,7 @@ def _claimed(name: str, stream: IO[bytes]) -> int:
 
 
 def require_known(names: Collection[str], known: Collection[str]) -> None:
-    """Errors: InputError naming the first array that is neither known nor an answer, and all that are known."""
+    """Errors: InputError naming the first array that is neither known nor an answer, and all known names."""
     for name in names:
         if name not in known and not ANSWERS.fullmatch(name):
             raise InputError(f"{name}: unknown array; known are {', '.join(sorted(known, key=str.lower))}")
@@ -112,7 +112,7 @@ def require_known(names: Collection[str], known: Collection[str]) -> None:
 
 @contextmanager
 def in_letters(letters: dict[str, str]) -> Iterator[None]:
-    """Errors within name the array that was given in place of the field that it was read as."""
+    """In errors raised within, replace the name of a field by that of the array in the file. letters: field: array."""
     try:
         yield
     except InputError as error:
@@ -121,7 +121,7 @@ def in_letters(letters: dict[str, str]) -> Iterator[None]:
 
 
 def sparse_matrix(field: str, kind: type[sparse.sparray], parts: Any, shape: Iterable[Any]) -> sparse.csr_array:
-    """The matrix of the parts of a file, in the format of scipy that `kind` is. Errors: InputError naming the field."""
+    """The matrix with these parts, given in SciPy's sparse format `kind`. Errors: InputError naming the field."""
     try:
         matrix = kind(parts, shape=tuple(int(n) for n in shape))
     except (ValueError, TypeError, IndexError, OverflowError) as error:

@@ -1,10 +1,10 @@
 """Download of FCLIB's public collection of recorded problems: github.com/FrictionalContactLibrary/fclib-library.
 
-fclib_registry.csv, in the folder of this file, lists 15 of its families with the size and sha256 that each file had in May 2024
-(commit 3e2066ef). The repository states no licence, so nothing of it is part of this project; its files are stored by git-LFS,
-downloaded from the main branch and refused if their sha256 has changed. Fetched files are stored in the cache folder,
-FRICTIONBENCH_CACHE or else the user's, and read from there without a network. An interrupted download is resumed at the file
-where it ended.
+fclib_registry.csv, in the folder of this file, lists 15 of its families with the size and sha256 of each file as of May 2024
+(commit 3e2066ef). The repository states no licence, so this project contains nothing of it. Its files are stored by git-LFS,
+downloaded from the main branch, and refused if their sha256 has changed. Fetched files are stored in the cache folder,
+FRICTIONBENCH_CACHE or by default the user's, and read from there without a network. An interrupted download resumes at the file
+where it stopped.
 """
 
 import csv
@@ -32,7 +32,7 @@ class Entry(NamedTuple):
 
 @cache
 def registry() -> dict[str, tuple[Entry, ...]]:
-    """The files by family, like Local/siconos/Capsules."""
+    """The files by family, for example Local/siconos/Capsules."""
     families: dict[str, list[Entry]] = {}
     with REGISTRY.open(encoding="ascii", newline="") as file:
         for row in csv.DictReader(file):
@@ -41,9 +41,9 @@ def registry() -> dict[str, tuple[Entry, ...]]:
 
 
 def family(name: str) -> str:
-    """The family that fclib/NAME means: its whole path, or its last part, local before global.
+    """The family to which fclib/NAME refers by its whole path or the last part of it; local families come before global ones.
 
-    Errors: InputError naming the family that is unknown.
+    Errors: InputError naming the unknown family.
     """
     wanted = name.removeprefix("fclib/").strip("/").lower()
     exact = [known for known in registry() if known.lower() == wanted]
@@ -54,15 +54,15 @@ def family(name: str) -> str:
 
 
 def cache_folder() -> Path:
-    """The folder in which fetched files are stored, each under its path."""
+    """The folder in which fetched files are stored, each under its path in the repository."""
     return Path(os.environ.get("FRICTIONBENCH_CACHE") or user_cache_dir("frictionbench")) / "fclib"
 
 
 def fetch(name: str) -> Iterator[Entry]:
     """Download the missing files of a family one after another, check each, and yield it when it is stored.
 
-    They come from ADDRESS, or a mirror given by FRICTIONBENCH_FCLIB.
-    Errors: InputError naming the file that could not be downloaded or differs from the registry, or pooch if it is missing.
+    They come from ADDRESS, or from a mirror given by FRICTIONBENCH_FCLIB.
+    Errors: InputError naming a file that cannot be downloaded or differs from the registry, or pooch if it is not installed.
     """
     require_installed("pooch", "recorded")
     import pooch
@@ -86,7 +86,7 @@ def fetch(name: str) -> Iterator[Entry]:
 
 
 def _download(size: int, url: str, output_file: str, pooch: object) -> None:
-    """Download a file of known size, and stop as soon as it is longer."""
+    """Download a file of known size. Errors: InputError as soon as it is longer, or if it is shorter."""
     import requests
 
     with requests.get(url, stream=True, timeout=30, allow_redirects=True) as response:

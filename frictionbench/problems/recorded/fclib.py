@@ -5,9 +5,9 @@
     guesses/        number_of_guesses, 1/{r, u, [v, l]}, 2/...
     solution/       r, u, [v, l]
 
-A matrix is {m, n, nz, nzmax, p, i, x}. nz >= 0: that many triplets, in which i is the row and p the column (the library's
-header documents them the other way round); -1: by columns (CSC); -2: by rows (CSR). Rows per contact, normal first. A stored
-solution may be a placeholder, and is not used as a reference.
+A matrix is {m, n, nz, nzmax, p, i, x}. nz >= 0 is a number of triplets, in which i is the row and p the column (the library's
+header documents them the other way round); -1 means CSC, -2 CSR. Rows per contact, normal first. A stored solution may be a
+placeholder and is not used as a reference.
 
 In addition, write() stores frictionbench/free_velocity, because solving M v* = f does not reproduce v* to the last bit.
 """
@@ -28,7 +28,7 @@ from frictionbench.problems.recorded.archive import sparse_matrix
 from frictionbench.problems.recorded.forms import from_global, from_local
 
 MAX_BYTES = 2**29  # bytes of all arrays of a file; larger ones are refused
-NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # no filter plugins, which are code that a file can cause to be loaded
+NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # disables filter plugins: a file could cause their code to be loaded
 MAX_SECONDS = 120.0  # seconds after which reading a file is aborted
 OURS = "frictionbench/free_velocity"
 
@@ -56,7 +56,7 @@ def read(path: Path) -> tuple[FrictionProblem, tuple[Array, ...]]:
 
 
 def _unpack(path: Path) -> Arrays:
-    """All arrays of the file by their paths, read in another process: see hdf5_child."""
+    """All arrays of the file by their paths, read in a separate process: see hdf5_child."""
     require_installed("h5py", "recorded")
     child = Path(__file__).with_name("hdf5_child.py")
     command = [sys.executable, "-P", str(child), str(path.resolve()), str(MAX_BYTES)]
@@ -65,7 +65,7 @@ def _unpack(path: Path) -> Arrays:
     except subprocess.TimeoutExpired:
         raise InputError(f"HDF5: reading was aborted after {MAX_SECONDS:g} s") from None
     if done.returncode == 2:
-        raise InputError(repr(done.stderr.decode(errors="replace"))[1:-1])  # the names in a file may hold line ends
+        raise InputError(repr(done.stderr.decode(errors="replace"))[1:-1])  # names in a file may contain line breaks
     require(done.returncode == 0, "HDF5", "the library crashed while reading the file")
     with np.load(BytesIO(done.stdout), allow_pickle=False) as stored:
         return {name.replace("|", "/")[1:]: stored[name] for name in stored.files}
@@ -130,9 +130,9 @@ def _index(arrays: Arrays, field: str) -> NDArray[np.int64]:
 
 
 def write(problem: FrictionProblem, path: Path, title: str = "", description: str = "") -> None:
-    """Write FCLIB's local form where only W is known, and its global form, in triplets, otherwise.
+    """Write FCLIB's local form if only W is known, and otherwise its global form, in triplets.
 
-    Errors: InputError where FCLIB's format cannot represent the problem.
+    Errors: InputError if FCLIB's format cannot represent the problem.
     """
     require(not problem.friction_bias.any(), "friction_bias", "FCLIB's format cannot represent it")
     require_installed("h5py", "recorded")

@@ -1,10 +1,10 @@
-"""The local and the global form of recorded friction problems, joints included (Acary, Brémond and Huber 2018; FCLIB).
+"""The local and the global form of recorded friction problems, including joints (Acary, Brémond and Huber 2018; FCLIB).
 
     local    u = W r + V l + q,   0 = V' r + R l + s
     global   M v = H r + G l + f,   u = H' v + w,   0 = G' v + b
 
-with contact rows normal first. A global problem keeps its sparse M and H. Two kinds cannot be written as a FrictionProblem
-with a mass matrix, and are reduced to their local form: those whose M is not symmetric, and those whose w acts on tangential
+with rows per contact, normal first. A global problem keeps its sparse M and H. Two kinds cannot be written as a FrictionProblem
+with a mass matrix and are reduced to their local form: those with an unsymmetric M, and those whose w acts on tangential
 velocities.
 """
 
@@ -18,8 +18,8 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.archive import in_letters
 
 MOST_COUPLED = 4000  # coordinates of one block of M, or joints of a local problem: a dense inverse takes 128 MB
-MOST_DENSE = 2**27  # entries of a matrix that is needed dense: 1 GiB
-SYMMETRIC = 1e-12  # relative, as FrictionProblem requires of its mass
+MOST_DENSE = 2**27  # entries of a dense matrix: 1 GiB
+SYMMETRIC = 1e-12  # relative asymmetry up to which M is symmetric, as in FrictionProblem
 LETTERS = {"mass": "M", "normal": "H", "tangent": "H", "friction": "mu", "bias": "w", "joints": "G", "joint_bias": "b"}
 
 
@@ -77,7 +77,7 @@ def from_local(
     R: sparse.csr_array | None = None,
     s: Array | None = None,
 ) -> FrictionProblem:
-    """The problem of a local form: W (nc*d, nc*d), q (nc*d), mu (nc), V (nc*d, nj), R (nj, nj), s (nj); joints eliminated."""
+    """The problem of a local form, without its joints: W (nc*d, nc*d), q (nc*d), mu (nc), V (nc*d, nj), R (nj, nj), s (nj)."""
     if V is None or R is None or s is None:
         return FrictionProblem.from_delassus(W, q, mu, d)
     nj = len(s)
@@ -91,7 +91,7 @@ def from_local(
 
 
 def _dense(name: str, matrix: sparse.csr_array) -> Array:
-    """The matrix as an array. Errors: InputError naming it where that would be too large."""
+    """The matrix as a dense array. Errors: InputError naming it if that is too large."""
     m, n = matrix.shape
     require(m * n <= MOST_DENSE, name, f"of shape {(m, n)} is needed dense; at most {MOST_DENSE} entries are")
     return matrix.toarray()
@@ -101,7 +101,7 @@ def _solve(M: sparse.csr_array, right: Array) -> Array:
     """M^-1 right."""
     diagonal = M.diagonal()
     if M.nnz == np.count_nonzero(diagonal) == len(diagonal):
-        with np.errstate(over="ignore"):  # what is not finite is refused later
+        with np.errstate(over="ignore"):  # infinite values are refused later
             return (right.T / diagonal).T
     try:
         solution = splu(sparse.csc_array(M)).solve(right)

@@ -1,11 +1,11 @@
-"""Reads one HDF5 file in a process of its own, and writes its arrays as an .npz to the standard output.
+"""Reads one HDF5 file in a separate process, and writes its arrays as an .npz to the standard output.
 
     python hdf5_child.py FILE BYTES
 
-A damaged or malicious file can crash the HDF5 library or make it run for ever, which here ends only this process. Only plain
-data are read: no links (also to other files), no data outside the file, no virtual data, no filters but those of the library
-itself, no types but numbers, and no more than BYTES in all by the shapes and chunks stated in the file. A data set that was
-created and never written is left out. A refused file is reported by one line on the standard error and exit code 2.
+A damaged or malicious file can crash the HDF5 library or make it run forever; here this affects only this process. Only plain
+data are read: no links, no data outside the file, no virtual data, only filters of the library itself, only numbers, and at
+most BYTES in total by the shapes and chunks stated in the file. A data set that was created but never written is ignored. A
+refused file is reported by one line on the standard error and exit code 2.
 """
 
 import io
@@ -17,16 +17,16 @@ import h5py
 import numpy as np
 
 FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32, h5py.h5z.FILTER_SZIP}
-MOST = 1000  # groups and data sets: far more than FCLIB's files have
-DEEPEST = 6  # levels of groups: more than FCLIB's files have
+MOST = 1000  # groups and data sets, far more than in FCLIB's files
+DEEPEST = 6  # levels of groups, more than in FCLIB's files
 
 
 class Refused(Exception):  # noqa: N818  # a finding about the file
-    """A file that is refused; the message names the field and the reason."""
+    """The file is refused; the message states the field and the reason."""
 
 
 def read(path: str, most: int) -> dict[str, np.ndarray]:
-    """All numeric arrays by their paths; attributes and texts are ignored."""
+    """All numeric arrays by their paths; attributes and text are ignored."""
     arrays: dict[str, np.ndarray] = {}
     left, seen = most, 0
     with h5py.File(path, "r") as file:
@@ -46,8 +46,8 @@ def read(path: str, most: int) -> dict[str, np.ndarray]:
                     groups.append((field, data, depth + 1))
                 elif isinstance(data, h5py.Dataset) and data.dtype.kind in "fiu":
                     if data.size and not (data.is_virtual or data.external or data.id.get_storage_size()):
-                        continue  # it was created and never written, and counts as missing
-                    # The bytes to read it: of its shape, or of one of its chunks, which are unpacked whole and may be larger.
+                        continue  # created but never written: it counts as missing
+                    # The bytes of its shape or of one chunk, which is unpacked as a whole and may be larger.
                     left -= data.dtype.itemsize * max(math.prod(data.shape), math.prod(data.chunks or ()))
                     _check(field, data, left)
                     arrays[field] = data[()]
@@ -68,7 +68,7 @@ def _check(field: str, data: h5py.Dataset, left: int) -> None:
 
 
 def main() -> int:
-    """Exit 0 with the arrays, 2 with a reason."""
+    """Return the exit code: 0 with the arrays on the standard output, or 2 with a reason on the standard error."""
     path, most = sys.argv[1], int(sys.argv[2])
     resource.setrlimit(resource.RLIMIT_AS, (4 * most + 2**30,) * 2)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -1,6 +1,6 @@
 """The native file format of friction problems and bare LCPs: one .npz of plain arrays.
 
-Every field of FrictionProblem by its name, dense fields as they are, a sparse one F as the four arrays of its CSR form:
+Every field of FrictionProblem is stored by its name, a dense one as an array and a sparse one F as the four arrays of its CSR:
 
     dimension                      2 planar, 3 spatial
     friction (nc), free_velocity (nv), bias (nc), friction_bias (nc), joint_bias (nj)
@@ -8,12 +8,11 @@ Every field of FrictionProblem by its name, dense fields as they are, a sparse o
 
 A problem in Delassus form has W (as W_data ...) and q (nc*d) in place of the mechanical fields, rows per contact, normal first.
 A bare LCP has M (n, n) and q (n), and its dimension is 0. problems.recorded.plain reads dense arrays under shorter names.
+A step of an engine has up to three further arrays, of which the first is required:
 
-A step of an engine has three arrays more, of which the first makes the file such a step:
-
-    impulse (nc, d)    N s, the normal first: what the engine used
-    step               s, the length of the step, where the bias is the gap over it
-    notes (bytes)      a JSON object in UTF-8: what the problem does not express, and its share of the impulse
+    impulse (nc, d)    N s, normal first: the impulses of the engine
+    step               s, the length of the step, if the bias is the gap divided by it
+    notes (bytes)      a JSON object in UTF-8: effects that the problem does not express, with their share of the impulse
 """
 
 import json
@@ -35,18 +34,18 @@ LCP_FIELDS = ("M", "q")
 _MATRICES = {"mass", "normal", "tangent", "joints", "W", "M"}
 _PARTS = ("data", "indices", "indptr", "shape")
 NAMES = ("impulse", "step", "notes")  # the arrays of an engine's step
-MOST, LONGEST = 100, 200  # notes, and characters of each: a note is a term, not a text
-LARGEST = 2**16  # bytes of all notes
+MOST, LONGEST = 100, 200  # the limits of the number of notes and of the characters of each
+LARGEST = 2**16  # the limit of the bytes of all notes
 
 
 @dataclass(frozen=True, eq=False)
 class EngineStep(ReadOnly):
     """One step of an engine.
 
-    problem: mechanics, contacts and friction of the step, with the free velocity, that without contact impulses.
-    impulse: (nc, d), N s, the normal first: what the engine used. With it `problem.velocity` is the engine's next velocity.
-    notes: what the problem does not express, by name, with its share of the impulse, from 0 to 1.
-    step: s, its length, given where problem.bias is the gap over it; None where it is not.
+    problem: mechanics, contacts and friction of the step, with the free velocity, which is that without contact impulses.
+    impulse: (nc, d), N s, normal first: the engine's impulses, for which `problem.velocity` is the engine's next velocity.
+    notes: the effects that the problem does not express, by name, with their share of the impulse, from 0 to 1.
+    step: s, the length of the step if problem.bias is the gap divided by it; otherwise None.
     Errors: InputError naming impulse, notes or step.
 
     >>> import frictionbench as fb
@@ -75,9 +74,9 @@ class EngineStep(ReadOnly):
         return f"EngineStep({self.problem.summary}{noted})"
 
     def save(self, folder: str | Path) -> Path:
-        """Write it to folder/step_000001.npz or the first number after those that are there; the folder is made if missing.
+        """Write the step to folder/step_000001.npz, or the number after the last existing one; create the folder if missing.
 
-        Returns the path. Errors: OSError where the file cannot be written.
+        Returns the path. Errors: OSError if the file cannot be written.
         """
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
@@ -107,22 +106,22 @@ def save(given: FrictionProblem | LCP | EngineStep, path: Path) -> None:
 
 
 def load(path: Path) -> FrictionProblem | LCP:
-    """Read a problem. Errors: InputError naming the file, or the field in it that cannot be used."""
+    """Read a problem. Errors: InputError naming the file and the invalid field."""
     return problem(path, read_arrays(path))
 
 
 def holds(names: Collection[str]) -> bool:
-    """Whether arrays of these names are of this format."""
+    """Whether arrays with these names are in this format."""
     return "dimension" in names and any(name.endswith("_data") for name in names)
 
 
 def problem(path: Path, arrays: dict[str, Array]) -> FrictionProblem | LCP:
-    """The problem that the arrays of a file hold. Errors: InputError naming the file and the field."""
+    """The problem in the arrays of a file. Errors: InputError naming the file and the field."""
     return _read(path, arrays)[0]
 
 
 def load_step(path: Path) -> EngineStep:
-    """Read a step of an engine. Errors: InputError naming the file, or the field in it that cannot be used."""
+    """Read a step of an engine. Errors: InputError naming the file and the invalid field."""
     arrays = read_arrays(path)
     require(holds(arrays), str(path), "not a file of fb.save: it cannot hold what an engine answered")
     _, step = _read(path, arrays)
@@ -132,7 +131,7 @@ def load_step(path: Path) -> EngineStep:
 
 
 def _read(path: Path, arrays: dict[str, Array]) -> tuple[FrictionProblem | LCP, EngineStep | None]:
-    """The problem, and the step of an engine where the file holds one."""
+    """The problem, and the step of an engine if the file contains one."""
     try:
         require_known(arrays, _names(arrays))
         found = _problem(arrays)
@@ -165,12 +164,12 @@ def _problem(arrays: dict[str, Array]) -> FrictionProblem | LCP:
 
 
 def _fields(arrays: Collection[str], lcp: bool) -> tuple[str, ...]:
-    """The fields of the problem that arrays of these names hold."""
+    """The fields of a problem with arrays of these names."""
     return LCP_FIELDS if lcp else GivenDelassus.FIELDS if "W_data" in arrays else FrictionProblem.FIELDS
 
 
 def _names(arrays: Collection[str]) -> set[str]:
-    """The names that belong together with those of these arrays."""
+    """All array names that are allowed in a file with these arrays."""
     fields = {*_fields(arrays, "M_data" in arrays)}
     parts = {f"{name}_{part}" for name in fields & _MATRICES for part in _PARTS}
     return {"dimension", *(fields - _MATRICES), *parts, *(() if "M" in fields else NAMES)}

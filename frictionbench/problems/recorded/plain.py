@@ -1,18 +1,18 @@
-"""Dense arrays under the field's letters, as np.savez("problem.npz", M=M, N=N, T=T, mu=mu, v=v, b=b) writes them:
+"""Dense arrays named by the usual letters, as written by np.savez("problem.npz", M=M, N=N, T=T, mu=mu, v=v, b=b):
 
     M (nv, nv), N (nc, nv), T (nc*(d-1), nv), mu (nc), v (nv)   mass, normals and tangents in rows, free velocity (also vfree);
         with b (nc), fb (nc)                                    normal and friction biases, zero if left out
         with F (nj, nv), bF (nj)                                joints F v + bF = 0, none if left out; bF zero if left out
         with d                                                  2 in the plane, 3 in space; 2 if left out
-    W (nc*d, nc*d), q (nc*d), mu (nc), d; with fb (nc)          u = W r + q, rows of a contact normal first
+    W (nc*d, nc*d), q (nc*d), mu (nc), d; with fb (nc)          u = W r + q, rows per contact, normal first
     M (n, n), q (n)                                             an LCP, w = M z + q
     G (3 nc, 3 nc), g (3 nc, 1), mus (nc)                       u = G r + g of ContactBench (Le Lidec and others 2024)
 
 ContactBench's contacts have the normal last, (t1, t2, n). Its G includes a compliance of 1e-9 I, which is part of the problem.
 
-mu may be one number for all contacts. N and T may both have the contacts in columns; where both are square, they have rows.
-A file with bodies may also hold their W and q, which are compared with those of the bodies. An array of any other name is
-refused, but for found answers: r, u and names that begin with r_ or u_ are not read.
+mu may be one number for all contacts. N and T may both have the contacts in columns; square ones must have them in rows.
+A file with M, N and T may also contain W and q, which are compared with those computed from them. Arrays with any other name
+are refused, except answers, which are ignored: r, u and names that start with r_ or u_.
 """
 
 from collections import Counter
@@ -44,11 +44,11 @@ BODIES = {
 }
 DELASSUS = {"W": "W", "q": "q", "friction": "mu", "friction_bias": "fb", "dimension": "d"}
 CONTACTBENCH = {"W": "G", "q": "g", "friction": "mus", "dimension": "d"}
-SAME = 1e-6  # of the largest entry: a W and q stored beside bodies may be rounded to so many digits
+SAME = 1e-6  # relative to the largest entry: W and q stored with M, N and T may differ by this, because of rounding
 
 
 def kind(arrays: Arrays) -> Callable[[Arrays], FrictionProblem | LCP] | None:
-    """The function that reads these arrays, None where they are of none of these kinds."""
+    """The function that reads these arrays, None if they are of none of these kinds."""
     names = arrays.keys()
     if {"G", "g", "mus"} <= names:
         return contactbench
@@ -60,7 +60,7 @@ def kind(arrays: Arrays) -> Callable[[Arrays], FrictionProblem | LCP] | None:
 
 
 def mechanical(arrays: Arrays) -> FrictionProblem:
-    """A problem given by its mechanics. Errors: InputError naming the array."""
+    """A problem given by masses and contact rows. Errors: InputError naming the array."""
     require_known(arrays, {*BODIES.values(), "vfree", "W", "q"})
     require(not {"v", "vfree"} <= arrays.keys(), "vfree", "another name of v, which is given as well")
     require("F" in arrays or "bF" not in arrays, "bF", "given without F")
@@ -111,9 +111,9 @@ def lcp(arrays: Arrays) -> LCP:
 
 
 def _by_rows(N: Array, T: Array, velocities: list[int]) -> tuple[Array, Array]:
-    """Both with the contacts in rows. velocities: the numbers that M and v state, of which the most frequent that fits decides.
+    """N and T with the contacts in rows. velocities: the sizes of M and v, of which the most frequent that fits is nv.
 
-    Errors: InputError naming the one that is no matrix, or that has its contacts in columns where the other has them in rows.
+    Errors: InputError naming the array that is not a matrix, or that has contacts in columns while the other has rows.
     """
     for name, matrix in {"N": N, "T": T}.items():
         require(matrix.ndim == 2, name, f"expected a matrix, got shape {matrix.shape}")
@@ -131,7 +131,7 @@ def _for_each(mu: Array, nc: int) -> Array:
 
 
 def _compare(problem: FrictionProblem, arrays: Arrays) -> None:
-    """Errors: InputError naming W or q where it is given beside bodies and is not theirs."""
+    """Errors: InputError naming W or q if it is given in addition to masses and contact rows, and differs from theirs."""
     for name in ("W", "q"):
         if name in arrays:
             given, n = arrays[name], len(problem.q)

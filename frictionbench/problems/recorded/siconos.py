@@ -4,15 +4,15 @@
     global friction problem    d, nc, M, H, f (nv), w (nc*d), mu (nc)            M v = H r + f,  u = H' v + w
     LCP                        n, M, q (n)
 
-A matrix begins with its storage, rows and columns; what follows depends on the storage:
+A matrix begins with its storage type and the numbers of rows and columns. The rest depends on the storage type:
 
     0, dense     rows and columns again, then the entries by columns
-    1, blocks    the number of blocks; block rows and columns and where they end; a CSR pattern of the blocks; each block's
+    1, blocks    the number of blocks; block rows and columns and their ends; a CSR pattern of the blocks; each block's
                  number and its entries by columns
-    2, sparse    what CSparse prints, to six digits: triplets `row column : value`, or columns of `row : value`
+    2, sparse    the output of CSparse, to six digits: triplets `row column : value`, or columns of `row : value`
 
-Text after the last number is ignored. A count of more numbers than the bytes of the file could represent is refused before
-memory is allocated for them.
+Text after the last number is ignored. A count that exceeds the numbers for which the file has bytes is refused before memory is
+allocated for them.
 """
 
 import os
@@ -92,7 +92,7 @@ def read(path: Path) -> FrictionProblem | LCP:
         head = list(islice(_words(file), 7))
         file.seek(0)
         numbers = _Numbers(file, size)
-        # Both begin with small integers; in an LCP the second is M's storage, and the first is repeated as M's shape.
+        # Both kinds start with two small integers. In an LCP the second is M's storage, and the first is repeated as M's shape.
         if len(head) > 3 and head[0] == head[2] == head[3] and "CSparse" not in head[6:]:
             n = numbers.whole("n", least=1)
             M = _matrix(numbers, "M")

@@ -1,6 +1,6 @@
-"""Boxes in space: on a slope, on each other, in a groove. Each is at rest or slides, with a closed form.
+"""Boxes in space: on a slope, on top of each other, in a groove. They rest or slide, with motions in closed form.
 
-A slope tilts gravity and not the ground: downhill is along x, and z is normal to the slope.
+A slope tilts gravity and not the ground: x points downhill, and z is normal to the slope.
 """
 
 from functools import partial
@@ -22,17 +22,17 @@ FLOOR = HalfSpace(np.array([0.0, 0.0, 1.0]))
 def sliding_box(
     slope: float = 0.0, friction: float = 0.5, speed: float = 2.0, heading: float = 0.0, aspect: float = 1.0
 ) -> Scene:
-    """A box that is thrown on level ground or put on a slope: it slides straight on, stops, holds, or tips over.
+    """A box that is thrown on level ground or put on a slope: it slides straight on, stops, stays at rest, or tips over.
 
-    It stops after v^2/(2 mu g) on level ground, in the direction of the throw; on a slope below atan(mu) it stays where it is,
-    and does not creep; it tips over where tan(slope) > 1/aspect. slope, heading: rad. speed: m/s. aspect: height over width,
+    On level ground it stops after v^2/(2 mu g), in the direction of the throw. On a slope below atan(mu) it stays at rest and
+    does not creep. It tips over if tan(slope) > 1/aspect. slope, heading: rad. speed: m/s. aspect: height divided by width,
     which is 0.2 m.
     """
     slope, speed, heading = number("slope", slope, least=0, most=1.2), number("speed", speed), number("heading", heading)
     half, mu = (HALF, HALF, HALF * number("aspect", aspect, above=0)), number("friction", friction, least=0)
     along = np.array([np.cos(heading), np.sin(heading), 0.0])
     down, normal = GRAVITY * np.sin(slope), GRAVITY * np.cos(slope)
-    straight = slope == 0 or (heading == 0 and speed >= 0)  # else the path bends, or turns back
+    straight = slope == 0 or (heading == 0 and speed >= 0)  # otherwise the path bends or turns back
     upright = max(mu if speed else min(mu, np.tan(slope)), 0.0) * aspect <= 1
     return Scene(
         bodies=(solid_box(half),),
@@ -46,16 +46,16 @@ def sliding_box(
 
 @generator(dimension=3, duration=0.3)
 def box_tower(boxes: int = 5, mass_ratio: float = 1.0, slope: float = 0.1, friction: float = 0.5) -> Scene:
-    """Cubes stand on each other, on a slope on which friction holds them, and stay where they are.
+    """A tower of cubes on a slope, held at rest by friction.
 
-    They tip over where tan(slope) exceeds half an edge over the height of the centre of mass of all that stand on a face.
-    mass_ratio: of the highest to the lowest, geometric in between. slope: rad, 0 for level ground.
+    It tips over if, for some face, tan(slope) exceeds half an edge divided by the height above the face of the centre of mass
+    of the cubes on it. mass_ratio: of the highest to the lowest cube, geometric in between. slope: rad, 0 for level ground.
     """
     n = count("boxes", boxes)
     mass = number("mass_ratio", mass_ratio, above=0) ** (np.arange(n) / max(n - 1, 1))
     slope, mu = number("slope", slope, least=0, most=1.2), number("friction", friction, least=0)
     place = np.array([[0.0, 0.0, HALF * (2 * i + 1)] for i in range(n)])
-    standing = [np.average(place[i:, 2], weights=mass[i:]) - 2 * i * HALF for i in range(n)]  # heights over each face
+    standing = [np.average(place[i:, 2], weights=mass[i:]) - 2 * i * HALF for i in range(n)]  # heights above each face
     holds = np.tan(slope) <= min(mu, HALF / max(standing))
     return Scene(
         bodies=tuple(solid_box((HALF, HALF, HALF), float(m)) for m in mass),
@@ -74,7 +74,7 @@ def _resting(place: Array, time: float) -> Array:
 def box_in_groove(slope: float = 0.5, friction: float = 0.2) -> Scene:
     """A cube slides on an edge down a right-angled groove, between two planes that both press on it.
 
-    Its acceleration is g (sin(slope) - sqrt(2) mu cos(slope)), and it stays if that is negative. slope: rad.
+    Its acceleration is g (sin(slope) - sqrt(2) mu cos(slope)); if that is negative, it stays at rest. slope: rad.
     """
     slope, mu, side = number("slope", slope, least=0, most=1.2), number("friction", friction, least=0), np.sqrt(0.5)
     down, normal = GRAVITY * np.sin(slope), GRAVITY * np.cos(slope)

@@ -33,8 +33,8 @@ def bouncing_ball(height: float = 1.0, speed: float = 0.0, spin: float = 0.0) ->
 def bowl(radius: float = 1.0, angle: float = 1.0) -> Scene:
     """A bead slides to and fro in a circular bowl: curved ground, from which straight steps deviate.
 
-    Schemes on velocities drift out of the bowl by O(h), schemes on gaps by O(h^2). The bead is a flywheel of 1 kg and 1 kg m^2
-    and a millimetre across, so that it hardly rolls. radius: m, of its path. angle: rad, from the lowest point, at the start.
+    Schemes with velocity constraints drift out of the bowl by O(h), schemes with gap constraints by O(h^2). The bead has 1 kg,
+    1 kg m^2 and a diameter of 1 mm, so that it hardly rolls. radius: m, of its path. angle: rad, the initial one from below.
     """
     radius, angle = number("radius", radius, least=0.01), number("angle", angle, least=-3, most=3)
     bead = 5e-4
@@ -47,13 +47,13 @@ def bowl(radius: float = 1.0, angle: float = 1.0) -> Scene:
 
 @generator(friction=0.5, duration=1.0)
 def jam(speed: float = 1.0, overlap: float = 0.0, sideways: float = 0.0) -> Scene:
-    """A disc of 1 kg slides up between two vertical walls at its own distance: jammed, a hard case of Anitescu (1999).
+    """A disc of 1 kg slides up between two vertical walls one diameter apart: jammed, a hard case of Anitescu (1999).
 
     The normals cancel, so normal impulses of any size have no effect, and the friction cone is not pointed. The solutions are
     not unique, and their set is not convex: with V = speed - g h, normal impulses c = s V/(2 mu) on both walls slow the disc to
     (1-s) V, for s in [0, 1], and any larger ones stop it (page 22 of Anitescu 1999). overlap: m, by which the walls overlap the
-    disc, so that a scheme on gaps has no solution; negative for a gap. speed, sideways: m/s, up and to the right. With
-    sideways = 0 no impulse at all is one of the answers of the first step; at a wall that the disc hits friction must act.
+    disc, so that a scheme with gap constraints has no solution; negative for a gap. speed, sideways: m/s, up and to the right.
+    With sideways = 0, zero impulses are a solution of the first step; otherwise friction acts at the wall that is hit.
     """
     squeeze = number("overlap", overlap, least=-RADIUS, most=RADIUS) / 2
     return Scene(
@@ -68,9 +68,9 @@ def jam(speed: float = 1.0, overlap: float = 0.0, sideways: float = 0.0) -> Scen
 def wedge(angle: float = 0.5, speed: float = 1.0, spin: float = 5.0, depth: float = 0.0) -> Scene:
     """A spinning disc of 1 kg hits both walls of an upright wedge at once.
 
-    Without a spin it stops in every solution, u = 0, and friction has nothing to do. The impulses are bounded for
-    friction < tan(angle); above it the walls can press against each other through the disc, which jams. angle: rad, of each
-    wall from the vertical. speed: m/s, downwards. spin: rad/s. depth: m, by which the disc overlaps both walls at first.
+    Without a spin it stops in every solution, u = 0, and friction is not needed. The impulses are bounded for
+    friction < tan(angle). For a larger friction the disc can jam: the walls press against each other through it. angle: rad, of
+    each wall from the vertical. speed: m/s, downwards. spin: rad/s. depth: m, the initial overlap of the disc and both walls.
     """
     angle = number("angle", angle, above=0, most=1.5)
     return Scene(

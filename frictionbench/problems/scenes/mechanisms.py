@@ -1,4 +1,4 @@
-"""Mechanisms with hinges: a pendulum, a slider-crank, and a chain: contacts and joints together, at any size.
+"""Mechanisms with hinges: a pendulum, a slider-crank, and a chain with any number of contacts and joints.
 
 The slider-crank is also given in its three independent coordinates, without hinges.
 """
@@ -39,10 +39,10 @@ def pendulum(angle: float = 1.0, length: float = 1.0, spin: float = 0.0) -> Scen
 def slider_crank(clearance: float = 0.001, speed: float = 150.0, tilt: float = 0.0, angle: float = 0.0) -> Scene:
     """A crank drives a slider that has a little clearance between its two guides (Flores, Leine and Glocker 2010).
 
-    Contacts at the end of a chain of three hinges: the slider rattles between the guides, which alone dissipate energy.
+    The slider is the end of a chain of three hinges and rattles between the guides. Energy is dissipated only there.
     Crank 0.153 m, rod 0.306 m, slider 0.1 m by 0.05 m, masses as in the reference. The crank turns once in about
     0.07 s. clearance: m, on each side. speed: rad/s, of the crank. tilt: rad, of the slider. angle: rad, of the crank, 0
-    where it is in line with the rod.
+    if it is in line with the rod.
     """
     clearance, w = number("clearance", clearance, least=0, most=0.01), number("speed", speed)
     crank, rod, length, height = CRANK, ROD, 0.1, 0.05
@@ -79,16 +79,16 @@ def slider_crank(clearance: float = 0.001, speed: float = 150.0, tilt: float = 0
 
 @generator(friction=0.5, duration=1.0)
 def chain(links: int = 5, pull: float = 1.0, ripple: float = 0.0, fall: float = 0.0, mass_ratio: float = 1.0) -> Scene:
-    """Boxes 1 by 0.2, flat on the ground in a row and hinged to each other in the middle of their height, are pulled along.
+    """A row of boxes, 1 by 0.2, flat on the ground and hinged to each other at half their height, is pulled along.
 
-    pull: m/s, of all of them, to the right. ripple: rad/s, spins of alternate sign, by which every second hinge is lifted at
-    first. fall: m/s, downwards. mass_ratio: the mass of the last link over that of the first, geometric in between.
+    pull: m/s, of all boxes, to the right. ripple: rad/s, initial spins of alternating sign, which lift every second hinge.
+    fall: m/s, downwards. mass_ratio: the mass of the last link divided by that of the first, geometric in between.
     """
     n, spin = count("links", links), number("ripple", ripple)
     density = number("mass_ratio", mass_ratio, above=0) ** (np.arange(n) / max(n - 1, 1))
     velocity = np.zeros((n, 3))
     velocity[:, 0] = number("pull", pull)
-    velocity[:, 1] = spin / 2 - number("fall", fall)  # a link's one end is lifted by spin, the other stays
+    velocity[:, 1] = spin / 2 - number("fall", fall)  # the spin lifts one end of a link; the other stays
     velocity[:, 2] = spin * (-1.0) ** np.arange(n)
     return Scene(
         bodies=tuple(rigid_box(1.0, 0.2, float(rho)) for rho in density),
@@ -135,7 +135,7 @@ def slider_crank_angles(
 ) -> SliderCrankAngles:
     """The slider-crank in generalised coordinates: the angles of crank, rod and slider, which its clearance leaves free.
 
-    The same motion as slider_crank, without joint equations and their drift. Parameters as there.
+    The motion is that of slider_crank, without joint equations and their drift. The parameters are the same.
     """
     full = replace(slider_crank(clearance, speed, tilt, angle), friction=friction)
     at = np.array([2, 5, 8])

@@ -21,15 +21,15 @@ def painleve_rod(
 ) -> Scene:
     """A rod that leans to the right slides on the ground on its lower tip; forces alone cannot always stop it.
 
-    With t = tan(angle), p = (1 + 3 cos^2 - 3 mu |sin cos|)/m is the tip's normal acceleration by a unit normal force while it
-    slides to the left. Where p < 0, possible iff mu > (4 + t^2)/(3 t), least 4/3 at t = 2, and half_length spin^2 sin < g, no
-    force can keep the tip from entering the ground; an impulse stops it within one step, in the limit h -> 0
+    While the tip slides to the left, a unit normal force gives it the normal acceleration p = (1 + 3 cos^2 - 3 mu |sin cos|)/m.
+    With t = tan(angle), p < 0 iff mu > (4 + t^2)/(3 t), which is least at t = 2, where it is 4/3. If p < 0 and
+    half_length spin^2 sin < g, no force prevents penetration. An impulse stops the tip within one step. In the limit h -> 0
 
         r_n = 3/4 m sin cos |v_t|,    r_t = 1/4 m (1 + 3 cos^2) |v_t|,    losing m (1 + 3 cos^2) v_t^2 / 8.
 
-    Where p < 0 and the tip lifts, by lift > g h, an impulse problem has three solutions: it opens, sticks or slides.
+    If p < 0 and the tip lifts, with lift > g h, the impulse problem has three solutions: it opens, sticks or slides.
 
-    angle: rad from the ground. tip_velocity: m/s along the ground, to the left negative. lift: m/s, of the tip. spin: rad/s.
+    angle: rad from the ground. tip_velocity: m/s along the ground, negative to the left. lift: m/s, of the tip. spin: rad/s.
     """
     angle = number("angle", angle, above=0, most=np.pi / 2)
     spin, speed = number("spin", spin), number("tip_velocity", tip_velocity)

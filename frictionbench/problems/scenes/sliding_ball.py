@@ -16,11 +16,11 @@ TABLE = HalfSpace(np.array([0.0, 0.0, 1.0]))
 
 @generator(dimension=3, duration=0.4)
 def sliding_ball(speed: float = 2.0, side_spin: float = 14.0, friction: float = 0.3) -> Scene:
-    """A ball slides on a table until it rolls, on a parabola if it has a side spin, else with 5/7 of its speed in the end.
+    """A ball slides on a table until it rolls: with a side spin on a parabola, otherwise straight, finally at 5/7 of its speed.
 
-    The lowest point of a ball of radius R slides at s = v + omega x (0, 0, -R). Friction mu m g against s shortens s and leaves
-    its direction, s' = -7/2 mu g s/|s|, until the ball rolls at the time 2 |s_0| / (7 mu g). A polygon in place of Coulomb's
-    cone turns s and bends the path. Angular momentum about the lowest point is conserved, so that the velocity of rolling does
+    The lowest point of a ball of radius R slides at s = v + omega x (0, 0, -R). Friction mu m g against s reduces s and keeps
+    its direction, s' = -7/2 mu g s/|s|, until the ball rolls at the time 2 |s_0| / (7 mu g). If a polygon replaces Coulomb's
+    cone, s turns and the path bends. Angular momentum about the lowest point is conserved, so that the rolling velocity does
     not depend on the cone's section. speed: m/s, along x. side_spin: rad/s, about x. The ball has a radius of 0.1 m.
     """
     velocity, spin = np.array([number("speed", speed), 0.0, 0.0]), np.array([number("side_spin", side_spin), 0.0, 0.0])
@@ -35,7 +35,7 @@ def sliding_ball(speed: float = 2.0, side_spin: float = 14.0, friction: float = 
 
 
 def _rolling(velocity: Array, slip: Array, rate: float, time: float) -> Array:
-    """The centre (1, 3); rate: m/s^2, of friction."""
+    """The centre (1, 3). rate: the deceleration by friction, m/s^2."""
     size = float(np.linalg.norm(slip))
     push = rate * slip / size if size else slip
     sliding = min(time, 2 * size / (7 * rate)) if rate else time
@@ -45,7 +45,7 @@ def _rolling(velocity: Array, slip: Array, rate: float, time: float) -> Array:
 
 @generator(dimension=3, friction=0.5, step=0.002, duration=0.6)
 def dropped_ball(height: float = 0.2, restitution: float = 0.0) -> Scene:
-    """A ball falls on a table and rebounds to e^2 of its height, again and again. height: m, of its lowest point."""
+    """A ball falls on a table and rebounds repeatedly, each time to e^2 of its height. height: m, of its lowest point."""
     height = number("height", height, least=0)
     return Scene(
         bodies=(solid_sphere(RADIUS),),

@@ -1,7 +1,7 @@
-"""A stack, a brick wall and a pyramid of boxes: many contacts, exact ties, more contacts than degrees of freedom.
+"""A stack, a brick wall, a pyramid and a pile of discs: many contacts, exact ties, more contacts than degrees of freedom.
 
-Each is pushed by default: at rest on level ground friction has nothing to do. Where the ground slopes friction alone holds
-them, unless they tip over, and where they slide or fall it acts against that.
+The boxes are pushed by default, because at rest on level ground friction does not act. On a slope, friction alone holds them
+unless they tip over; if they slide or fall, it opposes the motion.
 """
 
 import numpy as np
@@ -26,12 +26,12 @@ def stack(
     """A straight stack of unit boxes, the lowest pushed sideways.
 
     With push = 0 it rests, and the two contacts of interface i together carry the weight of all boxes above it: with equal
-    masses, m g h (blocks - i). smooth: the roughness of every third and fourth box, that of the others 1, so that the friction
-    of interfaces differs. mass_ratio: the densities grow by one factor from each box to the next, the topmost box having
-    mass_ratio times the lowest one's: large ones slow down iterations over contacts. push: m/s, of the lowest box. shear:
-    1/s, velocities increase with height by so much. slope: rad, of the ground, downhill to the right, in a frame that is tilted
-    with it. fall: m/s, downwards. jitter: the relative random variation of the boxes' masses and of their offsets; with 0 every
-    contact is an exact tie.
+    masses, m g h (blocks - i). smooth: the roughness of the third and fourth of every four boxes; that of the others is 1, so
+    that the friction of interfaces differs. mass_ratio: the density of the topmost box divided by that of the lowest, geometric
+    in between; large ratios slow down iterations over contacts. push: m/s, of the lowest box. shear: 1/s, the increase of the
+    horizontal velocity with height. slope: rad, of the ground, downhill to the right, in a frame that is tilted with it. fall:
+    m/s, downwards. jitter: the relative random variation of the boxes' masses and of their offsets; with 0, every contact is an
+    exact tie.
     """
     n = count("blocks", blocks)
     ratio, roughness = number("mass_ratio", mass_ratio, above=0), number("smooth", smooth, least=0)
@@ -52,7 +52,7 @@ def wall(
     """A brick wall in running bond, bricks 2 by 1, flush on all sides, the lowest left one pushed towards the others.
 
     With push = 0 it rests. Every second row has one brick fewer, so that no brick overhangs. Each contact is an exact tie.
-    push: m/s, of the lowest left brick. shear, slope, fall: as of the stack.
+    push: m/s, of the lowest left brick. shear, slope, fall: as in stack.
     """
     rows, columns = count("rows", rows), count("columns", columns, least=2)
     place = np.array([(2.0 * i + (row % 2), row + 0.5, 0.0) for row in range(rows) for i in range(columns - row % 2)])
@@ -64,8 +64,7 @@ def wall(
 def pyramid(rows: int = 5, push: float = 1.0, shear: float = 0.0, slope: float = 0.0, fall: float = 0.0) -> Scene:
     """A pyramid of unit boxes, each resting on two that stand apart, the topmost pushed sideways.
 
-    With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box. shear, slope, fall: as of the
-    stack.
+    With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box. shear, slope, fall: as in stack.
     """
     rows = count("rows", rows)
     place = np.array([(1.2 * (i + row / 2), row + 0.5, 0.0) for row in range(rows) for i in range(rows - row)])
@@ -77,10 +76,10 @@ def pyramid(rows: int = 5, push: float = 1.0, shear: float = 0.0, slope: float =
 def disc_pile(
     rows: int = 5, push: float = 0.0, shear: float = 0.0, slope: float = 0.0, fall: float = 0.0, mass_ratio: float = 1.0
 ) -> Scene:
-    """A triangular pile of discs, each on two, that friction holds together: without it the pile spreads at once.
+    """A triangular pile of discs, each resting on two, held together by friction: without it the pile spreads at once.
 
-    The discs have the diameter 1 and touch their neighbours in the row. mass_ratio: masses are log-uniform, at random, in
-    [1, mass_ratio] of those of density 1. push: m/s, of the topmost disc. shear, slope, fall: as of the stack.
+    The discs have the diameter 1 and touch their neighbours in the row. mass_ratio: densities are log-uniform at random in
+    [1, mass_ratio]. push: m/s, of the topmost disc. shear, slope, fall: as in stack.
     """
     rows = count("rows", rows)
     place = np.array([(i + row / 2, 0.5 + row * np.sqrt(0.75), 0.0) for row in range(rows) for i in range(rows - row)])

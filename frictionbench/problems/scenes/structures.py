@@ -1,7 +1,7 @@
 """Structures on the ground: an arch, a house of cards, a table on many legs.
 
-The arch stands by its thrust and the friction of its joints, the house of cards by friction alone: every leaning card thrusts
-outwards.
+The arch stands because of its thrust and the friction of its joints. The house of cards stands because of friction alone, as
+every leaning card thrusts outwards.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.planar.bodies import Body, Shape, box, half_plane, homogeneous, rigid_box
 from frictionbench.problems.scene import Scene
 
-THICK, HIGH, TOP = 0.1, 1.0, 0.15  # m: of a card along the ground, of a pair, and of the level top of each of its cards
+THICK, HIGH, TOP = 0.1, 1.0, 0.15  # m: a card's thickness along the ground, a pair's height, the width of a card's level top
 
 
 @generator(friction=0.5, duration=1.0)
@@ -19,7 +19,7 @@ def arch(stones: int = 7, thickness: float = 0.3, push: float = 0.0) -> Scene:
     """A semicircular arch of equal stones on the ground.
 
     It stands iff it is thick enough for a line of thrust (for many stones thickness >= 0.107, Heyman 1969) and no joint
-    slides. The middle line has the radius 1 m. thickness: m. push: m/s, of the middle stone, to the right.
+    slides. Its centre line has a radius of 1 m. thickness: m. push: m/s, of the middle stone, to the right.
     """
     n, thick = count("stones", stones, least=2), number("thickness", thickness, above=0, most=1)
     half = np.pi / n / 2
@@ -43,10 +43,10 @@ def arch(stones: int = 7, thickness: float = 0.3, push: float = 0.0) -> Scene:
 def house_of_cards(storeys: int = 2, lean: float = 0.3, push: float = 0.0) -> Scene:
     """Pairs of cards that lean against each other, on the ground and on level cards that bridge the pairs below.
 
-    A card's ends are cut level at its foot and upright and level at its head, so that edges meet edges. A pair alone stands iff
-    friction >= about lean/2 at its feet. The lowest storey has as many pairs as there are storeys, each further one a pair
-    fewer. lean: the distance of a foot from the middle of its pair, m, for a height of 1 m. push: m/s, of the topmost pair, to
-    the right.
+    A card is cut level at its foot, and vertically and level at its head, so that edges meet edges. A single pair stands iff
+    the friction at its feet is at least about lean/2. The lowest storey has as many pairs as there are storeys, each further
+    storey one pair fewer. lean: the distance of a foot from the middle of its pair, m, for a height of 1 m. push: m/s, of the
+    topmost pair, to the right.
     """
     storeys, lean = count("storeys", storeys), number("lean", lean, least=0.1, most=1)
     apart = 2 * (lean + THICK) + 0.1  # between the middles of neighbouring pairs
@@ -78,9 +78,9 @@ def house_of_cards(storeys: int = 2, lean: float = 0.3, push: float = 0.0) -> Sc
 def redundant_table(legs: int = 4, speed: float = 1.0) -> Scene:
     """A table on a row of legs: the distribution of its weight over the legs is not determined.
 
-    Only the resultant m g h, its moment about the middle and the velocity are. While it slides, friction mu m g decelerates
-    it. The top is 4 by 0.2, its middle 1 m above the ground; the legs have no mass. speed: m/s, to the right; with 0 it rests,
-    and friction has nothing to do.
+    Only the resultant m g h, its moment about the middle and the velocity are determined. While the table slides, friction
+    mu m g decelerates it. The top is 4 by 0.2, with its middle 1 m above the ground; the legs have no mass. speed: m/s, to the
+    right; with 0 the table rests, and friction does not act.
     """
     feet = np.linspace(-1.5, 1.5, count("legs", legs, least=2))
     mass = 4.0 * 0.2

@@ -1,6 +1,6 @@
 """The talk's numbered examples (Anitescu 1999, page 30): a bar on posts, blocks on tables, blocks between walls.
 
-The geometry is ours.
+The talk does not give the geometry; it was chosen here.
 """
 
 import math
@@ -35,7 +35,7 @@ def two_blocks(speed: float = 3.0) -> Scene:
 
     After 2 m they meet at V = sqrt(speed^2 - 4 mu g) and part at V (1-e)/2 and V (1+e)/2; each then travels v^2/(2 mu g). With
     friction 0.02: V = 2.87, 1.15 and 1.72 m/s, 3.35 and 7.54 m; with 0.1: 2.25, .90 and 1.35 m/s, .41 and .93 m.
-    The blocks are 1 by 1, their centres at first 3 m apart, the second in the middle of a table 16 m wide.
+    The blocks are 1 by 1, with centres initially 3 m apart; the second stands in the middle of a table 16 m wide.
     """
     return Scene(
         bodies=(rigid_box(1.0, 1.0), rigid_box(1.0, 1.0)),
@@ -63,8 +63,8 @@ def three_blocks(speed: float = 5.0) -> Scene:
 def multiple_collisions(speed: float = 4.0) -> Scene:
     """Two blocks and a plank thrown at each other in a pen 5 m wide.
 
-    Dozens of impacts, some of several contacts at once; energy must never rise. speed: m/s, of the two blocks, 1 by 1, towards
-    each other; the plank, 1.5 by 0.5, is thrown up between them at half of it.
+    There are dozens of impacts, some at several contacts at once. The energy must never increase. speed: m/s, of the two
+    blocks, 1 by 1, towards each other; the plank, 1.5 by 0.5, is thrown up between them at half this speed.
     """
     speed = number("speed", speed)
     return Scene(
@@ -79,8 +79,8 @@ def multiple_collisions(speed: float = 4.0) -> Scene:
 def several_blocks(drop: float = 1.0) -> Scene:
     """Five tilted blocks dropped side by side in a pen 7 m wide.
 
-    They bounce, spin and hit each other; the energy must never rise, also with restitution 1, and friction dissipates some.
-    drop: m, from the middle of the lowest block to where it would be at rest; each further one starts a quarter of it higher.
+    They bounce, spin and hit each other. The energy must never increase, even with restitution 1; friction dissipates some.
+    drop: m, the height of the leftmost block above its position at rest; each further block starts a quarter of it higher.
     """
     drop = number("drop", drop, least=0.25)
     x = np.linspace(-2.6, 2.6, 5)

@@ -12,7 +12,7 @@ from frictionbench.problems.planar.bodies import Shape, box
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.scene import GRAVITY
 
-POLE, HOLE, HALF_SLEEVE = 0.0025, 0.0031, 0.0058  # m: the radii of pole and sleeve, half the sleeve's height
+POLE, HOLE, HALF_SLEEVE = 0.0025, 0.0031, 0.0058  # m: the radius of the pole and the inner radius and half height of the sleeve
 TO_SPRING, TO_BIRD = 0.010, 0.015  # m: from the sleeve to the spring, from the spring to the woodpecker's centre of mass
 BEAK_UP, BEAK_OUT = 0.02, 0.0201  # m: from the woodpecker's centre of mass to the tip of its beak
 SLEEVE, BIRD = 0.0003, 0.0045  # kg
@@ -22,9 +22,9 @@ SPRING = 0.0056  # N m/rad
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Woodpecker(GeneralisedScene):
-    """q = (y, angle of the sleeve, angle of the woodpecker), for small angles; contacts: beak, sleeve's lower edge, upper edge.
+    """q = (y, angle of the sleeve, angle of the woodpecker), for small angles. Contacts: beak, lower and upper sleeve edge.
 
-    `restitution` is that of the beak; the sleeve's edges have none.
+    `restitution` is that of the beak; it is zero at the sleeve's edges.
     """
 
     arms: ClassVar[Array] = np.array([1.0, TO_SPRING, TO_BIRD])  # the woodpecker's height along the coordinates
@@ -91,8 +91,8 @@ class Woodpecker(GeneralisedScene):
 def woodpecker() -> Woodpecker:
     """A toy woodpecker pecks its way down a pole, in three generalised coordinates (Glocker 1995; Leine and others 2003).
 
-    The sleeve jams and holds the swinging woodpecker by friction; it comes free, falls, and the beak's hit jams it again. A
-    cycle takes 0.146 s and 19 mm of the pole. restitution: of the beak; the sleeve has none.
+    The sleeve jams on the pole, and its friction holds the swinging woodpecker. Then it comes free and falls, until the beak
+    hits the pole and it jams again. A cycle takes 0.146 s and 19 mm. restitution: of the beak; it is zero for the sleeve.
     """
     return Woodpecker(
         q0=np.array([0.0, -(HOLE - POLE) / HALF_SLEEVE, -0.2788]),  # the sleeve's lower edge is closed

@@ -3,11 +3,10 @@
     M (v+ - v) = h [(1 - theta) k(q, v, t) + theta k(q + h v, v, t + h)] + J' r + F' lam,      F v+ = 0,
     q+ = q + h [(1 - theta) v + theta v+],
 
-with Coulomb's law between r and u = J v+ + e (n'v) e_n at the contacts that touch at the midpoint q + (h/2) v. To first order
-these are the contacts with phi + (h/2) n'v <= 0. J is also evaluated at the midpoint. At a closing contact the law is
-0 <= n'v+ + e n'v ⟂ r_n >= 0. Newton's restitution with friction can add energy. theta = 1/2 is Moreau's midpoint rule, and
-theta = 1 advances like Euler's implicit rule. If the scene gives the stiffness K of its springs, -K q is evaluated at
-(1 - theta) q + theta q+, and M + (theta h)^2 K replaces M.
+with Coulomb's law between r and u = J v+ + e (n'v) e_n at the contacts that touch at the midpoint q + (h/2) v: to first order,
+those with phi + (h/2) n'v <= 0. J is also evaluated there. At a closing contact the law is 0 <= n'v+ + e n'v ⟂ r_n >= 0.
+Newton's restitution with friction can add energy. theta = 1/2 is Moreau's midpoint rule, theta = 1 is like Euler's implicit
+rule. For a given stiffness K, -K q is evaluated at (1 - theta) q + theta q+, and M + (theta h)^2 K replaces M.
 
 Reference: Acary and Brogliato 2008, chapter 10.
 """

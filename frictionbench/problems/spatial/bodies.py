@@ -1,7 +1,7 @@
 """Rigid bodies in space: spheres and boxes, on half spaces.
 
-A body has seven coordinates, its centre of mass and a unit quaternion, and six velocities: that of its centre in the world's
-frame and its spin in its own, so that the mass matrix is diag(m, m, m, I1, I2, I3), constant.
+A body has seven coordinates, its centre of mass and a unit quaternion. Its six velocities are that of its centre in the world's
+frame and the spin in the body's frame, so that the mass matrix is constant, diag(m, m, m, I1, I2, I3).
 """
 
 from collections.abc import Sequence
@@ -103,7 +103,7 @@ def solid_box(half: Sequence[float], mass: float = 1.0) -> Solid:
 
 
 class SpatialGeometry:
-    """The bodies and obstacles of a scene in space, and how coordinates q (7 nb,) follow from velocities v (6 nb,).
+    """The bodies and obstacles of a scene in space, and the change of coordinates q (7 nb,) by velocities v (6 nb,).
 
     reach: m, the largest distance of a body's point from its centre of mass.
     """
@@ -126,12 +126,12 @@ class SpatialGeometry:
         return rotation.matrices(q.reshape(-1, 7)[:, 3:])
 
     def moved(self, q: Array, way: Array) -> Array:
-        """The coordinates after the displacement `way` (6 nb,), a velocity times a time: quaternions stay unit ones."""
+        """The coordinates after the displacement `way` (6 nb,), a velocity times a time; quaternions keep unit length."""
         pose, step = q.reshape(-1, 7), way.reshape(-1, 6)
         return np.hstack([pose[:, :3] + step[:, :3], rotation.turned(pose[:, 3:], step[:, 3:])]).ravel()
 
     def gyroscopic(self, v: Array, step: float) -> Array:
-        """The generalised force (6 nb,) of the gyroscopic torques, a step's mean."""
+        """The generalised force (6 nb,) of the gyroscopic torques, averaged over a step."""
         force = np.zeros((len(self.bodies), 6))
         force[:, 3:] = rotation.gyroscopic(self._inertia, v.reshape(-1, 6)[:, 3:], step)
         return force.ravel()

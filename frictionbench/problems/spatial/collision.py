@@ -1,12 +1,12 @@
 """Contacts of spheres and boxes in space, with half spaces and with each other.
 
 A sphere touches a half space or another sphere at a point, and a box touches a half space with its corners. Two boxes have
-contacts along the normal of the face with the largest separation or least overlap: the face of the other box that is opposed to
-it is clipped to it, and each corner of what remains is a contact. Edges are not tested against each other, and spheres not
-against boxes: no scene needs it.
+contacts along the normal of the reference face, the one with the largest separation or least overlap. The opposite face of the
+other box is clipped to the reference face, and each corner of the rest is a contact. Contacts between edges, and between
+spheres and boxes, are not implemented, because no scene needs them.
 
-Both bodies' arms end at the contact's point. With a half space, between spheres and between parallel faces the gradient of the
-gap is exactly the contact's normal row.
+The arms of both bodies end at the contact point. For half spaces, for spheres and for parallel faces, the gradient of the gap
+is exactly the contact's normal row.
 """
 
 from itertools import combinations
@@ -21,15 +21,15 @@ from frictionbench.problems.rows import Rows, relative
 from frictionbench.problems.spatial.bodies import Cuboid, SpatialGeometry, Sphere
 from frictionbench.problems.spatial.rotation import frames, matrices
 
-TIE = 1e-7  # of a box's size: far above the round-off of coordinates, far below any gap that matters
+TIE = 1e-7  # relative to a box's size: far above the rounding errors of coordinates, far below any relevant gap
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 Contact = tuple[float, Array, Array, tuple[int, int], tuple[int, int]]  # gap, point, normal, bodies, feature
 
 
 class SpatialContacts(Contacts):
-    """place: (nc, 6), the point and the unit normal. feature: (nc, 2), 64 times a body plus the number of its
-    corner, and 6 times the other body plus the number of its face; a half space is negative."""
+    """place: (nc, 6), the point and the unit normal. feature: (nc, 2), 64 times a body plus the number of its corner, and 6
+    times the other body plus the number of its face, or a negative number for a half space."""
 
     @property
     def velocities(self) -> int:
@@ -93,11 +93,11 @@ class _Box(NamedTuple):
         return np.asarray(self.centre + (CORNERS * self.half) @ self.turn.T)
 
     def normal(self, face: int) -> Array:
-        """The outward normal (3,) of face 2 a + s, along the axis a, inwards or outwards for s = 0 or 1."""
+        """The outward normal (3,) of face 2 a + s, in the negative or positive direction of axis a for s = 0 or 1."""
         return np.asarray((2 * (face % 2) - 1) * self.turn[:, face // 2])
 
     def heights(self, face: int, points: Array) -> Array:
-        """The heights (n,) of points (n, 3) over a face."""
+        """The heights (n,) of points (n, 3) above a face."""
         return np.asarray((points - self.centre) @ self.normal(face) - self.half[face // 2])
 
     def rectangle(self, face: int) -> tuple[Array, Array]:
@@ -107,10 +107,10 @@ class _Box(NamedTuple):
 
 
 def _boxes(bodies: tuple[int, int], boxes: tuple[_Box, _Box], margin: float) -> list[Contact]:
-    """Contacts of two boxes: the corners of the part of the opposed face that is over the reference face."""
+    """The contacts of two boxes: the corners of the opposite face, clipped to the reference face."""
     tie = TIE * float(boxes[0].half.max())
     reference, face, depth = 1, 0, -np.inf
-    for side in (1, 0):  # a later candidate must be better by more than round-off
+    for side in (1, 0):  # a later candidate must be better by more than rounding
         for candidate in range(6):
             least = float(boxes[side].heights(candidate, boxes[1 - side].points).min())
             if least > depth + tie:
@@ -130,9 +130,9 @@ def _boxes(bodies: tuple[int, int], boxes: tuple[_Box, _Box], margin: float) -> 
 
 
 def _clipped(above: _Box, opposed: int, below: _Box, face: int, tie: float) -> tuple[Array, list[int]]:
-    """The corners (n, 3) of a face, clipped to those over another one (Sutherland and Hodgman), and a name of each.
+    """The corners (n, 3) of a face clipped to another one (Sutherland and Hodgman), and a number for each.
 
-    A corner's name is made of the two edges that meet there, 0 to 3 of the face, 4 to 7 of the other: the same in every step.
+    The number encodes the edges that meet there, 0 to 3 of the face and 4 to 7 of the other, and is the same in every step.
     """
     (u, v), (a, b) = above.rectangle(opposed)
     middle = above.centre + above.half[opposed // 2] * above.normal(opposed)
