@@ -169,28 +169,27 @@ def report(
     budget: options.Budget = None,
 ) -> None:
     """Make the HTML report of a results folder."""
-    from frictionbench.problems import InputError
+    from frictionbench.harness.progress import Progress
+    from frictionbench.problems.check import require
     from frictionbench.reports.batches import has_batches
     from frictionbench.reports.page import write_report
     from frictionbench.reports.run import read_run
 
-    if (paper or markdown) and has_batches(folder):
-        raise InputError(f"{'paper' if paper else 'markdown'}: a run of batches has a page and no figures")
-    if not paper and (solvers or scenes or figures or width or font):
-        raise InputError("paper: --solvers, --scenes, --figures, --width and --font choose what --paper shows; give it as well")
-    run = read_run(folder, rank_by, budget)
+    chosen = solvers or scenes or figures or width or font
+    require(paper or not chosen, "paper", "--solvers, --scenes, --figures, --width and --font are for the paper: give --paper")
+    if paper or markdown:
+        require(not has_batches(folder), "paper" if paper else "markdown", "a run of batches has only a page")
+    run, progress = read_run(folder, rank_by, budget), Progress()
     if paper:
-        from frictionbench.harness.progress import Progress
         from frictionbench.reports.paper import chart_names, restricted, write_paper
 
         wanted = chart_names(options.split_names(figures) if figures else None)
         shown = restricted(run, "scenes", options.split_names(scenes)) if scenes else run
         shown = restricted(shown, "solvers", options.split_names(solvers)) if solvers else shown
-        written = write_paper(folder, shown, Progress().counted("figures", wanted, len(wanted)), width or 3.35, font or "serif")
-        typer.echo(
-            f"paper:  {written}, of {', '.join(shown.looks)}; captions.tex has the captions, references.bib the references"
-        )
+        written = write_paper(folder, shown, progress.counted("figures", wanted, len(wanted)), width or 3.35, font or "serif")
+        typer.echo(f"paper:  {written}, of {', '.join(shown.looks)}; captions.tex has captions, references.bib references")
     if not (paper and figures):
+        progress.tell("the page is being drawn: some seconds, for a large run a minute")
         typer.echo(f"report: {write_report(folder, run)}")
     if markdown:
         from frictionbench.reports.markdown import write_markdown
@@ -232,21 +231,20 @@ def compare(
 
     Exit code 0: nothing is worse; 1: a regression; 2: unusable input.
     """
-    from frictionbench.problems.check import InputError, require
+    from frictionbench.problems.check import require
     from frictionbench.reports.comparison.files import write_files
     from frictionbench.reports.comparison.history import history as over_time, lines
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits, accept as accept_run, compare as compare_runs
 
-    if history and (out or accept or confirm):
-        raise InputError("history: shows any number of runs; it takes no --out, --accept or --confirm")
     if history:
+        require(not (out or accept or confirm), "history", "shows runs over time; it takes no --out, --accept or --confirm")
         typer.echo(over_time(lines(runs)))
         return
     require(len(runs) == 2, "DIR", "give a baseline and one results folder, or --history for a table of many")
     baseline, folder = runs
-    if folder.is_file():
-        raise InputError(f"DIR: {folder} is a file; the second is the folder of a run, which a baseline's file cannot replace")
+    of_run = f"{folder} is a file; the second is the folder of a run, which a baseline's file cannot replace"
+    require(not folder.is_file(), "DIR", of_run)
     if accept:
         before, accepted = accept_run(folder, baseline)
         if before is not None:

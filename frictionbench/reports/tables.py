@@ -239,7 +239,7 @@ def disturbed(run: Run) -> str:
     if rows.empty:
         return ""
     told = f"Of {len(run.rows)} cells {len(rows)} shared or waited for their core while they were timed"
-    return told + ". The intervals resample the repeats; frictionbench run --retake times these cells again."
+    return told + ". The intervals resample the repeats; the command of the run with --retake times these cells again."
 
 
 def workers_on_all_cores(manifest: dict[str, Any]) -> int:

@@ -4,6 +4,7 @@ import io
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 import matplotlib as mpl
 from markupsafe import escape
@@ -41,6 +42,7 @@ def inline_svg(panel: Panel) -> str:
         return _element(figure, f'role="img" aria-label="{escape(panel.title)}"')
 
 
+@cache
 def swatch(look: Look) -> str:
     """The line and marker of a label as a small SVG element, for the legend of the page."""
     with mpl.rc_context(RC):

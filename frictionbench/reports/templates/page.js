@@ -79,7 +79,7 @@ for (const list of document.querySelectorAll("script[type='application/json']"))
   }
 }
 
-// In print every folded part is open, but for the raw details: each scene, and the manifest.
+// In print every folded part is open, but for the raw details: each scene, each solver, and the manifest.
 const folded = [];
 addEventListener("beforeprint", () => {
   folded.push(...document.querySelectorAll("details:not([open], .raw)"));
