@@ -1,5 +1,5 @@
 """Measure the installed engines, and write the tables of docs/battery.md: errors against the closed forms by steps, and
-how errors fall from step to step.
+the orders with which errors fall.
 
 python -m tools.battery
 """
@@ -7,7 +7,6 @@ python -m tools.battery
 import re
 import warnings
 from importlib.metadata import PackageNotFoundError, version
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,7 @@ from tools.battery import bullet, drake, mujoco, own, rapier
 from tools.battery.phenomena import PHENOMENA, Phenomenon
 from tools.battery.world import Make, Unsupported
 
-STEPS = (0.004, 0.002, 0.001)  # s
+STEPS = (0.008, 0.004, 0.002, 0.001)  # s
 MOVING = tuple(f"| {name}" for name in ("stopping", "direction", "rebound, e = 0.5", "rebound, e = 1", "sliding", "box in"))
 ERRORS = re.compile(" / ".join([r"(-?[\d.]+e[-+]\d+)(?: ± (\S+))?"] * len(STEPS)))  # of a cell
 ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, and the engine
@@ -55,15 +54,19 @@ def table() -> str:
 
 
 def orders(made: str) -> str:
-    """The rows of MOVING in `made` with log2 of the ratio of successive errors, a dash if signs differ or bars reach 0."""
+    """The rows of MOVING in `made` with the slope of log error over log step by least squares, and those of the larger and the
+    smaller half of the steps; a dash if signs differ or bars reach 0."""
     kept = [line for line in made.splitlines() if line.startswith(("| phenomenon", "| ---", *MOVING))]
     return "\n" + "".join(f"{ERRORS.sub(_orders, line)}\n" for line in kept)
 
 
 def _orders(cell: re.Match[str]) -> str:
     means, bars = (np.array(cell.groups("0")[k::2], dtype=float) for k in (0, 1))
-    pairs = pairwise(np.where(abs(means) > bars, means, 0.0))
-    return ", ".join(f"{np.log2(a / b):.1f}" if a * b > 0 else "–" for a, b in pairs)
+    if abs(np.sign(means).sum()) < len(means) or (abs(means) <= bars).any():
+        return "–"
+    x, y = np.log(STEPS), np.log(abs(means))
+    whole, large, small = (np.polyfit(x[own], y[own], 1)[0].round(1) + 0.0 for own in (slice(None), slice(2), slice(-2, None)))
+    return f"{whole:.1f} ({large:.1f}, {small:.1f})"
 
 
 def _errors(one: Phenomenon, make: Make) -> str:

@@ -14,7 +14,8 @@ from tools.battery.world import GRAVITY, Array, Body, Make, Setting
 
 CUBE, SETTLED = (0.1, 0.1, 0.1), 0.5  # half sizes, m; s until a body that is put down rests
 PHASES = np.arange(8) / 8  # of a step, by which a fall or a slide begins later
-TILTING = 0.6  # s: 12 ms between two slopes, steps of any size in the table
+GROOVE = GRAVITY * (0.5 - 0.2 * np.sqrt(1.5)) / 2  # m: the way down the groove in a second
+TILTING = 0.6  # s: 8 ms between two slopes, steps of any size in the table
 
 
 class Phenomenon(NamedTuple):
@@ -79,11 +80,14 @@ def rebound(make: Make, step: float, restitution: float = 0.0) -> list[float]:
     return found
 
 
-def rolling(make: Make, step: float) -> float:
+def rolling(make: Make, step: float) -> list[float]:
     """The speed of a ball that was thrown at 2 m/s without spin on friction 0.3, when it rolls."""
-    world = make(Setting((Body((0.1,), 1.0, (0, 0, 0.1), (2, 0, 0)),), 0.3), step)
-    world.run(0.4)
-    return float(world.velocity(0)[0])
+    found = []
+    for speed in 2.0 - 0.3 * GRAVITY * step * PHASES:
+        world = make(Setting((Body((0.1,), 1.0, (0, 0, 0.1), (speed, 0, 0)),), 0.3), step)
+        world.run(0.4)
+        found.append(float(world.velocity(0)[0] + 5 / 7 * (2.0 - speed)))
+    return found
 
 
 def stack(make: Make, step: float) -> float:
@@ -106,13 +110,15 @@ def cost(make: Make, step: float) -> float:
     return 1000 * min(times)
 
 
-def wedge(make: Make, step: float) -> float:
+def wedge(make: Make, step: float) -> list[float]:
     """The way of a box that slides on its edge in a right-angled groove, inclined by 30 degrees, friction 0.2, in a second."""
-    quarter = np.pi / 4
-    bodies = (Body(CUBE, 1.0, (0, 0, 0.1 * np.sqrt(2)), turn=quarter),)
-    world = make(Setting(bodies, 0.2, slope=np.radians(30), floors=(quarter, -quarter)), step)
-    world.run(1.0)
-    return float(world.position(0)[0])
+    quarter, found = np.pi / 4, []
+    for speed in 2 * GROOVE * step * PHASES:  # at which it starts, so much later on the same slide
+        box = Body(CUBE, 1.0, (0, 0, 0.1 * np.sqrt(2)), (speed, 0, 0), turn=quarter)
+        world = make(Setting((box,), 0.2, slope=np.radians(30), floors=(quarter, -quarter)), step)
+        world.run(1.0)
+        found.append(float(world.position(0)[0] - speed))
+    return found
 
 
 def tipping(make: Make, step: float) -> float:
@@ -123,9 +129,9 @@ def tipping(make: Make, step: float) -> float:
         middle = (low + high) / 2
         world = make(Setting((Body((0.05, 0.05, 0.2), 1.0, (0, 0, 0.2)),), 1.0), step)
         world.run(0.2)
-        for share in np.linspace(0, 1, 51)[1:]:
+        for share in np.linspace(0, 1, 76)[1:]:
             world.tilt(float(share * np.arctan(middle)))
-            world.run(TILTING / 50)
+            world.run(TILTING / 75)
         world.run(1.5)
         tipped = world.position(0)[2] < 0.15
         low, high = (low, middle) if tipped else (middle, high)
@@ -142,7 +148,7 @@ PHENOMENA = (
     Phenomenon("rebound, e = 1", "√(2 g H)", np.sqrt(0.4 * GRAVITY), "m/s", partial(rebound, restitution=1.0)),
     Phenomenon("sliding ball that rolls", "5/7 v", 10 / 7, "m/s", rolling),
     Phenomenon("stack of five at rest", "0", 0.0, "m", stack),
-    Phenomenon("box in a groove", "g (sin a - √2 mu cos a) t²/2", GRAVITY * (0.5 - 0.2 * np.sqrt(1.5)) / 2, "m", wedge),
+    Phenomenon("box in a groove", "g (sin a - √2 mu cos a) t²/2", GROOVE, "m", wedge),
     Phenomenon("tipping, tan of the slope", "width/height", 0.25, "", tipping),
     Phenomenon("cost of a simulated second", "stack of five, 0", 0.0, "ms", cost),
 )
