@@ -19,7 +19,7 @@ Flaws: ADMM without acceleration does not converge in 20 000 iterations with lar
     'stack[blocks=5,mass_ratio=1e6,push=1]' --solver 'pinocchio[method=admm]'`. PGS stops at once and reports success on some
     problems, with and without friction, `frictionbench solve wedge --solver 'pinocchio[method=pgs]'`, `frictionbench solve
     'stack[blocks=1,friction=0,push=1]' --solver 'pinocchio[method=pgs]'`.
-Reference: Carpentier, Montaut and Le Lidec 2024, "From compliant to rigid contact simulation"; Le Lidec and others 2024.
+Reference: Carpentier, Le Lidec and Montaut 2024, "From compliant to rigid contact simulation"; Le Lidec and others 2024.
 """
 
 from importlib import import_module
