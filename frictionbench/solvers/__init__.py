@@ -1,4 +1,4 @@
-"""Solvers, one file per method, with a common interface; a decorator registers each (solvers.interface)."""
+"""Solvers, one file per method, with a common interface; a decorator registers them (solvers.interface)."""
 
 from frictionbench.problems.catalogue import import_all
 from frictionbench.solvers import outside

@@ -2,13 +2,13 @@
 
     r^k solves the relaxation with u_n replaced by u_n + mu lam^k,     lam^{k+1} = |u_t(r^k)|.
 
-The relaxation keeps u_n + mu lam^k >= mu |u_t| at every contact; where lam is stationary both shifts cancel, and u_n = 0
-wherever r_n > 0: a fixed point is a Coulomb solution. It contracts for small mu, one contact with the block [[a, b], [b, g]]
-that slides along +t at the rate |mu (mu g - b)|/(a - 2 mu b + mu^2 g); where that is 1 or more it can end in a cycle of period
-two, and stalls.
+The relaxation keeps u_n + mu lam^k >= mu |u_t| at every contact. If lam is stationary, both shifts cancel, and u_n = 0 wherever
+r_n > 0: a fixed point is a Coulomb solution. The iteration contracts for small mu. For one contact with the block
+[[a, b], [b, g]] that slides along +t, the rate is |mu (mu g - b)|/(a - 2 mu b + mu^2 g); at a rate of 1 or more it can end in a
+cycle of period two, and stalls.
 
-Each relaxation is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from the last one's impulses,
-to INNER of the present residual.
+Each relaxation is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from the last impulses, until
+its error is INNER times the present residual.
 
 References: Anitescu and Hart 2004; Acary, Cadoux, Lemaréchal and Malick 2011 in space.
 """
@@ -23,10 +23,10 @@ from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import relax
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
-LIMIT = 500  # relaxations by default: the rate is linear, and slower ones stall
+LIMIT = 500  # relaxations by default: convergence is linear, and slower rates stall first (PATIENCE)
 PATIENCE = 100  # relaxations in which the residual must fall by a hundredth: a fifth of the limit
 INNER = 0.1  # error of each relaxation relative to the residual at its start: less costs products, more costs relaxations
-INNER_LIMIT = 300  # products; impulses that are not unique change by mu lam an iteration long after velocities have converged
+INNER_LIMIT = 300  # products: impulses that are not unique still change when the velocities have long converged
 
 
 @solver("anitescu_hart", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)

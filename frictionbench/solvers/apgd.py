@@ -1,16 +1,15 @@
 """Accelerated projected gradient descent on the relaxation's dual, and on Coulomb's law itself.
 
-The convex relaxation's impulses minimise  ½ r'W r + q'r  over the product K of the contacts' cones, a problem whose gradient is
-the contact velocity u and whose projections are made contact by contact. A step follows the negative gradient and is projected
-onto the cones,
+The convex relaxation's impulses minimise  ½ r'W r + q'r  over the product K of the contacts' cones. The gradient is the contact
+velocity u, and the projection onto K is made contact by contact. A step along the negative gradient, projected onto the cones,
 
     r+ = P_K(y - u(y)/(L s)),    y+ = r+ + beta (r+ - r),
 
-s the contacts' scales, followed by Nesterov's momentum, which restarts whenever a step goes uphill
+where s are the contacts' scales, is followed by Nesterov's momentum, which restarts whenever a step goes uphill
 (solvers.sweeps.projected_gradient).
 
-`apgd_coulomb` takes the same steps along de Saxcé's shifted velocity u + mu |u_t| e_n. Its fixed points are Coulomb solutions;
-it is not a gradient, and no convergence theorem is known.
+`apgd_coulomb` takes the same steps along de Saxcé's shifted velocity u + mu |u_t| e_n. Its fixed points are Coulomb solutions.
+The shifted velocity is not a gradient, and no convergence theorem is known.
 
 References: Nesterov 1983; O'Donoghue and Candès 2015 for the restart; Mazhar, Heyn, Negrut and Tasora 2015.
 """
@@ -22,7 +21,7 @@ from frictionbench.solvers.sweeps.form import ContactForm, asked, begin, contact
 from frictionbench.solvers.sweeps.projected_gradient import PATIENCE, descend
 from frictionbench.solvers.sweeps.stopping import monitor
 
-LIMIT = 20_000  # iterations by default, mostly one product with W each: twice as many as sweeps of nsgs
+LIMIT = 20_000  # iterations by default, mostly with one product with W each: twice the sweeps of nsgs
 
 
 @solver("apgd", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True, sparse=True)

@@ -1,9 +1,9 @@
-"""Problems that no method of this package is given as they are: islands of unlike speeds, and none for a library to solve.
+"""Balancing of problems with islands of unlike speeds, before they are given to a solver of this package.
 
-The methods, ours and those of outside libraries, scale a problem by its fastest contact, and so do their tolerances; an island
-that is much slower would be left unsolved. Where the units of the islands differ by more than UNLIKE, a solver is given the
-problem with its islands in like units (FrictionProblem.balanced), and its impulses are converted back. No outside library is
-called without contacts: the steps of its adapter hand on the answer.
+Our methods and outside libraries scale a problem and its tolerance by the fastest contact, so that an island that is much
+slower would be left unsolved. If the units of the islands differ by more than a factor UNLIKE, a solver receives the problem
+with its islands in like units (FrictionProblem.balanced), and its impulses are converted back. Outside libraries are not called
+for problems without contacts: the form step returns the answer, and the other steps pass it on.
 """
 
 from dataclasses import replace
@@ -18,18 +18,18 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.forms.islands import spread
 from frictionbench.problems.forms.lcp import by_unknown
 
-UNLIKE = 4.0  # below, a tolerance that is as much smaller costs next to nothing
+UNLIKE = 4.0  # a tolerance that is smaller by less than this factor costs next to nothing
 
 
 class Balanced(NamedTuple):
-    """What a step of a solver made of the balanced problem, and the factors (nc,) of its impulses."""
+    """The result of a solver's step for the balanced problem, and the factors (nc,) of its impulses."""
 
     step: Any
     factor: Array
 
 
 def with_balance(cls: Any, model: str, outside: bool) -> Any:
-    """The class with steps that balance the problem and convert the answer; inherited ones do so already."""
+    """Wrap the steps of the class to balance the problem and convert the answer; inherited ones are already wrapped."""
     for name, balance in (("form", _form), ("setup", _setup), ("solve", _solve)):
         step = getattr(cls, name)
         if not hasattr(step, "__wrapped__"):

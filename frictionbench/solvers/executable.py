@@ -2,11 +2,11 @@
 
     exec:./mysolver {problem} {answer}
 
-is a source of solvers.plugins: a command, in the quoting of a shell, though no shell runs it. {problem} and {answer} stand for
-the paths of the two files; a word that names an existing file is made absolute, as the command runs in a temporary folder that
-is removed afterwards. docs/executable.md documents both files.
+is a source of solvers.plugins: a command, quoted as for a shell, though no shell runs it. {problem} and {answer} stand for the
+paths of the two files. A word that names an existing file is made absolute, because the command runs in a temporary folder,
+which is removed afterwards. docs/executable.md documents both files.
 
-The text of the problem is made in form; writing it, the process, and reading the answer count as solve.
+The step form makes the text of the problem; writing it, the process, and reading the answer are part of solve.
 """
 
 import errno
@@ -38,7 +38,7 @@ def is_command(source: str) -> bool:
 
 
 def absolute(source: str) -> str:
-    """The source with absolute paths. Errors: InputError where it is no command of an executable with both files."""
+    """The source with absolute paths. Errors: InputError if it is not a command of an executable with both files."""
     try:
         first, *others = shlex.split(source.removeprefix(PREFIX))
     except ValueError:
@@ -58,7 +58,7 @@ def files(source: str) -> list[Path]:
 
 
 def command_hash(source: str) -> str:
-    """The SHA-256 of the command's words, its files by their names alone, as on other machines."""
+    """The SHA-256 of the command with its files reduced to their names, so that it is the same on all machines."""
     words = shlex.split(source.removeprefix(PREFIX))
     return sha256(shlex.join(Path(word).name if Path(word).is_file() else word for word in words).encode()).hexdigest()
 
@@ -71,7 +71,7 @@ def content(source: str) -> str:
 
 @cache
 def register(source: str) -> str:
-    """Register the command as a solver, once; its name, that of its file. Errors: InputError where there is another of it."""
+    """Register the command as a solver, once; return its name, that of its file. Errors: InputError if the name is taken."""
     command, name = tuple(shlex.split(source.removeprefix(PREFIX))), re.sub(r"[^\w.-]", "_", files(source)[0].name)
 
     class Executable:
@@ -86,7 +86,7 @@ def register(source: str) -> str:
             head = f"tolerance {tol!r}\nvelocity_tolerance {tol * unit!r}\nlimit {limit or 0}\n"
             return _run(command, head + text, (problem.contacts, problem.dimension))
 
-    Executable.__module__ = __name__.rpartition(".")[2]  # not this package's: it is a plug-in
+    Executable.__module__ = __name__.rpartition(".")[2]  # outside this package: it is a plug-in
     try:
         solver(name, family="outside", model="coulomb", dimension=(2, 3), lacks=("asymmetry",))(Executable)
     except ValueError as error:
@@ -95,7 +95,7 @@ def register(source: str) -> str:
 
 
 def problem_text(problem: FrictionProblem) -> str:
-    """The problem's file after its first lines, tolerances and limit."""
+    """The text of the problem's file after its first lines, which hold the tolerances and the limit."""
     W, J, M, F, d = problem.W.tocoo(), problem.contact_rows, problem.mass_rows, problem.joint_rows, problem.dimension
     entry, component = np.nonzero(J.value)
     sizes = (d, problem.contacts, len(problem.free_velocity), len(problem.joint_bias))

@@ -11,19 +11,19 @@
 A missing `form` or `setup` passes its argument on unchanged. Every registered solver has `prepare`, which is
 setup(form(problem)).
 
-`tol` is the requested residual of the solver's own model, as defined in problems.residual: each contact's in its own unit of
-velocity, `problem.units` (nc,), that of its island. A solver that stops by one velocity stops at tol * problem.units.min(), or
-solves `problem.balanced()`, where separate islands have like units; this is done for the solvers of this package
-(solvers.balanced). A solver that computes this residual stops at tol; a solver with another stopping criterion keeps a safety
-factor, as large as the criterion can underestimate it:
+`tol` is the requested residual of the solver's own model, as defined in problems.residual: the defect of each contact is
+measured in its own unit of velocity, `problem.units` (nc,), that of its island. A solver that stops by a single velocity stops
+at tol * problem.units.min(), or solves `problem.balanced()`, where separate islands have like units; this is done for the
+solvers of this package (solvers.balanced). A solver that computes this residual stops at tol. A solver with another stopping
+criterion requests less, by the factor by which its criterion can underestimate the residual:
 
     1      sweeps, projected gradients and splittings: their residual equals the verifier's up to rounding
-    1/2    interior points and methods on an LCP: other units, and a contact's normal and tangential rows are measured
-           separately, which differs by up to sqrt(2), and sums are taken in another order
+    1/2    interior points and methods on an LCP: other units, normal and tangential rows of a contact measured separately,
+           which differs by up to sqrt(2), and another order of summation
     own    outside libraries: each file in solvers/outside states what is requested of the library, and why
 
-If the residual exceeds tol nevertheless, the verifier reports `near_miss` or `wrong` (problems.verify). `limit` bounds the
-method's own unit of work (pivots, sweeps, iterations), None for its default; wall-clock limits are enforced by the harness.
+If the residual exceeds tol nevertheless, the verifier reports `near_miss` or `wrong` (problems.verify). `limit` bounds the work
+in the method's own unit (pivots, sweeps, iterations), None for its default; wall-clock limits are enforced by the harness.
 `start` is an initial guess of the impulses (nc, d), passed only to solvers with warm_start. The status is the solver's own
 claim; the harness verifies every answer independently.
 
@@ -31,9 +31,9 @@ A solver may also have a method
 
     solve_many(self, packed, tol, limit, start=None) -> Solved
 
-for `solve_many`, which solves the problems of a problems.packed.Packed, all of one dimension and without joints, and gives each
-the impulses that `solve` would give. start: impulses of all contacts (contacts, d), passed only to solvers with warm_start. It
-may be called in several threads at once, for parts of the problems.
+for `solve_many`. It solves the problems of a problems.packed.Packed, all of one dimension and without joints, and returns the
+impulses that `solve` would return. start: impulses of all contacts (contacts, d), passed only to solvers with warm_start. The
+method may be called in several threads at once, for different shares of the problems.
 """
 
 import math
@@ -67,16 +67,16 @@ __all__ = ["Answer", "Solved", "Solver", "SolverInfo", "Status", "available", "f
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
 Precision = Literal["double", "single"]
 FINEST = {"double": 0.0, "single": 1e-6}  # the tightest target: float32 has a rounding error of 6e-8 in every operation
-LACKS = ("friction_bias", "joints", "asymmetry")  # what a solver may not support of a problem
+LACKS = ("friction_bias", "joints", "asymmetry")  # properties of a problem that a solver may declare as not supported
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
 RELAXATION = {"cvxpy", "clarabel", "osqp", "proxsuite", "qpsolvers"}  # distributions of the package's extra of this name
 MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
 
 
 class Solved(NamedTuple):
-    """What a solver's solve_many returns of N packed problems.
+    """The result of a solver's solve_many for N packed problems.
 
-    impulse: (contacts, d), N s, normal first. status: (N,), a Status each, or None for a problem to be solved by itself.
+    impulse: (contacts, d), N s, normal first. status: (N,), each a Status, or None for a problem to be solved by itself.
     work: counts (N,) by name.
     """
 
@@ -86,7 +86,7 @@ class Solved(NamedTuple):
 
 
 class Solver(Protocol):
-    """An instance of a class decorated with @solver, which gets from here what it does not define.
+    """An instance of a class decorated with @solver; what the class does not define is taken from here.
 
     knows_rounding: whether the solver itself reports ROUNDING in place of SOLVED, as a portfolio that checks its members does.
     """
@@ -112,17 +112,17 @@ class SolverInfo:
     model: the model that it solves: "coulomb" the friction problem itself, "lcp" its LCP (equivalent in the plane, polygonal in
     space; such a solver also takes a bare LCP), "relaxation" the convex relaxation, "regularised" that with soft contacts.
     dimension: of the contacts, 2 or 3 or both. warm_start: whether it uses a start.
-    sparse: whether it stays sparse on large problems. A class with dense matrices of the LCP's size tells their number in an
-    attribute `dense_matrices`; the harness skips it where they exceed the memory.
+    sparse: whether it stays sparse on large problems. A class that stores dense matrices of the LCP's size states their number
+    in an attribute `dense_matrices`; the harness skips problems for which they exceed the memory.
     needs: required distributions, in the syntax of solvers.needs.
     lacks: what is not supported: friction_bias, joints, or asymmetry (of W, by methods that work in velocities: the Jacobian of
-    an unsymmetric W is that of its symmetric part); problems where it is not zero, asymmetry up to DIGITS, are refused.
-    remote: whether the library runs in another process, for reasons of ours: it is then timed by its own clock (Answer.clock).
-    variants: settings that count as solvers of their own, as in `ccp[backend=highs]`; a solver of this package takes their
-    texts in no other combination. A variant with another model, dimension, needs, lacks or precision has an attribute of that
-    name.
+    an unsymmetric W is that of its symmetric part). Problems in which it is not zero are refused, asymmetry only above DIGITS.
+    remote: whether this package runs the library in another process; it is then timed by its own clock (Answer.clock).
+    variants: settings that count as separate solvers, as in `ccp[backend=highs]`; a solver of this package accepts settings of
+    type text in these combinations only. A variant with another model, dimension, needs, lacks or precision has an attribute of
+    that name.
     members: the solvers that a portfolio may run.
-    precision: of its arithmetic. One of single precision is run and ranked at tolerances and targets of FINEST and coarser.
+    precision: of its arithmetic. A single-precision solver is run and ranked at tolerances and targets not below FINEST.
     make: the class, a frozen dataclass whose fields are the settings.
     """
 
@@ -141,7 +141,7 @@ class SolverInfo:
     make: Callable[..., Solver]
 
     def __post_init__(self) -> None:
-        """Errors: ValueError naming the property that is not as described above."""
+        """Errors: ValueError naming the property that is not as described for the class."""
         named, said = isinstance(self.name, str) and re.fullmatch(r"[\w.-]+", self.name), isinstance(self.family, str)
         self._require(bool(named), "name", "letters, digits, _, . and -")
         self._require(said and self.family.isprintable() and self.family.strip() != "", "family", "text")
@@ -207,7 +207,7 @@ class SolverInfo:
 
 
 def dense_storage(instance: object, problem: FrictionProblem | LCP) -> int:
-    """The bytes of the dense matrices of an LCP's size that a solver holds: as many as its class's `dense_matrices` says."""
+    """The bytes of the dense matrices of the LCP's size that a solver stores; `dense_matrices` of its class is their number."""
     if isinstance(problem, LCP):
         n = problem.size
     else:
@@ -238,7 +238,7 @@ def solver(
 
     family: of methods, as reports group them. Other arguments: see SolverInfo. The class needs
     `solve(self, prepared, tol, limit, start=None) -> Answer`, and may have `form` and `setup`.
-    Errors: ValueError if the name is already registered, the class defines `prepare`, or an argument is none of those in
+    Errors: ValueError if the name is already registered, the class defines `prepare`, or an argument is not as described in
     SolverInfo; the message names it.
 
     >>> import frictionbench as fb, numpy as np
@@ -267,7 +267,7 @@ def solver(
 
 
 def with_all_steps(cls: Any) -> Any:
-    """Add the missing ones of form, setup, prepare and knows_rounding. Errors: ValueError if it defines prepare."""
+    """Add form, setup, prepare and knows_rounding where they are missing. Errors: ValueError if the class defines prepare."""
     if getattr(cls, "prepare", Solver.prepare) is not Solver.prepare:
         raise ValueError(f"solver: {cls.__name__} defines prepare, which is setup(form(problem)); define setup")
     for step in ("form", "setup", "prepare", "knows_rounding"):
@@ -277,7 +277,7 @@ def with_all_steps(cls: Any) -> Any:
 
 
 def available() -> dict[str, SolverInfo]:
-    """All registered solvers by name, a SolverInfo each: `missing` is the reason why one cannot be used here, or None.
+    """The SolverInfo of all registered solvers, by name; its `missing` is the reason why a solver cannot be used here, or None.
 
     >>> import frictionbench as fb
     >>> fb.available()["lemke"].missing is None
@@ -347,14 +347,14 @@ def solve(
         max|q|.
     limit: the largest number of pivots, sweeps or iterations, whichever the method counts; None for the method's own limit.
     start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.
-    time_limit: s, > 0; None for none. Our own methods look at the clock between their steps, also as members of a portfolio,
-        and return the best answer found until then with the status TIME_LIMIT and its residual in `detail`. Large forms,
-        a first compilation and outside libraries are not interrupted; `frictionbench solve --time-limit` ends their process.
+    time_limit: s, > 0; None for none. Our own methods check the clock between their steps, also as members of a portfolio,
+        and return the best answer so far with the status TIME_LIMIT and its residual in `detail`. Large forms, a first
+        compilation and outside libraries are not interrupted; `frictionbench solve --time-limit` ends their process.
 
-    Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims, but
-    ROUNDING for SOLVED by a solver of this package where rounding alone may leave a residual above tol (residual_floor),
-    and INFEASIBLE where it ends on a ray, stalls or breaks down on a problem that is proved to have no solution;
-    work, its counts; z (n,) of solvers of LCPs.
+    Returns an Answer: impulse (nc, d) in N s, normal first, also if the solver failed; status, as the solver claims, except for
+    solvers of this package: ROUNDING replaces SOLVED if rounding alone may leave a residual above tol (residual_floor), and
+    INFEASIBLE replaces a ray, stall, breakdown or work limit on a problem that is proved to have no solution; work, its counts;
+    z (n,) of solvers of LCPs.
     Errors: InputError if the solver is unknown, not installed or does not take this problem, or if problem, tol, limit, start
     or time_limit is invalid; the message names which.
 
@@ -392,13 +392,13 @@ def solve(
 
 
 def why_lost(info: SolverInfo, problem: FrictionProblem, status: Status, tol: float) -> str:
-    """The proof that no impulses reach tol, where an own solver that ended with this status was lost; otherwise empty."""
+    """The proof that no impulses reach tol, if a method of this package ended with a status of _LOST; otherwise empty."""
     lost = status in _LOST and info.ours and not info.needs
     proof = contradiction(problem) if lost else None
     return str(proof) if proof and proof.least_residual > tol else ""
 
 
-_LOST = (Status.RAY, Status.STALLED, Status.BREAKDOWN, Status.WORK_LIMIT)  # a reason for them is looked for
+_LOST = (Status.RAY, Status.STALLED, Status.BREAKDOWN, Status.WORK_LIMIT)  # after these a proof of infeasibility is tried
 
 
 def tolerance(tol: Any) -> float:
@@ -429,6 +429,6 @@ def impulses(start: Any, shape: tuple[int, ...]) -> Array:
     guess = check.floats("start", start)
     if guess.shape != shape:
         raise InputError(f"start: expected impulses of shape {shape}, got {guess.shape}")
-    if not math.isfinite(np.vdot(guess, guess)):  # a third of the time of looking at each; large ones may overflow here
+    if not math.isfinite(np.vdot(guess, guess)):  # a third of the time of isfinite of each; large entries may overflow here
         require(bool(np.isfinite(guess).all()), "start", "must be finite")
     return guess

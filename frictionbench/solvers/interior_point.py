@@ -1,31 +1,31 @@
 """Interior point methods for Coulomb friction itself, sparse in the velocities of the bodies.
 
-In the plane the problem is the friction LCP; in space it has the circular cone as it is (solvers.interior.point). A step costs
-one sparse factorisation of the size of the mass matrix (solvers.interior.newton, solvers.sparse_lu.multifrontal), as for the
-convex relaxation. Mehrotra's predictor-corrector (solvers.interior.predictor_corrector) comes first: about ten iterations,
-little more for a thousand boxes than for ten.
+In the plane the problem is the friction LCP; in space it keeps the circular cone (solvers.interior.point). A step costs one
+sparse factorisation of the size of the mass matrix (solvers.interior.newton, solvers.sparse_lu.multifrontal), as for the convex
+relaxation. Mehrotra's predictor-corrector (solvers.interior.predictor_corrector) comes first: about ten iterations, little more
+for a thousand boxes than for ten.
 
-The problem is not monotone, and the predictor-corrector can be trapped: in a few random instances of a hundred, and in large
-piles with much friction. The convex relaxation is then solved, which cannot be trapped: if nothing slides in its solution,
-that is the answer. In the plane, from LARGE contacts on, semismooth Newton (solvers.interior.fischer_burmeister) is next: it
-has no path to follow, and solves most large random contact graphs and piles of discs. Then the central path is followed around
-its folds (solvers.interior.central_path) from one start after the other: some are the same for all problems, the others are
-centred points (solvers.interior.point) around the result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's
-solution, or around given impulses. Most paths converge eventually; no start has the shortest path in all problems, so that a
-long path is abandoned for the next start. How long the path of a start is varies by a factor of ten and more: first all starts
-have a short share, then a few have a long one.
+The problem is not monotone, and the predictor-corrector can be trapped: in a few of a hundred random instances, and in large
+piles with much friction. In space, and in the plane from LARGE contacts on, the convex relaxation is then solved, which is
+monotone. If its solution nearly obeys Coulomb's law, as it does when nothing slides, the predictor-corrector starts from it. In
+the plane, from LARGE contacts on, semismooth Newton (solvers.interior.fischer_burmeister) is next: it follows no path, and
+solves most large random contact graphs and piles of discs. Finally the central path is followed around its folds
+(solvers.interior.central_path) from one start after the other. Some starts are the same for all problems, the others are
+centred points (solvers.interior.point) around the result of SWEEPS sweeps of Gauss-Seidel, the relaxation's solution or given
+impulses. Most paths converge eventually, but their lengths vary by a factor of ten and more, and no start has the shortest path
+in all problems. Therefore all starts first receive a short share of the work, then a few receive a long one.
 
-In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
-start than the normal ones, so that sliding and sticking are decided after opening and closing.
+In space, for many contacts with much friction, paths are several times shorter if the products of friction are larger than the
+normal ones at the start, so that sliding and sticking are decided after opening and closing.
 
-Where masses are unlike, light bodies carry heavy ones: impulses that stop a contact's own velocity are far too small there, and
-paths that begin with them wind. Then paths begin with the same impulse at all contacts, that of the heaviest.
+If light bodies carry heavy ones, impulses that stop a contact's own velocity are far too small, and paths from them are long.
+Then the first paths start with about the same impulse at all contacts, that of the heaviest.
 
-Where a problem falls apart, one part in which the predictor-corrector is trapped shortens the steps of all others; then each
-part is solved by itself, unless one of them is nearly the whole.
+If a problem consists of separate parts, one in which the predictor-corrector is trapped shortens the steps of all others. Each
+part is then solved by itself, unless one of them is nearly the whole problem.
 
-Given impulses to start from, the predictor-corrector starts at the centred point around them. Its distance from the boundary is
-their residual, so that a good start saves most of the iterations, and a bad one does little harm.
+With a warm start, the predictor-corrector starts at the centred point around the given impulses. Its distance from the boundary
+is their residual, so that a good start saves most of the iterations, and a bad one does little harm.
 """
 
 from collections.abc import Iterator
@@ -49,29 +49,29 @@ from frictionbench.solvers.interior.point import Point, centred_point, start_poi
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 from frictionbench.solvers.interior.system import System, space_of
 
-# All of these were tuned by experiment, by the problems solved and the factorisations with a start left out or a limit changed.
-# Impulses and speeds are relative to a contact's own.
-# In the plane the relaxation and semismooth Newton come before paths from so many contacts on: in smaller problems paths are as
-# short, and where there are several solutions they find neighbouring ones in neighbouring problems.
+# All were tuned by the numbers of solved problems and of factorisations with a start left out or a limit changed. Impulses and
+# speeds are relative to a contact's own.
+# In the plane the relaxation and semismooth Newton come before paths from so many contacts on. In smaller problems paths are as
+# short, and if there are several solutions, paths find neighbouring ones in neighbouring problems.
 LARGE = 40
 NEWTON_STARTS = ((0.1, 1.0), (1.0, 1.0))  # of semismooth Newton in the plane: (impulse, speed)
 PLANAR_STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))  # (impulse, speed)
 FIRST_START, LAST_START = (1.0, 10.0, 10.0), (1.5, 5.0, 1.0)  # in space: (impulse, speed, factor on the friction's products)
-UNLIKE, LOAD_STARTS = 10.0, (0.75, 1.0)  # in space: the ratio of contacts' masses from which they start under load; exponents
-# Around what Gauss-Seidel and the relaxation find: (distance from the boundary in residuals, factor on friction's products).
+UNLIKE, LOAD_STARTS = 10.0, (0.75, 1.0)  # in space: the ratio of contacts' masses above which paths start loaded; exponents
+# Starts around results of Gauss-Seidel and the relaxation: (least distance from the boundary, factor on friction's products).
 SWEPT_START = (1.0, 10.0)
-RELAXED_STARTS = ((3.0, 10.0), (3.0, 3.0), (1.0, 10.0), (3.0, 30.0))  # the swept one is followed further after the first
-SWEEPS = 1000  # of nsgs before its result is a start: their time is that of ten or twenty factorisations
-LEAST_DISTANCE = 1e-10  # of a start from the boundary, in residuals, for the predictor-corrector: it rounds at less
-PATH_DISTANCE, LONG_DISTANCES = 0.3, (3.0, 10.0)  # the same in the plane for paths, which are shorter from well inside
+RELAXED_STARTS = ((3.0, 10.0), (3.0, 3.0), (1.0, 10.0), (3.0, 30.0))  # the swept path is continued after the first of these
+SWEEPS = 1000  # of nsgs, whose result is a start: they take the time of ten or twenty factorisations
+LEAST_DISTANCE = 1e-10  # of a start of the predictor-corrector from the boundary, as a residual: less is lost in rounding
+PATH_DISTANCE, LONG_DISTANCES = 0.3, (3.0, 10.0)  # the same for paths in the plane, which are shorter from well inside
 CLOSE = 0.01  # the largest residual of the relaxation's solution from which the predictor-corrector is tried
-GIANT = 0.9  # of the contacts in one part: it would take the whole's time once more to solve it by itself
+GIANT = 0.9  # share of contacts in one part above which parts are not solved separately: it would take as long as the whole
 LIMIT = 16000  # factorisations in all: enough for the shares of all starts in problems of a few hundred contacts
-NEWTON_SHARE = 100  # factorisations of one run of semismooth Newton: of those that arrive in 150, 95 % take fewer
-SHARE = 250  # factorisations of one phase but long paths: few that arrive in the plane are longer
-# Of long paths: factorisations a contact, or in small problems in 2 SHARE. In space each round follows all as much further.
+NEWTON_SHARE = 100  # factorisations of one run of semismooth Newton: 95 % of the runs that converge within 150 take fewer
+SHARE = 250  # factorisations of each phase other than long paths: in the plane few that converge take more
+# Factorisations of long paths, as multiples of the contacts or, if larger, of 2 SHARE. In space every round adds PATH of these.
 PATH, SHORT_PATH, LOADED_PATH = 3, 0.4, 2
-POLISHING = 60  # factorisations of Newton's methods near an answer; a pair that vanishes keeps a path at a residual of 1e-7
+POLISHING = 60  # factorisations of Newton's methods near a solution: a vanishing pair stops a path at a residual of 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
 
 
@@ -87,8 +87,8 @@ PATIENCE = 12  # iterations of the predictor-corrector without progress: no run 
 class InteriorPoint(Phased):
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
-    A portfolio where it is trapped: paths start around the results of nsgs and relaxation_ip, and proximal_newton refines
-    nearly solved points; their work is counted under their names.
+    If it is trapped it becomes a portfolio: paths start around the results of nsgs and relaxation_ip, and proximal_newton
+    refines points that are nearly solutions; their work is counted under their names.
     """
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
@@ -114,18 +114,17 @@ class InteriorPoint(Phased):
         return answer
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
-        """The first phase in a compiled loop; what that leaves is solved by itself."""
+        """The first phase in a compiled loop; problems that it does not solve are left to be solved one by one."""
         guess = impulses(start, (int(packed.contacts[-1]), packed.dimension))
         return first_phase_of(packed, tol, limit, guess, np.full(packed.size, start is not None))
 
     def _solve_parts(
         self, problem: FrictionProblem, parts: Parts, whole: Answer, tol: float, limit: int | None, start: Array | None
     ) -> Answer:
-        """An answer to the problem whose parts are solved one by one, unless the answer to the whole solves them; each has the
-        impulses with the smaller residual.
+        """Solve each part that is not solved by the answer to the whole problem; keep the impulses with the smaller residual.
 
-        The status is that of the first part that is not solved. work: that of the whole and of all parts, added up;
-        history: that of the whole, then of the parts.
+        The status is that of the first part that is not solved. work: the sum over the whole problem and the parts;
+        history: that of the whole problem, then those of the parts.
         """
         impulse, work, history = whole.impulse.copy(), dict(whole.work), whole.history
         by_contact, unsolved = contact_residuals(problem, impulse), None
@@ -152,7 +151,7 @@ class InteriorPoint(Phased):
     ) -> Iterator[Phase]:
         """The methods in turn, with their starting points, until parts are found that can be solved one by one.
 
-        spent: the work of nested solvers, added up.
+        spent: the total work of nested solvers. parts: filled with the parts.
         """
         if start is not None:
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
@@ -211,7 +210,7 @@ class InteriorPoint(Phased):
 
 
 def first_phase_of(packed: Packed, tol: float, limit: int | None, guess: Array, guessed: NDArray[np.bool_]) -> Solved:
-    """The first phase of many problems, started around their impulses guess (contacts, d) where guessed (N,)."""
+    """The first phase of packed problems, started around the impulses guess (contacts, d) of those that are guessed (N,)."""
     distance = np.full(packed.size, NO_GUESS)
     if guessed.any():
         distance[guessed] = np.maximum(residuals(packed, guess)[guessed, 0], LEAST_DISTANCE)
@@ -237,14 +236,14 @@ def _guess(problem: FrictionProblem, start: Array | None, spent: dict[str, int])
 
 
 def _generic(system: System, impulse: float, speed: float, wide: float) -> Point:
-    """A start in space independent of the problem, with the friction mu c: with large mu no other path converges."""
+    """A start in space from constants, with the friction limit mu c: for large mu paths from other starts do not converge."""
     point = start_point(system, impulse, speed)
     point.s[:, 3] *= np.maximum(system.friction, 1)
     return _widened(point, wide)
 
 
 def _loaded(system: System, share: float) -> Point:
-    """A start in space with impulses that stop a unit velocity at the heaviest contact; share < 1: less at lighter ones."""
+    """A start in space with the impulse that stops a unit velocity of the heaviest contact; share < 1: less at lighter ones."""
     point = _generic(system, 1.0, 1.0, 1.0)
     ratio = (system.weight / system.weight.min()) ** share
     point.x[:, 0] *= ratio
@@ -260,6 +259,6 @@ def _widened(point: Point, wide: float) -> Point:
 
 
 def _around(problem: FrictionProblem, system: System, impulse: Array, least: float) -> Point:
-    """The centred point around impulses (nc, d), as far from the boundary as they are from a solution, or by `least`."""
+    """The centred point around impulses (nc, d), whose distance from the boundary is their residual, but at least `least`."""
     distance = max(residual(problem, impulse), least)
     return centred_point(system, space_of(system), impulse, problem.contact_velocity(impulse), distance)

@@ -9,7 +9,7 @@ import sys
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
-# What fails without a valid licence, by distribution: the demonstration licence that comes with GAMS expires.
+# Scripts that fail without a valid licence, by distribution: the demonstration licence that comes with GAMS expires.
 LICENSED = {"gamspy": "import gamspy; gamspy.Set(gamspy.Container(), 'i', records=['1'])"}
 
 
@@ -28,7 +28,7 @@ def installed_version(need: str) -> str | None:
 
 
 def _output(python: str, script: str) -> str | None:
-    """What a script prints; None if it fails."""
+    """The output of a script; None if it fails."""
     try:
         return subprocess.run([python, "-c", script], capture_output=True, text=True, check=True, timeout=60).stdout.strip()
     except (OSError, subprocess.SubprocessError):

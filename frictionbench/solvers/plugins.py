@@ -1,8 +1,8 @@
 """Solvers from outside this repository: a file given on the command line, or an entry point of an installed distribution.
 
 A source is a module that registers its classes with @solver when it is imported, or an executable. It is named by the path of
-a file, which ends in .py and stands for all solvers that the file defines; by a command of an executable, which begins with
-exec: (solvers.executable); or by an entry point in the group frictionbench.solvers, whose name is that of the solver.
+a file that ends in .py, which stands for all solvers that the file defines; by a command that begins with exec:, for an
+executable (solvers.executable); or by an entry point in the group frictionbench.solvers, whose name is that of the solver.
 
 Importing a source runs its code, so the harness imports it only in worker processes. Installed plug-ins are listed from their
 metadata, without importing them. A plug-in cannot replace a solver of this package.
@@ -24,8 +24,8 @@ from frictionbench.solvers import executable
 from frictionbench.solvers.interface import available
 
 GROUP = "frictionbench.solvers"
-MODULE = "frictionbench_plugin_"  # begins the name of a file's module
-FRAMES = 4  # of a traceback that describe_error names: enough to reach the plug-in's own code, also from what @solver refuses
+MODULE = "frictionbench_plugin_"  # prefix of the module name of a file
+FRAMES = 4  # of a traceback in describe_error: enough to reach the plug-in's own code, also if @solver raised the error
 
 
 def is_file(source: str) -> bool:
@@ -34,22 +34,22 @@ def is_file(source: str) -> bool:
 
 
 def defines_all(source: str) -> bool:
-    """Whether the source stands for all solvers that it defines; the name of an entry point is that of one solver."""
+    """Whether the source stands for all solvers that it defines; an entry point stands for the one that it names."""
     return is_file(source) or executable.is_command(source)
 
 
 def absolute(source: str) -> str:
-    """A source that defines_all with absolute paths. Errors: InputError naming the command."""
+    """A file or command with absolute paths. Errors: InputError naming the command."""
     return executable.absolute(source) if executable.is_command(source) else str(Path(source).absolute())
 
 
 def files(source: str) -> list[Path]:
-    """The files that the command line names with the source."""
+    """The files that the source names."""
     return executable.files(source) if executable.is_command(source) else [Path(source)] if is_file(source) else []
 
 
 def installed() -> dict[str, EntryPoint]:
-    """The entry points by name, the first of each, without those whose name is already registered; none is imported."""
+    """The entry points by name, the first of each name, except names that are registered already; none is imported."""
     found: dict[str, EntryPoint] = {}
     for point in entry_points(group=GROUP):
         found.setdefault(point.name, point)
@@ -67,7 +67,7 @@ def content(source: str) -> str:
 
 
 def content_of(path: Path) -> str:
-    """The SHA-256 of a file, or of the names and contents of all files in a folder but compiled ones. Errors: OSError."""
+    """The SHA-256 of a file, or of the names and contents of all files in a folder except compiled ones. Errors: OSError."""
     if not path.is_dir():
         with path.open("rb") as opened:
             return file_digest(opened, "sha256").hexdigest()
@@ -84,7 +84,7 @@ def version(source: str) -> str:
 
 
 def load(source: str) -> tuple[str, ...]:
-    """Import a source; the names of the solvers that it adds. Errors: InputError naming the source and the line that fails."""
+    """Import a source; the names of the solvers that it adds. Errors: InputError naming the source and the failing line."""
     if executable.is_command(source):
         return (executable.register(source),)
     point = None if is_file(source) else _point(source)
@@ -109,7 +109,7 @@ def _import_file(name: str, path: str) -> None:
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     sys.modules[name] = importlib.util.module_from_spec(spec)
-    try:  # its compiled file is of any source of the same size and second, as where a link leads elsewhere now
+    try:  # not the compiled file, which may be of another source of the same size and time, as when a link has changed
         exec(compile(Path(path).read_bytes(), path, "exec"), vars(sys.modules[name]))
     except BaseException:
         del sys.modules[name]
@@ -118,10 +118,10 @@ def _import_file(name: str, path: str) -> None:
 
 def describe_error(error: BaseException) -> str:
     """An error in one line, with the file and line of its last frames, the innermost first."""
-    if isinstance(error, SyntaxError):  # its text names the file and the line; the frames are those of the import
+    if isinstance(error, SyntaxError):  # its text names the file and the line; its frames are those of the import
         return f"{type(error).__name__}: {error}"
     files = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith("<")]
-    frames = files[: -FRAMES - 1 : -1]  # not of Python's own import and dataclasses, which name no file
+    frames = files[: -FRAMES - 1 : -1]  # without those of Python's import and of dataclasses, which name no file
     places = " < ".join(f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}" for frame in frames)
     try:
         text = str(error)

@@ -1,9 +1,9 @@
-"""Interior point for the convex relaxation, with the same factorisation as for Coulomb's law itself.
+"""Interior point method for the convex relaxation, with the same factorisation as for Coulomb's law.
 
-Where Coulomb's law has 0 <= c ⟂ u_n >= 0, the relaxation (problems.forms.relaxation) has 0 <= c ⟂ u_n - mu lambda >= 0: a
-contact may slide only while it opens. One sign more makes the problem monotone, and Mehrotra's method hardly ever fails
-(Wright 1997); in space, where products of Lorentz' cone do not commute, it fails once in some hundred random problems, and
-restarts. The comparison with interior_point shows what the simpler model saves: the matrix and the arithmetic are the same.
+Coulomb's law has 0 <= c ⟂ u_n >= 0; the relaxation (problems.forms.relaxation) has 0 <= c ⟂ u_n - mu lambda >= 0: a contact may
+slide only while it opens. The additional term makes the problem monotone, and Mehrotra's method hardly ever fails (Wright
+1997). In space, where the products of Lorentz' cone do not commute, it fails in about one of a hundred random problems, and
+restarts. The matrix and the arithmetic are those of interior_point: the comparison shows what the simpler model saves.
 """
 
 from itertools import chain
@@ -15,8 +15,8 @@ from frictionbench.solvers.interior.phases import Phased, Prepared, first_point,
 from frictionbench.solvers.interior.point import start_point
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 
-STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: impulses and speeds, one large against the other, to differ from it
-SHARE = 250  # factorisations from each start: above the default limit, so that only a larger one is shared out
+STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: (impulse, speed), with other ratios than in the first
+SHARE = 250  # factorisations from each start: above the default limit, so that only larger limits are divided
 PATIENCE = 60  # iterations without progress: a heavy body on a light one needs impulses a million times the first ones
 
 

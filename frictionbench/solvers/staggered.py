@@ -1,14 +1,14 @@
-"""Staggered projections: a normal and a friction problem in turn, each convex, each given the other's impulses.
+"""Staggered projections: a normal and a friction problem in turn, each convex, with the impulses of the other held fixed.
 
     r_n = argmin ½ r_n'W_nn r_n + (q_n + W_nt r_t)'r_n    over r_n >= 0,
     r_t = argmin ½ r_t'W_tt r_t + (q_t + W_tn r_n)'r_t    over |r_t,i| <= mu_i r_n,i + b_f,i,
 
-until both hold at once, which is Coulomb's law exactly: the second says that friction dissipates maximally. No convergence
-theorem; a single sliding contact contracts by mu|b|/a (b = W_nt, a = W_nn).
+until both hold at once, which is Coulomb's law exactly: the second states that friction dissipates maximally. No convergence
+theorem is known; a single sliding contact contracts by mu|b|/a (b = W_nt, a = W_nn).
 
-Both are contact problems themselves: the first without tangents, the second without normals, on frictionless cones whose
-friction bias is mu r_n + b_f. Each is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from
-its last result, to a fraction INNER of the present residual. The friction problem's answer need not be unique, its velocity is.
+Both are contact problems themselves: the first without tangents, the second without normals, with mu = 0 and the friction bias
+mu r_n + b_f. Each is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from its last result, to a
+fraction INNER of the present residual. The solution of the friction problem need not be unique, but its velocity is.
 
 Reference: Kaufman, Sueda, James and Pai 2008.
 """
@@ -23,17 +23,17 @@ from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import relax
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
-LIMIT = 1000  # rounds by default; convergence is linear, and rates too slow for it stall first (PATIENCE)
-PATIENCE = 200  # rounds in which the residual must fall by a hundredth: a fifth of the limit, as convergence is linear
+LIMIT = 1000  # rounds by default; convergence is linear, and slower rates stall first (PATIENCE)
+PATIENCE = 200  # rounds in which the residual must fall by a hundredth: a fifth of the limit
 INNER = 0.1  # error of each half relative to the residual at its start: less costs products, more costs rounds
-INNER_LIMIT = 5000  # iterations of a half; the next round goes on from where it was left
+INNER_LIMIT = 5000  # iterations of a half; the next round continues from its result
 
 
 @solver("staggered", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
 class Staggered:
     """Staggered projections: alternate the normal and the friction problem.
 
-    Work: rounds, and products with W, those of the inner solves among them. History: the residual before every round.
+    Work: rounds, and products with W, including those of the inner solves. History: the residual before every round.
     """
 
     def form(self, problem: FrictionProblem) -> ContactForm:
@@ -51,13 +51,13 @@ class Staggered:
             state(form, n, friction.rest)
             friction.friction_bias[:] = form.friction * n[:, 0] + form.friction_bias
             products += relax(friction, t, INNER * error, INNER_LIMIT)
-            products += 3  # of each half's impulses, for the other to start from, and the next check
+            products += 3  # the state of each half, from which the other starts, and the next check
             rounds += 1
         return monitored.answer(n + t, rounds=rounds, products=products)
 
 
 def _only(form: ContactForm, rows: range | list[int]) -> ContactForm:
-    """The same contacts with these rows of u and r alone; the others stay zero. Its friction is a bias yet to be set."""
+    """The same contacts with these rows of u and r only; the others stay zero. Friction is a bias, which is yet to be set."""
     keep = np.zeros(form.offset.shape[1])
     keep[rows] = 1
     diagonal = np.einsum("ijj,j->i", form.block, keep) / keep.sum()

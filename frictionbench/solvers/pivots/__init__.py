@@ -1,1 +1,1 @@
-"""Linear complementarity by bases: scaling, bases and their updates, and the paths that pivot along them."""
+"""Pivoting for linear complementarity problems: scaling, bases and their updates, and paths of pivots."""

@@ -9,7 +9,7 @@ from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, scaled_lcp
 
 
 class DenseLCP(NamedTuple):
-    """The scaled w = M y + q, M (n, n) and q (n,), and what it comes from."""
+    """The scaled LCP w = M y + q, with M (n, n) and q (n,), and the ScaledLCP from which it was made."""
 
     scaled: ScaledLCP
     M: Array
@@ -17,11 +17,11 @@ class DenseLCP(NamedTuple):
 
     @property
     def share(self) -> float:
-        """By how much smaller an error of a scaled row must be than tol, so that each contact's is within tol of its unit."""
+        """The factor of tol that bounds the errors of scaled rows, so that each contact's residual is within tol."""
         nc = self.scaled.contacts[0]
         if not nc or isinstance(self.scaled.problem, LCP):
             return 1.0
-        more = 1 + by_unknown(self.scaled.problem.friction, len(self.q))  # a tangential defect counts 1 + mu times
+        more = 1 + by_unknown(self.scaled.problem.friction, len(self.q))  # tangential defects are multiplied by 1 + mu
         more[:nc] = 1.0
         return min(1.0, float((more / self.scaled.unit[1])[:-nc].min()))
 

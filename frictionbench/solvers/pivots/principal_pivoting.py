@@ -1,4 +1,4 @@
-"""The common part of the principal pivoting methods: the scaled LCP, the default limit of pivots, the margin and the answer."""
+"""The common part of the principal pivoting methods: the scaled LCP, the default limit, the tolerance and the answer."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

@@ -1,1 +1,1 @@
-"""A sparse LU factorisation for matrices put together from small dense blocks."""
+"""A sparse LU factorisation for matrices assembled from small dense blocks."""

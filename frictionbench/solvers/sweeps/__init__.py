@@ -1,1 +1,1 @@
-"""Methods that go from contact to contact: the problem's form, the law at one contact, the sweeps and when to stop."""
+"""Contact-wise methods: the form of the problem, the law at one contact, sweeps, gradient steps and stopping criteria."""
