@@ -1,1 +1,1 @@
-"""What a run stores: tables with their schema, files beside them, and the comparison of two runs."""
+"""The results of a run: tables with their schema, further files, and the comparison of two runs."""

@@ -1,9 +1,9 @@
-"""A baseline: the results of a run as one sorted table of text that a person can review in a diff.
+"""A baseline: the results of a run as one sorted text table that a person can review in a diff.
 
-Lines `# name: value` state what was run and by which code, what plug-ins loaded (harness.dependencies), the number of cells,
-and the sha256 of all other lines, so that a table that was cut or edited is noticed; then follow, separated by tabs, a header
-and a line per cell. Residuals have two digits. Times have one: they are used only to decide whether a timeout may be due to a
-slower machine.
+Lines `# name: value` state the suite, the code, what plug-ins loaded (harness.dependencies), the number of cells, and the
+SHA-256 of all other lines, by which a truncated or edited table is detected. A header and a line per cell follow, with entries
+separated by tabs. Residuals have two digits. Times have one, since they are only used to decide whether a timeout may be due to
+a slower machine.
 """
 
 from collections.abc import Iterable, Mapping
@@ -19,14 +19,14 @@ COLUMNS = (
     *("verdict", "residual", "work", "seconds", "limit"),
 )
 FACTS = ("schema", "suite", "tolerances", "code", "made", "cells")
-LOADED = "loaded by "  # a solver of a plug-in; then what it loaded, `NAME HASH` each
+LOADED = "loaded by "  # followed by a plug-in's variant, whose value lists what it loaded as `NAME HASH`
 HASH = "sha256"
 AGAIN = "delete it and create it again with `frictionbench compare --accept`"
 LARGEST = 64 * 2**20  # bytes, a hundred times the baseline of the largest suite
 
 
 def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]]) -> None:
-    """Write a baseline atomically. facts: of FACTS, and LOADED. rows: the values of COLUMNS and the key, as text."""
+    """Write a baseline atomically. facts: FACTS and entries of LOADED. rows: the values of COLUMNS and the key, as text."""
     path.parent.mkdir(parents=True, exist_ok=True)
     lines = sorted("\t".join(map(printable, row)) for row in rows)
     facts = {"schema": str(SCHEMA_VERSION), **facts, "cells": str(len(lines))}
@@ -37,7 +37,7 @@ def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]])
 
 
 def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
-    """The facts, and for each cell the key and the values of COLUMNS. Errors: ResultsError naming the file and the line."""
+    """Read the facts, and for each cell the key and the values of COLUMNS. Errors: ResultsError naming the file and line."""
     lines = cleaned(read_text(path, LARGEST)).removesuffix("\n").split("\n")
     head = list(takewhile(lambda line: line.startswith("#"), lines))
     facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(":") for line in head)}

@@ -1,11 +1,11 @@
-"""The data of a run that is compared: a row per cell, read from a results folder or from a baseline.
+"""The data by which runs are compared: a row per cell, read from a results folder or from a baseline.
 
 Columns, indexed by key: table, variant, scene (in the notation of the command line), step, phase, start, tol, verdict, reason,
 residual, work (the counters as `name count, ...`), seconds, disturbed, limit.
 
-seconds: form, setup and solve together, or setup and solve alone, the minimum over the repeats of a process. Other load on
-the machine can only increase a time, and some of many short repeats are free of it; a cell counts as disturbed if it waited for
-its core and had few repeats.
+seconds: the sum of form, setup and solve, or of setup and solve, as the minimum over the repeats in a process. Other load on
+the machine can only increase a time, and some of many short repeats are not affected by it. A cell counts as disturbed if it
+waited for its core and had few repeats.
 """
 
 import json
@@ -26,19 +26,19 @@ from frictionbench.results.store import read_manifest, read_table
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
-FAILURES = ("steps_not_done", "unsolved_problems")  # counters of what failed within a simulation or a batch
-MOST = 10**18  # a count; larger ones are no counts
-ROUNDED = 1.1  # a baseline's residuals have two digits
+FAILURES = ("steps_not_done", "unsolved_problems")  # counters of failures within a simulation or a batch
+MOST = 10**18  # largest number accepted as a count
+ROUNDED = 1.1  # allowance for a baseline's residuals, which have two digits
 HASH = 12  # characters of a hash in a baseline
-ENOUGH = 5  # repeats, of which at least one is undisturbed as a rule
+ENOUGH = 5  # repeats among which there is usually an undisturbed one
 
 
 @dataclass(frozen=True)
 class Cells:
     """The cells of one run, and facts about it.
 
-    sources: of solvers from plug-ins, by variant, a file or a name. loaded: what they loaded, by variant and name a hash or a
-    version; places: and from where, which a baseline does not tell. finished: whether all cells were run.
+    sources: the file or installed name of each plug-in, by variant. loaded: the hash or version of what plug-ins loaded, by
+    variant and name; places: the paths of these, which a baseline does not contain. finished: whether all cells were run.
     """
 
     path: Path
@@ -60,7 +60,7 @@ class Cells:
 
 
 def read(path: Path, rank_by: RankBy = RankBy.BODIES) -> Cells:
-    """The cells of a results folder or a baseline; rank_by: the parts of a time that are compared.
+    """Read the cells of a results folder or a baseline. rank_by: the parts of a time that are compared.
 
     Errors: ResultsError naming the file and what is wrong with it."""
     found = _of_text(path) if path.is_file() else _of_folder(path, rank_by)
@@ -141,11 +141,11 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
     )
 
 
-FILE = "@"  # in a key, before the hash of the problem's file
+FILE = "@"  # separates a key and the hash of the problem's file
 
 
 def _with_files(rows: pd.DataFrame, manifest: dict[str, Any]) -> list[str]:
-    """The keys, of a problem in a file with that file's hash: another file of the same name is another cell."""
+    """Return the keys. A problem's file adds its hash, because another file with the same name makes another cell."""
     content, listed = manifest.get("content", {}), manifest["settings"].get("sources", [])
     hashes = {
         (source["scene"], json.dumps(source["parameters"], sort_keys=True)): content[source["file"]]
@@ -157,8 +157,8 @@ def _with_files(rows: pd.DataFrame, manifest: dict[str, Any]) -> list[str]:
 
 
 def _places(manifest: dict[str, Any]) -> dict[str, dict[str, str]]:
-    """From where the plug-ins loaded what, by variant and name. Of names, which may be paths, as much of the end as tells them
-    from others, and is the same on other machines."""
+    """Return the paths of what plug-ins loaded, by variant and name. Names that are paths are cut to their shortest unique end,
+    which is the same on other machines."""
     found = {}
     for variant, source in sources(manifest["settings"]).items():
         own, ends = manifest.get("loaded", {}).get(source, {}), dict[str, list[str]]()
@@ -171,12 +171,12 @@ def _places(manifest: dict[str, Any]) -> dict[str, dict[str, str]]:
 
 
 def _counted(work: Any, **found: float) -> str:
-    """Counters, JSON, with further ones where these are known."""
+    """Add counters, unless they are null, to those in a JSON text."""
     return json.dumps(json_object(work) | {name: int(count) for name, count in found.items() if pd.notna(count)})
 
 
 def repeats(*steps: Any) -> np.ndarray:
-    """The steps of each repeat together; empty if they do not have the same number of repeats."""
+    """Return the sum over the steps for each repeat, or an empty array if steps differ in their numbers of repeats."""
     times = [np.asarray([] if step is None else step, dtype=float) for step in steps]
     total = sum(times[1:], times[0]) if len({len(one) for one in times}) == 1 else np.empty(0)
     return total[np.isfinite(total)]
@@ -198,21 +198,21 @@ def _numbers(values: Any) -> tuple[float, ...]:
 
 
 def counts(text: Any) -> dict[str, int]:
-    """The counters in a row's JSON; values other than counts below MOST are left out, and so count as gone."""
+    """Return the counters in a row's JSON. Values that are not counts below MOST are left out, and thus count as lost."""
     return {name: count for name, count in json_object(text).items() if type(count) is int and 0 <= count < MOST}
 
 
 def format_counts(work: dict[str, int]) -> str:
-    """Counters as text: `name count, ...`; a name cannot hold the text's separators."""
+    """Return counters as text, `name count, ...`. The separators of the text are removed from names."""
     return ", ".join(f"{'_'.join(name.replace(',', ' ').split())} {count}" for name, count in sorted(work.items()))
 
 
 def parse_counts(line: str) -> dict[str, int]:
-    """The counters in such a text."""
+    """Return the counters in a text made by format_counts."""
     parts = (part.rpartition(" ") for part in line.split(", "))
     return {name: int(count) for name, _, count in parts if count.isdecimal() and int(count[:20]) < MOST}
 
 
 def rounded(value: float, digits: int) -> str:
-    """A number with so many significant digits; empty if it is not finite."""
+    """Return a number as text with this many significant digits, empty if it is not finite."""
     return f"{value:.{digits - 1}e}" if np.isfinite(value) else ""

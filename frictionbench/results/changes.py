@@ -1,11 +1,11 @@
 """The differences between two runs, cell by cell and solver by solver.
 
 flips      cells measured in both runs with different verdicts, ordered as in problems.verdicts
-gone       cells measured before and not now: those that were skipped, for whatever reason, and those without a row
-added      cells measured now and not before that fail
-work       deterministic counters that changed, summed per solver over the cells that both runs solved; of simulations and
-           batches also what failed in them, over all cells whose verdict is not worse
-untimed    cells, per solver, that had times and have none
+gone       cells measured before but not now: cells skipped for any reason, and cells without a row
+added      cells measured now but not before that fail
+work       deterministic counters that changed, summed per solver over the cells that both runs solved. Failures within
+           simulations and batches are summed over all cells whose verdict is not worse
+untimed    cells, per solver, that had times before but have none now
 times      per solver, over the same cells: see results.times
 """
 
@@ -19,10 +19,10 @@ import pandas as pd
 from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict, measured
 from frictionbench.results.cells import FAILURES, parse_counts
 
-GONE, NEW = "gone", "new"  # in place of the verdict of a cell that one of the runs does not have
-GROWTH = 1.05  # largest ratio of a sum of work that is no regression: it grows by effects of rounding
-MARGIN = 2.0  # a time within this factor of the limit may exceed it on another day, by noise alone
-PACE = 10.0  # largest ratio of the speeds of two machines that is attributed to the machines
+GONE, NEW = "gone", "new"  # shown instead of the verdict for a cell that one of the runs lacks
+GROWTH = 1.05  # largest ratio of sums of work that is no regression: rounding may change work by as much
+MARGIN = 2.0  # a time within this factor of the limit may exceed it on another day by noise alone
+PACE = 10.0  # largest ratio of speeds that is attributed to the machines
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Flip:
 class Growth:
     """A change in the sum of a counter over a solver's cells. limit: the largest ratio that does not count as growth.
 
-    before, after: None in a run whose cells do not have the counter, or have something there that is no count.
+    before, after: None for a run whose cells lack the counter, or have a value that is not a count.
     """
 
     variant: str
@@ -84,7 +84,7 @@ class Growth:
 
 @dataclass(frozen=True)
 class Time:
-    """The times of one solver in two codes.
+    """The times of one solver in two versions of the code.
 
     before, after: time per cell, s, the median over n pairs of processes of the geometric mean over the cells. ratio: after /
     before, with the confidence interval (low, high) and the p-value p. limit: the largest ratio that is not a slowdown.
@@ -117,24 +117,24 @@ class Time:
         return not self.low <= 1 <= self.high
 
 
-Change = Flip | Growth | Time  # each has a name, which identifies it among those of its solver, and is worse or not
+Change = Flip | Growth | Time  # each has `name`, which identifies it among the changes of its solver, and `worse`
 
 
 def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
-    """The cells whose verdict changed, the largest deteriorations first. Both tables have the same cells."""
+    """Yield the cells whose verdict changed, the largest deteriorations first. Both tables have the same cells."""
     decline = (after["verdict"].map(RANK) - before["verdict"].map(RANK)).sort_values(ascending=False, kind="stable")
     for key in decline.index[decline != 0]:
         yield _flip(before.loc[key], after.loc[key])
 
 
 def gone(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
-    """The cells that were measured before and not now."""
+    """Yield the cells that were measured before but not now."""
     for key in before[measured(before)].index.difference(after[measured(after)].index, sort=False):
         yield _flip(before.loc[key], after.loc[key] if key in after.index else None)
 
 
 def added(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
-    """The cells that are measured now and were not before, and fail."""
+    """Yield the cells that are measured now, were not before, and fail."""
     failing = after[measured(after) & ~after["verdict"].isin(ACCEPTED)]
     for key in failing.index.difference(before[measured(before)].index, sort=False):
         yield _flip(None, failing.loc[key])
@@ -142,7 +142,7 @@ def added(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
 
 def _flip(before: pd.Series | None, after: pd.Series | None) -> Flip:
     row = before if after is None else after
-    assert row is not None  # one of the runs has it
+    assert row is not None  # at least one of the runs has the cell
     cell = row["variant"], str(row.name), row["table"], row["scene"], row["step"], row["tol"]
     was = (NEW, np.nan) if before is None else (before["verdict"], before["residual"])
     now = (GONE, np.nan, "") if after is None else (after["verdict"], after["residual"], after["reason"])
@@ -150,11 +150,11 @@ def _flip(before: pd.Series | None, after: pd.Series | None) -> Flip:
 
 
 def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -> pd.Series:
-    """Which cells became a timeout, or no longer are one and do better, as the speed of the machine alone may explain.
+    """Return for each cell whether the machine's speed may explain that it became a timeout, or that it improved from one.
 
-    It may if the time in the other run, scaled to the speed of this one, is within MARGIN of the larger of the two limits;
-    where that time is not known nothing is explained. Between unlike machines the ratio of speeds is estimated from the other
-    cells, up to PACE; between equal machines (alike) it is one. The tables have equal cells.
+    It may if the time in the other run, scaled to the speed of this one, is within a factor MARGIN of the larger of the two
+    limits, and not if that time is unknown. Between different machines the ratio of speeds is estimated from all cells with two
+    times, and is at most PACE; between equal machines (alike) it is one. The tables have the same cells.
     """
     late = (after["verdict"] == Verdict.TIMEOUT) & (before["verdict"] != Verdict.TIMEOUT)
     early = (before["verdict"] == Verdict.TIMEOUT) & (after["verdict"].map(RANK) < RANK[Verdict.TIMEOUT])
@@ -166,9 +166,9 @@ def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -
 
 
 def work(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
-    """The counters whose sum over a solver's cells changed, or that only one run has. The tables have equal cells.
+    """Yield the counters whose sum over a solver's cells changed, or that only one run has. The tables have the same cells.
 
-    Of what failed, where it grew in some cells, only these are summed: less in others makes up for nothing."""
+    If a count of failures has grown in some cells, only these are summed, so that fewer failures in others do not offset it."""
     same = after[after["verdict"].map(RANK) <= before["verdict"].map(RANK)]
     for variant, keys in same.groupby(same["variant"]).groups.items():
         counts = [_counts(before.loc[key], after.loc[key]) for key in keys]
@@ -187,7 +187,7 @@ def work(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
 
 
 def _counts(before: pd.Series, after: pd.Series) -> tuple[dict[str, int], dict[str, int]]:
-    """The counters of a cell before and after; of one that is not solved with the same verdict what failed in it alone."""
+    """Return the counters of a cell before and after; only FAILURES unless both runs solved it with the same verdict."""
     old, new = parse_counts(before["work"]), parse_counts(after["work"])
     equal = before["verdict"] == after["verdict"]
     if equal and after["verdict"] in ACCEPTED:
@@ -197,7 +197,7 @@ def _counts(before: pd.Series, after: pd.Series) -> tuple[dict[str, int], dict[s
 
 
 def untimed(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
-    """The cells of each solver, solved in both runs, whose times are gone: their speed is not known any more."""
+    """Yield per solver the cells solved in both runs that no longer have times, so that their speed is unknown."""
     same = equally_solved(before, after)
     lost = same[before.loc[same.index, "seconds"].notna() & same["seconds"].isna()]
     for variant, keys in lost.groupby(lost["variant"]).groups.items():
@@ -205,5 +205,5 @@ def untimed(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
 
 
 def equally_solved(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
-    """The cells that both tables solve with the same verdict: only there are work and time comparable."""
+    """Return the cells that both runs solve with the same verdict. Work and times are comparable only for these."""
     return after[(after["verdict"] == before["verdict"]) & after["verdict"].isin(ACCEPTED)]

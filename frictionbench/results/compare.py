@@ -1,7 +1,7 @@
 """Comparison of two runs, as a gate for CI: verdicts first, deterministic work counters next, times last.
 
 Verdicts and work are comparable across machines and raise an alert by themselves. Times raise an alert only if processes of
-both versions ran alternately (results.times). `confirm` takes into account the results of running the alerting cells again.
+both versions ran alternately (results.times). `confirm` updates a comparison with repeated runs of the cells with alerts.
 Exit codes: 0 nothing worse, 1 a regression, 2 unusable input, which includes two runs without a common cell.
 """
 
@@ -28,13 +28,13 @@ OTHER = (
     "if the change is meant, accept the run as the baseline."
 )
 SHOWN = 5  # names in a note
-ROUNDED = 1e-5  # limits in a baseline have six digits
-HALF, FLAKY = 0.5, 0.25  # shares of the repeats above which a change stands; FLAKY for verdicts that no busy machine causes
+ROUNDED = 1e-5  # relative: limits in a baseline have six digits
+HALF, FLAKY = 0.5, 0.25  # shares of the repeats above which a change is confirmed; FLAKY for verdicts independent of load
 
 
 class Limits(NamedTuple):
-    """The largest ratio of times that is not a regression, above their repeatability, whether times are compared, and which
-    parts of them."""
+    """slowdown: the largest ratio of times that is not a regression, above their repeatability. times: whether times are
+    compared. rank_by: which parts of them."""
 
     slowdown: float = 1.10
     times: bool = True
@@ -43,7 +43,7 @@ class Limits(NamedTuple):
 
 @dataclass(frozen=True)
 class Comparison:
-    """The differences of `current` from `baseline`, or in `unusable` the reason why the runs cannot be compared.
+    """The differences of `current` from `baseline`. unusable: the reason why the runs cannot be compared, or empty.
 
     same, new: numbers of cells. flips, gone, added, work: see results.changes; times: see results.times. untimed: why times
     were not compared. sources: see results.cells.
@@ -69,7 +69,7 @@ class Comparison:
 
     @property
     def worse(self) -> list[Change]:
-        """The changes for the worse, among them lost cells and new ones that fail."""
+        """The changes for the worse, including lost cells and new cells that fail."""
         return [found for found in self.changes if found.worse]
 
     @property
@@ -78,7 +78,7 @@ class Comparison:
 
     @property
     def counts(self) -> dict[str, int]:
-        """The numbers of changes that are worse and better, and of cells that are same, new, gone and skipped."""
+        """The numbers of worse and better changes, and of unchanged, new, gone and skipped cells."""
         lost = [flip.after for flip in self.gone]
         gone, skipped = lost.count(GONE), lost.count(Verdict.SKIPPED)
         counts = {"worse": len(self.worse) - len(lost), "better": len(self.better), "same": self.same, "new": self.new}
@@ -90,7 +90,7 @@ class Comparison:
         return 2 if self.unusable else 1 if self.worse else 0
 
 
-def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Comparison:  # noqa: B008  # it is a value
+def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Comparison:  # noqa: B008  # Limits is immutable
     """Compare two runs, either of which may be a baseline.
 
     Input that cannot be compared is reported in `unusable`, not raised.
@@ -119,7 +119,7 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
 
 
 def _unusable(old: Cells, new: Cells) -> str:
-    """Why the runs cannot be compared, or nothing."""
+    """Return why the runs cannot be compared, or an empty text."""
     for side in (old, new):
         if not side.finished:
             return f"{side.path}: the run is not finished; run the same command again to resume it"
@@ -138,8 +138,8 @@ def _unusable(old: Cells, new: Cells) -> str:
 def _differences(
     before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits, excused: bool = True
 ) -> tuple[dict[str, Any], int]:
-    """The changes other than of times, by their names in Comparison, and the number of changed timeouts that the speed of the
-    machine may explain, which are no changes if excused."""
+    """Return the changes except those of times, by their names in Comparison, and the number of changed timeouts that the
+    machine's speed may explain. If `excused`, these do not count as changes."""
     ran = [cells[measured(cells)] for cells in (before, after)]
     common = ran[0].index.intersection(ran[1].index)
     old, new = before.loc[common], after.loc[common]
@@ -163,10 +163,10 @@ def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
 
 
 def other_loads(recorded: Cells, before: Cells, alone: bool = True) -> dict[str, list[str]]:
-    """By variant the names of what a plug-in of the baseline's code loaded with another content than the baseline was made
-    with, or, if `alone`, of what one of the two loaded: its results do not tell what the baseline's version would do here.
+    """Return by variant the names of files that the baseline's code now loads with another content than when the baseline was
+    made or, if `alone`, that only one of the two loaded. Its results then do not show what the baseline's version does here.
 
-    A library of the suite's, of which the version is known, may be loaded in one run and not in another.
+    The suite's own libraries, whose versions are recorded, may be loaded in one run and not in the other.
     """
     found: dict[str, list[str]] = {}
     for variant in before.table["variant"].unique():
@@ -181,13 +181,13 @@ def other_loads(recorded: Cells, before: Cells, alone: bool = True) -> dict[str,
 def confirm(
     comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: Limits, others: Mapping[str, Sequence[str]] | None = None
 ) -> Comparison:
-    """The comparison with the alerts that remain after their cells ran again.
+    """Return the comparison with only the alerts that remain after their cells were run again.
 
-    pairs: of the alternating runs, the cells of the baseline's code and of the current code; if the baseline's code is not
-    available, both is false and its recorded cells are used. An alert remains if it occurs in more than HALF of the pairs, or
-    if its solver did not run again, or is one of `others` (other_loads); a verdict other than a timeout remains if it is worse
-    in more than FLAKY of the pairs, less those in which it is better. A verdict that is so often worse is an alert also where
-    the two runs did not show it. Times are judged by their confidence intervals.
+    pairs: for each of the alternating runs, the cells of the baseline's code and of the current code. If the baseline's code is
+    not available, `both` is false and its recorded cells are used. An alert remains if it occurs in more than HALF of the
+    pairs, or if its solver was not run again or is in `others` (other_loads). For a verdict other than a timeout, the share of
+    pairs in which it is worse, minus the share in which it is better, must exceed FLAKY instead. A verdict that becomes worse
+    as often is an alert even if the first two runs did not show it. Times are judged by their confidence intervals.
     """
     votes: Counter[tuple[str, str]] = Counter()
     seen: dict[tuple[str, str], Flip] = {}
@@ -233,10 +233,10 @@ def _name(found: Change) -> tuple[str, str]:
 
 
 def accept(folder: Path, path: Path) -> tuple[Comparison | None, str]:
-    """Write the run in folder as the baseline at path; its comparison with the previous baseline, if any, and a summary.
+    """Write the run in folder as the baseline at path. Return its comparison with the previous one, if any, and a summary.
 
-    Errors: ResultsError where the run is not finished or has no cell to compare, or path is not a baseline or one that the run
-    cannot be compared with.
+    Errors: ResultsError if the run is not finished or has no cell to compare, or if path is a file that is not a baseline or
+    one that the run cannot be compared with.
     """
     run, before = read(folder), None
     if unusable := compare(folder, folder, Limits(times=False)).unusable:

@@ -1,9 +1,9 @@
-"""Files of others: read only if they are regular and not too large, and written atomically inside the folder that was given.
+"""Untrusted files: read only if they are regular and not too large, and written atomically inside the given folder.
 
-A results folder may come from an untrusted source. A symbolic link in it could redirect what is written; subfolders that are
+A results folder may come from an untrusted source. A symbolic link in it could redirect what is written. Subfolders that are
 links are therefore refused, and a file is written under a temporary name in the same folder and then renamed, which replaces a
-link. What is read could be a pipe or a device, at which a read never ends; every file is therefore opened by `opened`. Texts
-can hold characters that a terminal or a browser would obey: those of files and replies pass through `cleaned` once.
+link. A file could be a pipe or a device, from which a read never returns, so that every file is opened by `opened`. Texts may
+contain characters that control a terminal or a browser, so that texts of files and replies pass through `cleaned` once.
 """
 
 import json
@@ -18,7 +18,7 @@ from unicodedata import category
 
 T = TypeVar("T")
 
-LARGEST_JSON = 32 * 2**20  # bytes, several times the longest recorded motion; parsed it takes some ten times as much
+LARGEST_JSON = 32 * 2**20  # bytes: several times the longest recorded motion; about ten times as much memory once parsed
 
 
 class ResultsError(ValueError):
@@ -27,12 +27,12 @@ class ResultsError(ValueError):
 
 @contextmanager
 def opened(path: Path, most: int) -> Iterator[BinaryIO]:
-    """A regular file of at most `most` bytes, open for reading.
+    """Open a regular file of at most `most` bytes for reading.
 
-    Errors: ResultsError naming the file if it is something else or larger, FileNotFoundError if it is missing.
+    Errors: ResultsError naming the file if it is not regular or is larger, FileNotFoundError if it is missing.
     """
     try:
-        _require_regular(path, os.stat(path), most)  # to open a device can have effects
+        _require_regular(path, os.stat(path), most)  # before opening, since opening a device can have side effects
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # does not wait for a pipe's writer
         with os.fdopen(descriptor, "rb") as file:
             found = os.fstat(descriptor)
@@ -54,7 +54,7 @@ def _require_regular(path: Path, found: os.stat_result, most: int) -> None:
 
 
 def read_text(path: Path, most: int) -> str:
-    """The text of such a file, with line ends as `\\n`. Errors: as of `opened`, and ResultsError where it is not UTF-8."""
+    """Read a text file, with line ends as `\\n`. Errors: as for `opened`, and ResultsError if it is not UTF-8."""
     with opened(path, most) as file:
         content = file.read(most)
     try:
@@ -64,7 +64,7 @@ def read_text(path: Path, most: int) -> str:
 
 
 def read_json(path: Path, most: int = LARGEST_JSON) -> Any:
-    """The value in a JSON file, `cleaned`. Errors: as of read_text, and ResultsError where it is not JSON or holds no UTF-8."""
+    """Read the value in a JSON file, `cleaned`. Errors: as for read_text, and ResultsError if it is not valid JSON in UTF-8."""
     text = read_text(path, most)
     try:
         value = json.loads(text)
@@ -77,9 +77,9 @@ def read_json(path: Path, most: int = LARGEST_JSON) -> Any:
 
 
 def parsed(value: Any, kind: type[T], where: Path | str) -> T:
-    """The value as a type, which may be a tuple or a class with named and annotated fields.
+    """Convert a value to a type, which may be a tuple or a class with annotated fields.
 
-    Errors: ResultsError naming where it comes from and what in it cannot be used.
+    Errors: ResultsError naming its origin and the part that cannot be used.
     """
     from pydantic import TypeAdapter, ValidationError  # the command line imports this file for its help
 
@@ -93,16 +93,16 @@ def parsed(value: Any, kind: type[T], where: Path | str) -> T:
 
 
 def read_parsed(path: Path, kind: type[T], missing: T | None = None) -> T:
-    """The value in a JSON file as a type; `missing`, if given, where there is no file.
+    """Read a JSON file as a value of a type. missing: the value to return if there is no file.
 
-    Errors: FileNotFoundError; ResultsError naming the file, where it cannot be read or holds something else.
+    Errors: FileNotFoundError; ResultsError naming the file if it cannot be read or holds another type.
     """
     return missing if missing is not None and not path.exists() else parsed(read_json(path), kind, path)
 
 
 def cleaned(value: Any) -> Any:
-    """A text, or a value of JSON with all its texts, without characters that control a terminal, the direction of writing or
-    lines, except for tabs and line ends. Spaces of all kinds stay: paths hold them."""
+    """Replace characters that control a terminal, the writing direction or lines, except tabs and line ends, by question marks
+    in a text or in all texts of a JSON value. Spaces of all kinds are kept, since paths contain them."""
     if isinstance(value, str) and not value.isprintable():
         kept = {c for c in set(value) if c.isprintable() or c in "\t\n" or category(c) == "Zs"}
         return "".join(c if c in kept else "?" for c in value)
@@ -112,12 +112,12 @@ def cleaned(value: Any) -> Any:
 
 
 def printable(text: str) -> str:
-    """The text in one line, `cleaned`."""
+    """Return the text on one line, `cleaned`."""
     return str(cleaned(" ".join(text.split())))
 
 
 def subfolder(folder: Path, name: str) -> Path:
-    """The folder `folder/name`, created if missing. Errors: ResultsError if it is a symbolic link."""
+    """Return the folder `folder/name`, created if missing. Errors: ResultsError if it is a symbolic link."""
     path = folder / name
     if path.is_symlink():
         raise ResultsError(f"{path}: is a symbolic link, through which nothing is written; delete it")
@@ -127,9 +127,9 @@ def subfolder(folder: Path, name: str) -> Path:
 
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
-    """A temporary path with the same folder and suffix; the file written there replaces `path` if the block succeeds.
+    """Provide a temporary path with the same folder and suffix. The file written there replaces `path` if the block succeeds.
 
-    Errors: OSError naming the path, if the disk is full or the folder is not writable.
+    Errors: OSError naming the path if the disk is full or the folder is not writable.
     """
     partial = path.with_name(f".{path.stem}-{secrets.token_hex(8)}{path.suffix}")
     try:
@@ -139,11 +139,11 @@ def replaced(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
     finally:
-        with suppress(OSError):  # it was renamed, or never made
+        with suppress(OSError):  # it was renamed or never created
             partial.unlink()
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file atomically as UTF-8; what cannot be encoded is replaced by a question mark."""
+    """Write a text file atomically as UTF-8. Characters that cannot be encoded are replaced by question marks."""
     with replaced(path) as partial:
         partial.write_text(text, encoding="utf-8", errors="replace")

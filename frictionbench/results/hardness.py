@@ -1,15 +1,15 @@
-"""What makes a problem hard, from the measured columns of its row: a set of labels, each with its threshold.
+"""Labels for what makes a problem hard: thresholds on the measured columns of its row.
 
-Labels state facts about a problem, not about any method. A column that was not measured (null) gives no label.
+Labels describe a problem, not any method. A column that was not measured (null) gives no label.
 """
 
 import pandas as pd
 
 from frictionbench.results.schema import cut
 
-ILL = 1e8  # condition of W on its range, at which a factorisation loses half of the digits of double precision
+ILL = 1e8  # condition number of W on its range at which a factorisation loses half of the digits of double precision
 
-# A line for each label: its name, the condition on the columns, and its meaning with the reason for the threshold.
+# One entry per label: its name, the condition on the columns, and its meaning with the reason for the threshold.
 _LABELS = """
 masses            mass_ratio >= 1e4            effective masses at the contacts differ by 1e4 or more, about as many sweeps as a
                                                contact-wise method then needs
@@ -31,13 +31,13 @@ unlike islands    island_ratio >= 1e3          the largest closing speeds of two
 large             contacts >= 100              100 contacts or more
 """
 _CONDITIONS = {label: condition for label, condition, _ in cut(_LABELS, 18, 47)}
-HARDNESS = {label: meaning for label, _, meaning in cut(_LABELS, 18, 47)}  # the labels in their order
+HARDNESS = {label: meaning for label, _, meaning in cut(_LABELS, 18, 47)}
 
 
 def hardness(problems: pd.DataFrame) -> pd.DataFrame:
-    """A column for each label, whether a problem has it. problems: rows of `solves`.
+    """Return a column of booleans for each label. problems: rows of `solves`.
 
-    Where the rank of W is unknown it is at most the number of velocities.
+    An unknown rank of W is replaced by its bound, the number of velocities.
     """
     rows = problems["contacts"] * problems["dimension"]
     facts = problems.assign(rows=rows, dependent=problems["redundancy"].fillna(rows - problems["velocities"]))

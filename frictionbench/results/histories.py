@@ -17,8 +17,8 @@ class ConvergenceHistory:
     """One solver on one problem, stopped after increasing amounts of its own work (sweeps, iterations or pivots).
 
     parameters: of the scene, JSON. units: the limits on work, ascending. residuals: the verified residual of the answer at
-    each limit. impulse: the impulses of the last answer, per contact (normal, tangential...), N s; empty where not stored.
-    redundant: the Delassus matrix W is rank deficient, so that impulses are not unique.
+    each limit. impulse: the last answer's impulses per contact (normal, tangential, ...), N s; empty if not stored.
+    redundant: whether the Delassus matrix W is rank deficient, so that impulses are not unique.
     """
 
     scene: str
@@ -41,5 +41,5 @@ def write_histories(folder: Path, found: Sequence[ConvergenceHistory]) -> None:
 
 
 def read_histories(folder: Path) -> list[ConvergenceHistory]:
-    """The histories; none where none were written. Errors: ResultsError naming the file where it cannot be read."""
+    """Read the histories; none if none were written. Errors: ResultsError naming the file if it cannot be read."""
     return read_parsed(folder / CONVERGENCE, list[ConvergenceHistory], [])

@@ -1,6 +1,6 @@
 """Judgements of the steps of an engine, stored in DIR/judgement.json.
 
-The exact solvers' answers to the same problems are rows of the table solves, by the problem's hash.
+The exact solvers' answers to the same problems are rows of the table `solves`, found by the problem's hash.
 """
 
 import json
@@ -23,7 +23,7 @@ from frictionbench.results.store import read_table
 NAME = "judgement.json"
 LAWS = ("signorini", "cone", "direction", "dissipation")
 Number = Annotated[float, Field(ge=-math.inf)]  # any but NaN
-QUANTITIES = {  # what percentiles are shown of, with units
+QUANTITIES = {  # quantities whose percentiles are shown, with units
     "residual": "",
     "signorini": "m/s",
     "cone": "m/s",
@@ -33,11 +33,12 @@ QUANTITIES = {  # what percentiles are shown of, with units
     "penetration": "m",
     "energy_defect": "J",
 }
-NO_CREEP = 1e-6  # of the free velocity: less is rounding
-# Softness explains a creep where its share of the impulse is this part of the creep's share of the free velocity: MuJoCo
-# has 0.2 and more for boxes on a slope if its solver converges, 0.01 to 0.03 if PGS ends after 3 iterations or CG after 2.
+NO_CREEP = 1e-6  # relative to the free velocity: less is rounding
+# Softness is the likely cause of creep if its share of the impulse is at least SOFT times the creep's share of the free
+# velocity. MuJoCo's boxes on a slope have 0.2 or more if the solver converges, 0.01 to 0.03 if PGS ends after 3 iterations or
+# CG after 2.
 SOFT = 0.1
-AMONG = 2  # times as many steps as a table shows are those that it is chosen from
+AMONG = 2  # a table's steps are chosen from this many times as many with the largest residuals
 NEAR = 0.01  # relative difference of net impulses below which they count as the same
 SYMPTOM = "See 'An object at rest creeps' on the documentation's page 'What users of engines ask'."
 HARDER = (
@@ -52,20 +53,20 @@ PERCENTILES = {"p50": 50, "p90": 90, "p99": 99, "worst": 100}
 
 
 class Judgement(NamedTuple):
-    """One step of an engine.
+    """The judgement on one step of an engine.
 
-    file: its name. problem: hash of the problem by which it is judged. contacts: their number.
-    residual: of the engine's impulses on the exact problem. floor: what rounding may change of it.
-    law: which is violated most at the contact of the residual. signorini, cone, direction, dissipation: the largest violation
-    of each, m/s. creep: m/s, the largest slip at contacts that stick in the exact answer; None where nothing sticks or no exact
-    answer is known. free_velocity: m/s, the largest of a contact without impulses.
-    bodies: of the contacts between two bodies, by the numbers of the bodies' velocities: how many they are; 1 where the motion
-    determines their net impulse, and 1 where it determines each contact's, else 0 (hyperstatic); the difference of the engine's
-    net impulse and the exact answer's over the larger, in the inverse mass; both, a number for each velocity: of a free body
-    force and moment, times the step.
-    penetration: m, with which the step begins; None where its length is unknown. energy_defect: J, what the
-    answer adds to the balance of an exact one. notes: what the problem does not express, with its share of the impulse.
-    forces: per contact |r_n|, |r_t| and mu r_n, N s. contradiction: in words, where the step is proved to have no solution.
+    file: its name. problem: hash of the problem that it is judged by. contacts: their number.
+    residual: that of the engine's impulses on the exact problem. floor: bound on the residual's rounding error.
+    law: the law violated most at the contact with the largest residual. signorini, cone, direction, dissipation: the largest
+    violation of each, m/s. creep: the largest slip at contacts that stick in the exact answer, m/s; None if none sticks or no
+    exact answer is known. free_velocity: the largest velocity of a contact without impulses, m/s.
+    bodies: facts about the contacts between two bodies, by the indices of the bodies' velocities: their number; 1 if the motion
+    determines their net impulse, else 0; 1 if it determines each contact's, else 0 (hyperstatic); the difference of the
+    engine's and the exact net impulse over the larger of the two, in the norm of the inverse mass; then both net impulses, a
+    number per velocity, which for a free body are force and moment times the step.
+    penetration: at the beginning of the step, m; None if the step's length is unknown. energy_defect: the answer's defect in
+    the energy balance of an exact answer, J. notes: effects that the problem does not express, with their shares of the
+    impulse. forces: per contact |r_n|, |r_t| and mu r_n, N s. contradiction: text, if the step is proved to have no solution.
     """
 
     file: str
@@ -88,7 +89,7 @@ class Judgement(NamedTuple):
     contradiction: str
 
     def known(self, name: str) -> float | None:
-        """The quantity of this name, 0 where it is no larger than rounding may make it."""
+        """Return the quantity of this name, or 0 if it may be due to rounding."""
         value, least = getattr(self, name), self.floor * self.free_velocity
         if name == "energy_defect":
             least *= sum(abs(normal) + tangential for normal, tangential, _ in self.forces)
@@ -100,7 +101,7 @@ def write_judgements(folder: Path, found: list[Judgement]) -> None:
 
 
 def read_judgements(folder: Path) -> list[Judgement]:
-    """The judgements. Errors: ResultsError naming the file where it is missing or cannot be read."""
+    """Read the judgements. Errors: ResultsError naming the file if it is missing or cannot be read."""
     path = folder / NAME
     try:
         return read_parsed(path, list[Judgement])
@@ -109,14 +110,14 @@ def read_judgements(folder: Path) -> list[Judgement]:
 
 
 def percentiles(values: Iterable[float]) -> dict[str, float] | None:
-    """PERCENTILES of the numbers by their names; None of none."""
+    """Return PERCENTILES of the numbers by their names, or None without numbers."""
     known = list(values)
     return {name: float(np.percentile(known, p, method="higher")) for name, p in PERCENTILES.items()} if known else None
 
 
 @dataclass(frozen=True)
 class Judged:
-    """A judged folder: its steps, and the rows of solves with the time, s, of form, setup and solve."""
+    """A judged folder: its steps, and the rows of `solves` with the sum of form, setup and solve as `time`, s."""
 
     steps: list[Judgement]
     rows: pd.DataFrame
@@ -128,25 +129,25 @@ class Judged:
 
     @property
     def laws(self) -> dict[str, int]:
-        """In how many steps each law is the one violated most, the most frequent first."""
+        """The number of steps in which each law is violated most, the most frequent first."""
         return dict(Counter(one.law for one in self.touching if one.residual > one.floor).most_common())
 
     @property
     def notes(self) -> dict[str, tuple[float, int]]:
-        """By note its mean share over the steps that have it, and their number; the largest first."""
+        """For each note the mean share over the steps that have it, and their number; the largest share first."""
         shares = pd.DataFrame([one.notes for one in self.steps])
         means = shares.mean().sort_values(ascending=False, kind="stable")
         return {str(name): (float(mean), int(shares[name].count())) for name, mean in means.items()}
 
     @property
     def percentiles(self) -> dict[str, dict[str, float] | None]:
-        """Those of the quantities over the steps with contacts, of absolute values; None where none is known."""
+        """The percentiles of the quantities' absolute values over the steps with contacts; None if no value is known."""
         values = {name: [one.known(name) for one in self.touching] for name in QUANTITIES}
         return {name: percentiles(abs(value) for value in own if value is not None) for name, own in values.items()}
 
     @property
     def impossible(self) -> str:
-        """How many steps are proved to have no solution, with the first of them; empty for none."""
+        """A sentence on the steps that are proved to have no solution, with the first of them; empty if there are none."""
         proved = [one for one in self.steps if one.contradiction]
         have = "has" if len(proved) == 1 else "have"
         told = f"{len(proved)} of {len(self.steps)} steps {have} no solution, with proof; "
@@ -154,7 +155,7 @@ class Judged:
 
     @property
     def creep(self) -> str:
-        """Whether contacts that should stick creep, how fast, and why most likely; empty where none should stick."""
+        """Sentences on whether and how fast sticking contacts creep, and the likely cause; empty if none should stick."""
         held = [one for one in self.steps if one.creep is not None]
         if not held:
             return ""
@@ -171,7 +172,7 @@ class Judged:
 
     @property
     def forces(self) -> str:
-        """How far net impulses between bodies are from the exact answer's, and which contacts' own forces can be compared."""
+        """Sentences on the distances of net impulses from the exact answer's, and on which single forces are comparable."""
         nets = [(one, name, net) for one in self.steps for name, net in one.bodies.items()]
         determined = [each for each in nets if each[2][1]]
         if not nets:
@@ -188,8 +189,8 @@ class Judged:
         return told.strip()
 
     def worst(self, most: int) -> list[Judgement]:
-        """So many steps with large residuals, beyond rounding, the largest first: of the AMONG * most largest those above both
-        their neighbours in time, then the largest of the others."""
+        """Return `most` steps with large residuals, beyond rounding, the largest first. Of the AMONG * most largest, those that
+        exceed both their neighbours in time are preferred."""
         size = [one.residual if one.residual > one.floor else 0.0 for one in self.steps]
         largest = sorted((k for k in range(len(size)) if size[k]), key=lambda k: -size[k])[: AMONG * most]
         peaks = {k for k in largest if max(size[:k][-1:], default=0.0) < size[k] >= max(size[k + 1 :][:1], default=0.0)}
@@ -197,8 +198,8 @@ class Judged:
 
     @property
     def beside(self) -> list[dict[str, Any]]:
-        """The solvers on the steps with contacts: variant, steps solved of how many, percentiles of residual and of time, s."""
-        each = pd.DataFrame({"problem": [one.problem for one in self.touching]}).merge(self.rows)  # equal steps are one problem
+        """Each solver's results on the steps with contacts: variant, solved, steps, percentiles of residual and of time, s."""
+        each = pd.DataFrame({"problem": [one.problem for one in self.touching]}).merge(self.rows)  # equal steps share a problem
         return [
             {
                 "variant": str(variant),
@@ -212,6 +213,6 @@ class Judged:
 
 
 def read_judged(folder: Path) -> Judged:
-    """Errors: ResultsError where the folder holds no judgement, or a file that cannot be read."""
+    """Read a judged folder. Errors: ResultsError if it holds no judgement, or a file cannot be read."""
     rows = read_table(folder, "solves")
     return Judged(read_judgements(folder), rows.assign(time=RankBy.BODIES.time(rows)))

@@ -1,14 +1,14 @@
 """Failure maps: a scene over a grid of two of its parameters. Plans define them and reports draw them.
 
-A position on an axis is measured in grid lines, from 0 at `low` to count - 1 at `high`; grid points between the lines come from
-refinement. Scales: `linear`; `log`, logarithmic; `zero`, logarithmic with 0 as one more line before `low`; and `both`,
-logarithmic in both directions from 0: -high ... -low, 0, low ... high. Between 0 and `low` the last two are linear.
+A position on an axis is measured in grid lines, from 0 to count - 1; grid points between the lines come from refinement. The
+scales are `linear`; `log`, logarithmic; `zero`, logarithmic with 0 as an additional line before `low`; and `both`, logarithmic
+in both directions from 0: -high ... -low, 0, low ... high. The last two are linear between 0 and `low`.
 
     DIR/maps/NAME.json      thresholds traced from the mechanics
 
-A solution is known to exist at a grid point where theory or the enumeration of all solutions says so (column `existence`), or
-where the verified answer of some solver is one. It is not known where the enumeration finds none, even if an answer passes
-within the tolerance.
+A solution is known to exist at a grid point if theory or the enumeration of all solutions proves it (column `existence`), or if
+a solver's answer is verified. It is not known to exist if the enumeration finds none, even if an answer is within the
+tolerance.
 """
 
 import json
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 Scale = Literal["linear", "log", "zero", "both"]
 GridPoint = tuple[float, float]  # positions on the two axes
-# Units of the parameters of scenes that have one; friction, ratios and numbers of bodies have none.
+# Units of scenes' parameters; friction, ratios and numbers of bodies have none.
 UNITS = {
     **dict.fromkeys(("angle", "tilt", "slope"), "rad"),
     **dict.fromkeys(("push", "speed", "fall", "pull", "drop", "velocity", "tip_velocity", "lift", "sideways"), "m/s"),
@@ -38,9 +38,9 @@ UNITS = {
     **dict.fromkeys(("overlap", "depth", "height", "radius", "length", "half_length", "clearance", "lean", "thickness"), "m"),
     **{"step": "s", "duration": "s", "shear": "1/s", "mass": "kg"},
 }
-MOST_LEVELS, MOST_POINTS = 8, 10**6  # of the refined grid: far above those of any suite
-THEORY = ("gaps", "pointed")  # reasons of existence that also hold for the same problem with fewer contacts
-DIGITS = 6  # significant digits of a parameter's value: few enough to be the same on every machine and short in a table
+MOST_LEVELS, MOST_POINTS = 8, 10**6  # bounds on the refined grid, far above those of any suite
+THEORY = ("gaps", "pointed")  # proofs of existence that also hold for the same problem with fewer contacts
+DIGITS = 6  # significant digits of a parameter's value: few enough to be equal on all machines and short in a table
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,10 @@ class Axis:
             raise ValueError(f"the axis {self.parameter} has no values")
 
     def value(self, position: float) -> float:
-        """The parameter at a position, powers of two exactly, others to DIGITS; an int where the axis is whole."""
+        """Return the parameter at a position: exact for powers of two, else rounded to DIGITS; an int if the axis is whole."""
         exact = self._value(position)
         power = round(math.log2(abs(exact))) if exact else 0
-        is_power = math.isclose(abs(exact), 2.0**power, rel_tol=1e-12)  # as a unit, it changes no digit of a problem
+        is_power = math.isclose(abs(exact), 2.0**power, rel_tol=1e-12)  # scaling by a power of two changes no digit
         value = math.copysign(2.0**power, exact) if is_power else float(f"{exact:.{DIGITS}g}")
         return round(value) if self.whole else value
 
@@ -91,8 +91,8 @@ class Map:
 
     steps: the largest number of steps in closed loop, or 0 for a map of the scene's first problems; scheme: the time-stepping
     scheme that makes these problems. levels: how often the grid is halved between neighbours with different verdicts; most: the
-    largest number of new grid points of each halving. thresholds: names of analytical thresholds drawn over the map. constant:
-    verdicts and work must be the same over the whole map. title, note: text above the drawing.
+    largest number of new grid points per halving. thresholds: names of theoretical thresholds drawn over the map. constant:
+    whether verdicts and work must be the same over the whole map. title, note: text above the drawing.
     """
 
     name: Annotated[str, Field(pattern=r"^[\w-]+$")]
@@ -123,7 +123,7 @@ class Map:
         return {**self.parameters, self.x.parameter: self.x.value(point[0]), self.y.parameter: self.y.value(point[1])}
 
     def grid_points(self) -> Iterator[GridPoint]:
-        """Every grid point that the map can have, the coarser grids first."""
+        """Yield every grid point that the map can have, the coarser grids first. Points of several grids are repeated."""
         for level in range(self.levels + 1):
             step = 0.5**level
             count = [int((axis.count - 1) / step) + 1 for axis in (self.x, self.y)]
@@ -131,7 +131,7 @@ class Map:
 
 
 def maps_of(manifest: Mapping[str, Any]) -> list[Map]:
-    """The maps of a run, from its manifest. Errors: ResultsError where they cannot be read."""
+    """Return the maps of a run, from its manifest. Errors: ResultsError if they cannot be read."""
     return parsed(manifest["settings"].get("maps", []), list[Map], "manifest.json: maps")
 
 
@@ -141,12 +141,12 @@ def thresholds_file(folder: Path, spec: Map) -> Path:
 
 
 def read_thresholds(folder: Path, spec: Map) -> dict[str, list[GridPoint]]:
-    """Points on each threshold, by its name; empty where none were traced. Errors: ResultsError if the file cannot be read."""
+    """Read the points on each threshold by its name; empty if none was traced. Errors: ResultsError if the file is damaged."""
     return read_parsed(thresholds_file(folder, spec), dict[str, list[GridPoint]], {})
 
 
 def at_grid_points(rows: "pd.DataFrame", spec: Map) -> "pd.DataFrame":
-    """The rows of a map, taken from simulations for a map in closed loop and from solves otherwise.
+    """Select the rows of a map, from simulations for a map in closed loop and from solves otherwise.
 
     Added columns: i, j (the grid point), tile (width of its tile in grid lines) and known (whether a solution is known).
     """

@@ -1,10 +1,10 @@
-"""A recorded motion of one scene: plain arrays.
+"""A recorded motion of one scene as plain arrays.
 
-    n frames, nb bodies, all in SI units. Frame k is the state at the end of step k, from which step k + 1 starts. The contacts
-    and the residual of a frame are those of the step that starts there, so the last frame has none.
+There are n frames and nb bodies; all units are SI. Frame k is the state at the end of step k, from which step k + 1 starts. The
+contacts and the residual of a frame are those of the step that starts there, so that the last frame has none.
 
-Energy balance: the change of energy since the start is friction + normal + joints + defect, which are the work of the contact
-forces, the work of the hinges, and the remainder: the error of the time-stepping scheme.
+Energy balance: the change of energy since the start is friction + normal + joints + defect, where the first three are the work
+of tangential impulses, normal impulses and hinges, and the defect is the error of the time-stepping scheme.
 """
 
 import json
@@ -23,16 +23,16 @@ Array = Annotated[NDArray[np.float64], BeforeValidator(lambda values: np.array(v
 ARRAYS = ConfigDict(arbitrary_types_allowed=True)
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
 SHOWN = 3  # digits of a parameter in a title
-DIGITS = 12  # significant digits of what is encoded: a defect is the small difference of large energies
+DIGITS = 12  # significant digits of encoded numbers: a defect is a small difference of large energies
 
 
 @dataclass(frozen=True, eq=False, config=ARRAYS)
 class Outline:
     """A shape to draw. body: the body in whose frame the corners (k, d) are given, -1 for the fixed ground.
 
-    In the plane three or more corners are a polygon, two a rod, one with a radius a disc. endless: the half plane to the left
-    of the line through the two corners or, with a negative radius, the outside of a circle. In space eight corners, ascending,
-    are a box, and one with a radius is a sphere. endless: the half space below its first corner, whose normal is the second.
+    In the plane three or more corners are a polygon, two a rod, one with a radius a disc. If endless, two are the half plane to
+    the left of their line, and one with a negative radius is the outside of a circle. In space eight corners, ascending, are a
+    box, one with a radius is a sphere, and two, if endless, are a point on the boundary of a half space and its normal.
     """
 
     body: int
@@ -43,12 +43,12 @@ class Outline:
 
 @dataclass(frozen=True, eq=False, config=ARRAYS)
 class Motion:
-    """parameters: of the scene, all; changed: those that are not its defaults.
+    """parameters: all parameters of the scene; changed: those that differ from its defaults.
     times: (n,), s. poses: (n, nb, 3), x, y and angle; in space (n, nb, 7), x, y, z and a quaternion, w first.
 
-    contacts: per frame (nc, 6): the point; the unit normal towards the body that is pushed, the upper one of two; the normal
-    and the tangential impulse of the whole step, N s, the latter along the normal turned by -90 degrees. In space (nc, 9): the
-    point, the normal, and the vector of the impulse.
+    contacts: per frame (nc, 6): the point; the unit normal towards the body that is pushed, which is the upper one of two; the
+    normal and the tangential impulse of the whole step, N s, the latter along the normal turned by -90 degrees. In space
+    (nc, 9): the point, the normal, and the vector of the impulse.
     energy: (n,), kinetic plus potential, J. kinetic: (n,), J. friction, normal, joints: (n,), J, the work since the start of
     the tangential impulses, the normal impulses and the hinges. residual: (n,), the largest residual of the step's answers,
     possibly infinite. hinges: (nh, 3), a body and the position of the pin in its frame. coefficient, restitution: mu and e.
@@ -83,7 +83,7 @@ class Motion:
         lengths = {name: getattr(self, name).shape for name in CURVES} | {"contacts": (len(self.contacts),)}
         if wrong := [name for name, shape in lengths.items() if shape != (n,)]:
             raise ValueError(f"{', '.join(wrong)}: expected one value for each of {n} frames")
-        # Lists without entries have no columns.
+        # Empty lists are read as arrays without columns.
         vars(self)["contacts"] = tuple(each.reshape(-1, 3 * self.dimension) for each in self.contacts)
         vars(self)["hinges"] = self.hinges.reshape(-1, 3)
         owners = [outline.body for outline in self.outlines] + self.hinges[:, 0].tolist()
@@ -101,22 +101,22 @@ class Motion:
 
     @property
     def title(self) -> str:
-        """The scene with the parameters that were changed, with three digits."""
+        """The scene with its changed parameters to three digits."""
         return scene_title(self.scene, json.dumps(plain(self.changed, SHOWN)))
 
     @property
     def defect(self) -> Array:
-        """(n,), J: the change of energy that no force at a contact or a hinge accounts for."""
+        """(n,), J: the change of energy that is not the work of contacts and hinges."""
         return self.energy - self.energy[0] - self.friction - self.normal - self.joints
 
 
 def encoded(motion: Motion) -> dict[str, Any]:
-    """The motion in types that JSON has."""
+    """Return the motion in types of JSON."""
     return {name: plain(value, DIGITS) for name, value in asdict(motion).items()}
 
 
 def plain(value: Any, digits: int) -> Any:
-    """The value in types that JSON has, floating-point numbers rounded to so many significant digits."""
+    """Return the value in types of JSON, with floating-point numbers rounded to this many significant digits."""
     if isinstance(value, dict):
         return {key: plain(item, digits) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -127,5 +127,5 @@ def plain(value: Any, digits: int) -> Any:
 
 
 def decoded(found: Any, origin: str) -> Motion:
-    """The motion that was encoded. Errors: ResultsError naming the origin of what is not a recorded motion."""
+    """Return an encoded motion. Errors: ResultsError naming the origin if it is not a recorded motion."""
     return parsed(found, Motion, origin)

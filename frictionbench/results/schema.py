@@ -4,8 +4,8 @@
     simulations   a row per scene, scheme and solver, run in closed loop
     batches       a row per batch of small problems, solver, way to solve them all, start and tolerance
 
-Rows are in the order of the run's plan, of one that has not finished by key. Lists hold single repeats or curves. The columns
-`parameters` and `work` hold JSON. A number that was not measured is null. tools/columns.py makes docs/columns.md from it.
+Rows are in the order of the run's plan, or sorted by key if the run has not finished. Lists hold repeats or curves. The columns
+`parameters` and `work` hold JSON. A number that was not measured is null. tools/columns.py makes docs/columns.md from them.
 """
 
 import re
@@ -22,7 +22,7 @@ SCHEMA_VERSION = 3  # of files and columns; folders and baselines of another ver
 TYPES = {"text": pa.string(), "real": pa.float64(), "whole": pa.int64(), "flag": pa.bool_(), "reals": pa.list_(pa.float64())}
 VERDICTS = "; ".join(f"{each}: {each.meaning}" for each in Verdict)
 
-# A line for each column: its name, its type, its unit and, from the same place in further lines, its meaning.
+# One entry per column: name, type, unit and meaning. An indented line continues the meaning.
 _CELL = f"""
 key                text      identity of the cell; the same cell of another run has the same key
 scene              text      name of the scene, or of the collection that a recorded problem comes from
@@ -144,7 +144,7 @@ base_times         reals s   the same of such a single call, measured in turn wi
 
 
 class Column(NamedTuple):
-    """One column of a table. unit: SI, "1" for a ratio, empty for what has no unit."""
+    """One column of a table. unit: in SI, "1" for a ratio, empty if it has none."""
 
     name: str
     type: pa.DataType
@@ -153,7 +153,7 @@ class Column(NamedTuple):
 
 
 def cut(text: str, *places: int) -> Iterator[list[str]]:
-    """The lines of a table of text as their entries, which begin at the places; an indented line continues one."""
+    """Split the lines of a text table into entries, which begin at columns 0 and `places`; indented lines continue the last."""
     for line in re.sub(r"\n +", " ", text.strip()).splitlines():
         yield [line[start:end].strip() for start, end in pairwise((0, *places, None))]
 
@@ -169,6 +169,6 @@ TABLES = {"solves": SOLVES, "simulations": _columns(_CELL, _SIMULATIONS), "batch
 
 
 def arrow_schema(table: str) -> pa.Schema:
-    """The Arrow schema of a table, units and meanings as field metadata."""
+    """Return the Arrow schema of a table, with units and meanings as field metadata."""
     columns = TABLES[table]
     return pa.schema([pa.field(c.name, c.type, metadata={"unit": c.unit, "meaning": c.meaning}) for c in columns])

@@ -10,8 +10,8 @@
     DIR/shrunk/                   failing problems reduced in size, see commands.shrink
     DIR/report.html, report.md, paper/    made from the files above, see reports
 
-A line that is not a row, as where a writer was killed, is ignored, and its cell runs again. Of several rows of a key the first
-counts. Tables are written from the rows of before the run and those that its main process keeps in memory.
+A line that is not a row, such as one whose writer was killed, is ignored, and its cell is run again. The first of several rows
+with one key counts. Tables are written from the rows found at the start and those that the main process keeps in memory.
 """
 
 import json
@@ -31,8 +31,8 @@ from frictionbench.results.files import ResultsError, cleaned, opened, parsed, r
 from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
 
 Row = dict[str, Any]
-# Limits on input: far above what the largest suite writes, and small enough for a machine with 4 GiB of memory.
-LARGEST_LINE = 64 * 2**20  # bytes; a longer line is not a row of a run
+# Limits on input: far above the sizes of the largest suite, and small enough for a machine with 4 GiB of memory.
+LARGEST_LINE = 64 * 2**20  # bytes; a longer line is not a row
 LARGEST_SHARD = 2**28  # bytes
 LARGEST_TABLE = 2**30  # bytes after decompression
 MOST_VALUES = 2 * 10**7  # values in all columns of a table together
@@ -42,8 +42,8 @@ LONGEST_TEXT = 20_000  # characters of a text value; a longer text, such as an e
 
 @contextmanager
 def new_shard(folder: Path, table: str, writer: str) -> Iterator[Callable[[Row], None]]:
-    """A new shard of one table, removed if it stays empty: a function that appends the part of a row that the table can hold,
-    see `fitted`, and hands it to the operating system before it returns. Errors: OSError naming the shard."""
+    """Open a new shard of one table, which is removed if it stays empty. Provide a function that appends a row, `fitted` to the
+    table, and passes it to the operating system before it returns. Errors: OSError naming the shard."""
     schema, path = arrow_schema(table), subfolder(folder, "shards") / f"{table}-{writer}.jsonl"
 
     def write(row: Row) -> None:
@@ -54,7 +54,7 @@ def new_shard(folder: Path, table: str, writer: str) -> Iterator[Callable[[Row],
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(path)) from None
 
-    with open(path, "xb", buffering=0) as file:  # refuses what is there, a link as well
+    with open(path, "xb", buffering=0) as file:  # fails if the path exists, even as a link
         try:
             yield write
         finally:
@@ -63,7 +63,7 @@ def new_shard(folder: Path, table: str, writer: str) -> Iterator[Callable[[Row],
 
 
 def fitted(row: Row, schema: pa.Schema) -> Row:
-    """The row with each value in its column's type. Values that a column cannot hold are left out, long texts are cut."""
+    """Return the row with each value in its column's type. Values of another type are left out, long texts are cut."""
     fit = {field.name: _fitted(row.get(field.name), field.type) for field in schema}
     return {name: value for name, value in fit.items() if value is not None}
 
@@ -99,7 +99,7 @@ def _parse(shard: Path) -> Iterator[Row]:
 
 
 def rows(folder: Path, table: str) -> dict[str, Row]:
-    """The rows in the table's shards by their keys, each value in its column's type.
+    """Read the rows in the table's shards by their keys, with each value in its column's type.
 
     Errors: ResultsError naming a shard that cannot be read.
     """
@@ -112,7 +112,7 @@ def rows(folder: Path, table: str) -> dict[str, Row]:
 
 
 def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simulations")) -> tuple[str, Row]:
-    """The table and the row with the given key, or with the only key that starts with it.
+    """Return the table and the row with the given key, or with the only key that starts with it.
 
     The table's name may be left out: `3f9c` finds `solve-3f9c...`. Errors: ResultsError if no row or several rows match.
     """
@@ -140,7 +140,7 @@ def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> None:
 
 
 def write_table(folder: Path, table: str, found: Sequence[Row]) -> None:
-    """Write the rows as DIR/TABLE.parquet; no file where there are none."""
+    """Write the rows as DIR/TABLE.parquet, or no file if there are none."""
     if found:
         with replaced(folder / f"{table}.parquet") as partial:
             pq.write_table(_table(found, arrow_schema(table)), partial)
@@ -152,7 +152,7 @@ def _table(found: Sequence[Row], schema: pa.Schema) -> pa.Table:
 
 
 def read_table(folder: Path, table: str) -> pd.DataFrame:
-    """The merged table, or the rows in the shards if the run has not finished.
+    """Read the merged table, or the rows in the shards if the run has not finished.
 
     Errors: ResultsError naming the file and the column.
     """
@@ -179,8 +179,8 @@ def _texts(schema: pa.Schema) -> list[str]:
 
 
 def _read_parquet(path: Path, file: pq.ParquetFile, schema: pa.Schema) -> pa.Table:
-    """The table's columns. A small file can decompress to more than the memory holds, so sizes are checked twice: in the
-    metadata before the file is read, and of text columns, read as dictionaries, before they are expanded."""
+    """Read the table's columns. A small file can decompress to more than the memory holds, so that sizes are checked twice:
+    in the metadata before the file is read, and for text columns, read as dictionaries, before they are expanded."""
     facts, columns = file.metadata, file.metadata.schema.to_arrow_schema()
     for field in schema:
         if field.name not in columns.names:
@@ -204,7 +204,7 @@ def _read_parquet(path: Path, file: pq.ParquetFile, schema: pa.Schema) -> pa.Tab
 
 
 def _expanded(chunk: pa.Array) -> int:
-    """The bytes of a column's texts, each counted as often as it occurs."""
+    """Return the bytes of a column's texts after expansion."""
     if pa.types.is_dictionary(chunk.type):
         chunk = pc.binary_length(chunk.dictionary.cast(pa.large_string())).take(chunk.indices)
         return pc.sum(chunk).as_py() or 0
@@ -224,7 +224,7 @@ class _Source:
     file: str
 
 
-# The types of what is read of a manifest, and of its settings.
+# The types of the entries that are read from a manifest, and from its settings.
 _FACTS: dict[str, Any] = {"machine": dict[str, Any], "loaded": dict[str, dict[str, str]]}
 _FACTS |= dict.fromkeys(("versions", "solvers", "content"), dict[str, str])
 _SETTINGS: dict[str, Any] = {"tolerances": list[float], "plugins": list[_Plugin], "sources": list[_Source]}
@@ -237,7 +237,7 @@ def write_manifest(folder: Path, manifest: Row) -> None:
 
 
 def read_manifest(folder: Path) -> Row:
-    """The manifest of a results folder. Errors: ResultsError if DIR is not a results folder or the manifest is unusable."""
+    """Read the manifest of a results folder. Errors: ResultsError if it is not a results folder or the manifest is unusable."""
     path = folder / "manifest.json"
     if not folder.is_dir():
         file = " and no such baseline; compare --accept writes one" if folder.suffix == ".tsv" else ""

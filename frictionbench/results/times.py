@@ -1,12 +1,12 @@
-"""Comparison of the times of two codes over pairs of processes, one of each code, that ran alternately.
+"""Comparison of the times of two versions of the code over pairs of processes, one of each version, that ran alternately.
 
 A process is one sample. A pair gives one number per solver, the mean over its cells of log(after / before). From n pairs follow
 the ratio, as the Hodges-Lehmann estimate (1963) of the centre, its exact confidence interval by Wilcoxon's signed ranks (1945),
-and p, the two-sided test of no change. One pair gives no information on the variation: the interval is (0, inf).
+and p, the p-value of the two-sided test of no change. One pair gives no information on variation: its interval is (0, inf).
 
-A disturbed cell (results.cells) is left out of its pair, because its time says more of the machine than of the code. One that
-is disturbed in every process of the later code and in few of the earlier is slow by that code's own doing, such as a child
-that competes for its core, and counts.
+A disturbed cell (results.cells) is left out of its pair, because its time depends more on the machine than on the code. A cell
+that is disturbed in every process of the later version, but in few of the earlier, counts: the code itself causes it, for
+example by a child process that competes for its core.
 """
 
 from collections.abc import Sequence
@@ -20,12 +20,12 @@ from frictionbench.results.changes import Time, equally_solved
 
 Pair = tuple[pd.DataFrame, pd.DataFrame]  # the cells of two processes
 ALPHA = 0.05  # error probability of the intervals
-FEW = 0.25  # largest share of the earlier code's processes that are disturbed: in eight of eight by chance, at most 1 in 1000
+FEW = 0.25  # largest share of disturbed processes of the earlier version in that case
 
 
 def times(pairs: Sequence[Pair], limit: float) -> list[Time]:
-    """The times of each solver over the cells that both processes of a pair solved with the same verdict. Cells that the
-    machine disturbed are used only for solvers that have no others."""
+    """Return the times of each solver over the cells that both processes of a pair solved with the same verdict. Disturbed
+    cells are used only for solvers that have no others."""
     found = []
     logs = _logs(pairs)
     for variant in sorted({name for log in logs for name in log["variant"]}):
@@ -38,7 +38,7 @@ def times(pairs: Sequence[Pair], limit: float) -> list[Time]:
 
 
 def may_be_slower(pairs: Sequence[Pair], most: int, limit: float) -> bool:
-    """Whether some solver's interval over `most` pairs can still end above the limit, if those to come are ever so slow."""
+    """Return whether some solver's interval over `most` pairs can still lie above the limit, however slow the pairs to come."""
     logs = pd.concat([log.assign(pair=k) for k, log in enumerate(_logs(pairs))])
     shifts = (logs["after"] - logs["before"]).groupby([logs["variant"], logs["pair"]]).mean()
     for _, own in shifts.groupby("variant"):
@@ -49,7 +49,7 @@ def may_be_slower(pairs: Sequence[Pair], most: int, limit: float) -> bool:
 
 
 def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
-    """Of each pair the variant and the logarithms of both times of the cells that count."""
+    """Return for each pair the variants and the logarithms of both times of the cells that count."""
     earlier, later = (
         pd.concat([pair[side]["disturbed"].astype(float) for pair in pairs], axis=1).mean(axis=1) for side in (0, 1)
     )
@@ -70,10 +70,10 @@ def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
 
 
 def estimate(shifts: np.ndarray) -> tuple[float, float, float, float]:
-    """The ratio, its interval at confidence 1 - ALPHA and the p-value, from the logarithms of n independent ratios."""
+    """Return the ratio, its interval at confidence 1 - ALPHA and the p-value, from the logarithms of n independent ratios."""
     means = np.sort([(a + b) / 2 for a, b in combinations_with_replacement(shifts, 2)])
     chances = np.cumsum(signed_ranks(len(shifts)))
-    left = int(np.sum(chances <= ALPHA / 2))  # number of sums of ranks outside the interval at either end
+    left = int(np.sum(chances <= ALPHA / 2))  # number of rank sums outside the interval at each end
     low, high = (means[left - 1], means[-left]) if left else (-np.inf, np.inf)
     lower = min(int(np.sum(means < 0)), int(np.sum(means > 0)))
     p = min(1.0, 2 * float(chances[lower])) if left else np.nan
@@ -81,6 +81,6 @@ def estimate(shifts: np.ndarray) -> tuple[float, float, float, float]:
 
 
 def signed_ranks(n: int) -> np.ndarray:
-    """The probabilities of the sums 0 ... n (n + 1) / 2 of the ranks of the positive ones among n differences."""
+    """Return the probabilities of the rank sums 0 ... n (n + 1) / 2 of the positive ones among n differences."""
     factors = (np.concatenate([[1.0], np.zeros(rank - 1), [1.0]]) for rank in range(1, n + 1))  # 1 + x^rank
     return reduce(np.convolve, factors, np.ones(1)) / 2.0**n
