@@ -108,7 +108,7 @@ class Mechanics(ReadOnly):
 
     @cached_property
     def offset(self) -> Array:
-        """u (nc, d) where v = 0."""
+        """u (nc, d) for v = 0."""
         offset = np.zeros((self.contacts, self.dimension))
         offset[:, 0] = self.bias
         offset.setflags(write=False)
@@ -116,7 +116,7 @@ class Mechanics(ReadOnly):
 
     @cached_property
     def q(self) -> Array:
-        """The free contact velocity with its bias (nc*d,): u where r = 0. Read-only."""
+        """The free contact velocity with its bias (nc*d,): u for r = 0. Read-only."""
         return self._measures[0]
 
     @cached_property
@@ -153,7 +153,7 @@ class Mechanics(ReadOnly):
         return self.blocks.dense(self.q)
 
     def csr(self) -> CSR:
-        """W in compressed sparse rows and q, as plain arrays: indptr, indices, data, q; formed once and read-only."""
+        """W in compressed rows (CSR) and q, as plain arrays: indptr, indices, data, q; formed once and read-only."""
         return self._csr
 
     @cached_property
@@ -162,7 +162,7 @@ class Mechanics(ReadOnly):
 
     @property
     def asymmetry(self) -> float:
-        """The largest |W - W'| over the largest |W|; 0 where the mechanics are given."""
+        """The largest |W - W'| divided by the largest |W|; 0 if the mechanics are given."""
         return 0.0
 
     @property
@@ -239,10 +239,11 @@ class Mechanics(ReadOnly):
         return islands(*mechanical_graph(*self._bodies, self.scale))
 
     def balanced(self, relaxed: bool = False) -> tuple[Self, Array]:
-        """The problem with its uncoupled parts scaled to similar units, and factor (nc,): impulses r of it are factor r here.
+        """The problem with its uncoupled parts scaled to similar units, and factor (nc,), by which its impulses are multiplied
+        to give those of this problem.
 
-        relaxed: scale by the units of the convex relaxation. If a method's tolerances are relative to the fastest contact, it
-        solves the slow parts of the balanced problem as accurately as the fast ones.
+        relaxed: scale by the units of the convex relaxation. A method with tolerances relative to the fastest contact solves
+        the slow parts of the balanced problem as accurately as the fast ones.
         """
         factor = factors(self.parts(), self.relaxation_units if relaxed else self.units)
         own = factor[: self.contacts]

@@ -167,7 +167,7 @@ class Scene:
         return None if self.path is None else float(np.linalg.norm(self.geometry.centres(q) - self.path(t), axis=1).max())
 
     def deepest_overlap(self, q: Array) -> float:
-        """The deepest overlap (m) of two bodies, or of a body and an obstacle; 0 where none overlap."""
+        """The deepest overlap (m) of two bodies, or of a body and an obstacle; 0 if there is none."""
         return float(max(0.0, -self.contacts(q, 0.0).gap.min(initial=0.0)))
 
     def joints(self, q: Array) -> tuple[Array, sparse.csr_array]:

@@ -49,7 +49,7 @@ def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:
 
         T(v) = T(v*) - |J'r|^2/2 (in M^-1) - b.r_n - sum lambda (mu r_n + b_f),
 
-    and the defect of any answer is sum r_n u_n + r_t.u_t + |u_t| (mu r_n + b_f), positive where the answer has too much energy.
+    and the defect of any answer is sum r_n u_n + r_t.u_t + |u_t| (mu r_n + b_f), positive if the answer has too much energy.
     """
     u = problem.contact_velocity(impulse)
     slip = np.linalg.norm(u[:, 1:], axis=1)

@@ -53,7 +53,7 @@ class Finding:
 
     verdict          a Verdict
     reason           why, if the verdict needs a reason; otherwise empty
-    residual         of the exact problem, relative contact velocity; infinite where the impulse has a wrong shape
+    residual         of the exact problem, as a relative contact velocity; infinite if the impulse has a wrong shape
     model_residual   of the solver's own model, in the same measure
     floor            how much rounding alone may change the residual, in the same measure; 0 for an LCP: not computed
     fclib_error      FCLIB's error measure, dimensionless; NaN for an LCP

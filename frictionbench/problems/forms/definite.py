@@ -14,7 +14,7 @@ from frictionbench.problems.check import Array, InputError, require
 LARGEST = 1e150  # 1/kg, for an entry: the squares of larger entries overflow
 DIGITS = 1e-6  # relative to the largest entry: an asymmetry up to this counts as rounding in a file
 INDEFINITE = 1e-6  # relative to the largest eigenvalue: W may be indefinite by this, because files round its digits
-STEPS = 60  # products with the matrix; for up to so many rows the values are exact
+STEPS = 60  # products with the matrix; with at most this number of rows the values are exact
 
 
 def require_semidefinite(field: str, W: sparse.csr_array) -> None:

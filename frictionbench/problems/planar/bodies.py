@@ -127,7 +127,7 @@ class Geometry:
     """All shapes of a scene in flat arrays, those of bodies first, then the fixed obstacles (owner -1); and the change of the
     coordinates, whose derivatives are the velocities in the plane.
 
-    corners: (k, 2) in the owners' frames. start: (shapes+1,), where each shape's corners begin. owner, radius, endless:
+    corners: (k, 2) in the owners' frames. start: (shapes+1,), the start of each shape's corners. owner, radius, endless:
     (shapes,). corner_owner: (k,). hinges: (hinges, 2), the bodies of each, sorted. reach: m, the largest distance of a
     body's point from its centre of mass.
     """
