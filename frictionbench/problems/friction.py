@@ -22,12 +22,12 @@ from frictionbench.problems.check import Array, counted, require
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.balance import delassus_parts
 from frictionbench.problems.forms.definite import DIGITS, require_semidefinite
-from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands, spread
+from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands, lowered, spread
 from frictionbench.problems.forms.joints import require_consistent
 from frictionbench.problems.forms.lcp import LCP, content_hash, friction_rows, tangent_basis
 from frictionbench.problems.forms.mass import inverse_mass
 from frictionbench.problems.forms.relaxation import QP, ConeProgram, relaxation_cone, relaxation_qp
-from frictionbench.problems.mechanics import NO_ROWS, Mechanics
+from frictionbench.problems.mechanics import NO_ROWS, Measures, Mechanics
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
 
@@ -220,10 +220,9 @@ class GivenDelassus(FrictionProblem):
     def offset(self) -> Array:
         return self.q.reshape(-1, self.dimension)
 
-    @cached_property
-    def _measures(self) -> tuple[Array, Array, float, Array, float]:
+    def _measured(self, mu: Array) -> Measures:
         scale = delassus.block_scale(*self.blocks)
-        units, _ = self._units_at(self.q, scale)
+        units, _ = self._units_at(lowered(self.q, mu) if len(mu) else self.q, scale)
         units.setflags(write=False)
         return self.q, scale, float(delassus.largest(self.q, self.dimension)), units, float(spread(units))
 

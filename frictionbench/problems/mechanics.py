@@ -19,11 +19,14 @@ from frictionbench.problems.check import Array, ReadOnly
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.balance import factors, mechanical_parts
 from frictionbench.problems.forms.delassus import CSR, Blocks, Dense
-from frictionbench.problems.forms.islands import islands, mechanical_graph, mechanical_units, spread
+from frictionbench.problems.forms.islands import islands, lowered, mechanical_graph, mechanical_units, spread
 from frictionbench.problems.forms.joints import FEW, FewJoints, JointEquations, ManyJoints
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_row
 
 NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))  # a matrix without rows
+NOTHING = np.zeros(0)
+check.set_read_only((NO_ROWS, NOTHING))
+Measures = tuple[Array, Array, float, Array, float]  # q, scale, velocity_scale, units and their spread
 
 
 class Mechanics(ReadOnly):
@@ -117,7 +120,7 @@ class Mechanics(ReadOnly):
     @cached_property
     def q(self) -> Array:
         """The free contact velocity with its bias (nc*d,): u for r = 0. Read-only."""
-        return self._measures[0]
+        return self._motion[0]
 
     @cached_property
     def W(self) -> sparse.csr_array:
@@ -169,12 +172,12 @@ class Mechanics(ReadOnly):
     def scale(self) -> Array:
         """s (nc,), 1/kg: the mean of the positive diagonal entries of each contact's block of W. If joints lock the contact, W
         without joints is used; if no entry is positive, the mean of all contacts."""
-        return self._measures[1]
+        return self._motion[1]
 
     @property
     def velocity_scale(self) -> float:
         """max_i |q_i|, m/s."""
-        return self._measures[2]
+        return self._motion[2]
 
     @property
     def units(self) -> Array:
@@ -188,21 +191,35 @@ class Mechanics(ReadOnly):
         """The largest of the units divided by the smallest; 1 if nothing moves."""
         return self._measures[4]
 
+    @property
+    def _motion(self) -> Measures:
+        """The measures of either law, of which q, scale and velocity_scale are the same."""
+        return vars(self).get("_relaxed_measures") or self._measures
+
     @cached_property
-    def _measures(self) -> tuple[Array, Array, float, Array, float]:
-        """q, scale, velocity_scale, units and their spread, computed together in one pass over the contacts."""
+    def _measures(self) -> Measures:
+        return self._measured(NOTHING)
+
+    @cached_property
+    def _relaxed_measures(self) -> Measures:
+        return self._measured(self.friction)
+
+    def _measured(self, mu: Array) -> Measures:
+        """q, scale, velocity_scale, units and their spread, computed together in one pass over the contacts: those of Coulomb's
+        law, with mu (nc,) those of the convex relaxation."""
         free, bodies = self._on_joints(self.free_velocity), (*self.contact_rows, *self.inverse_rows)
-        q, scale, velocity_scale, units, unlike = delassus.measures(*bodies, free, self.bias, self.friction_bias)
-        if self._has_joints:
-            diagonal, locked, _ = self._joint_diagonal
-            by_contact, none = q.reshape(diagonal.shape), np.zeros(diagonal.shape)
-            terms = delassus.velocity_size(*bodies, self._moves, none, self.bias)
-            by_contact[locked & (np.abs(by_contact) <= delassus.LOCKED * terms)] = 0.0
-            scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, self.dimension)
-            units, _ = self._units_at(q, scale)
-            unlike = spread(units)
+        if not self._has_joints:
+            measured: Measures = delassus.measures(*bodies, free, self.bias, self.friction_bias, mu)
+            check.set_read_only((measured[0], measured[3]))
+            return measured
+        diagonal, locked, _ = self._joint_diagonal
+        by_contact: Array = delassus.contact_velocity(*self.contact_rows, free, self.bias)
+        terms = delassus.velocity_size(*bodies, self._moves, np.zeros(diagonal.shape), self.bias)
+        by_contact[locked & (np.abs(by_contact) <= delassus.LOCKED * terms)] = 0.0
+        q, scale = by_contact.ravel(), delassus.mean_diagonal(diagonal)
+        units, _ = self._units_at(lowered(q, mu) if len(mu) else q, scale)
         check.set_read_only((q, units))
-        return q, scale, velocity_scale, units, unlike
+        return q, scale, delassus.largest(q, self.dimension), units, spread(units)
 
     def _units_at(self, q: Array, scale: Array) -> tuple[Array, Index64]:
         """The units (nc,) for free contact velocities q (nc*d,), and the islands (nc,) of contacts that share a unit."""
@@ -220,13 +237,11 @@ class Mechanics(ReadOnly):
         """J by contacts, M^-1 by rows, and the sparsity pattern of F."""
         return *self.contact_rows, *self.inverse_rows, self.joint_rows.start, self.joint_rows.column
 
-    @cached_property
+    @property
     def relaxation_units(self) -> Array:
         """(nc,), m/s: the units of the convex relaxation. They are those at q_n - mu |q_t|, because its impulses must raise u_n
         to mu |u_t| at a sliding contact."""
-        q = self.q.reshape(-1, self.dimension).copy()
-        q[:, 0] -= self.friction * np.linalg.norm(q[:, 1:], axis=1)
-        return self._units_at(q.ravel(), self.scale)[0]
+        return self._relaxed_measures[3]
 
     @cached_property
     def bearing_islands(self) -> Index64:

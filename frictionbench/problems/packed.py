@@ -215,13 +215,13 @@ def _measured(packed):  # type: ignore[no-untyped-def]
     count, d = len(packed.first) - 1, packed.J.shape[1]
     contacts = packed.first[count, CONTACT]
     q, scale, units, unlike = np.empty(contacts * d), np.empty(contacts), np.empty(contacts), np.empty(count)
-    at = 0
+    at, none = 0, np.zeros(0)
     for k in range(count):
         begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
         b_f = packed.friction_bias[begin:end]
         if mechanical(packed, k):
             start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
-            own_q, own_scale, _, unit, unlike[k] = measures(start, column, J, m_start, m_column, m_value, free, bias, b_f)
+            own_q, own_scale, _, unit, unlike[k] = measures(start, column, J, m_start, m_column, m_value, free, bias, b_f, none)
         else:
             own_q = packed.q[at : at + (end - begin) * d].copy()
             at += len(own_q)

@@ -10,7 +10,7 @@ from scipy import sparse
 
 from frictionbench.problems.check import set_read_only
 from frictionbench.problems.compiled import kernel, lean
-from frictionbench.problems.forms.islands import length, mechanical_units, spread
+from frictionbench.problems.forms.islands import length, lowered, mechanical_units, spread
 from frictionbench.problems.rows import Array, Index32, row_of_entry
 
 LOST = 1e-9  # of the terms whose difference is a diagonal entry of W: below this it is found from the response that joints hold
@@ -404,9 +404,9 @@ def pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, 
 
 
 @kernel
-def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f):  # type: ignore[no-untyped-def]
+def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f, mu):  # type: ignore[no-untyped-def]
     """Without joints: the free contact velocities (nc*d,), the mean diagonal (nc,) of each contact's own block, max_i |q_i|,
-    the units (nc,) and their spread."""
+    the units (nc,) and their spread; with mu (nc,) the units of the convex relaxation, with none those of Coulomb's law."""
     nc, d = len(bias), J.shape[1]
     q = contact_velocity(start, column, J, free, bias).reshape(nc * d)
     own = np.zeros((nc, d))
@@ -417,6 +417,6 @@ def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f):  # 
             for k in range(start[i], start[i + 1]):
                 for a in range(d):
                     own[i, a] += J[k, a] * J[k, a] * m_value[column[k]]
-    s, none = mean_diagonal(own), np.zeros(1, np.int32)
-    units = mechanical_units(start, column, J, m_start, m_column, m_value, none, none[:0], np.abs(free), bias, q, s, b_f)[0]
+    s, none, low = mean_diagonal(own), np.zeros(1, np.int32), lowered(q, mu) if len(mu) else q
+    units = mechanical_units(start, column, J, m_start, m_column, m_value, none, none[:0], np.abs(free), bias, low, s, b_f)[0]
     return q, s, largest(q, d), units, spread(units)

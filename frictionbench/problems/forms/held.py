@@ -29,14 +29,11 @@ def generalised_inverse(G):  # type: ignore[no-untyped-def]
 
     The rank is that of G with a unit diagonal, so that it does not depend on the units of the joints' equations.
     """
-    nj = len(G)
-    unit, order, L = np.empty(nj), np.arange(nj), np.zeros((nj, nj))
+    nj, rank = len(G), 0
+    unit, left, order, L = np.empty(nj), np.empty(nj), np.arange(nj), np.empty((nj, nj))  # L[k]: the factor's column k
     for i in range(nj):
         unit[i] = 1 / np.sqrt(G[i, i]) if G[i, i] > 0 else 1.0
-    left = np.empty(nj)
-    for i in range(nj):
         left[i] = G[i, i] * unit[i] * unit[i]
-    rank = 0
     while rank < nj:
         best = rank
         for i in range(rank + 1, nj):
@@ -46,29 +43,36 @@ def generalised_inverse(G):  # type: ignore[no-untyped-def]
         if not left[p] > DEPENDENT * nj:
             break
         order[best], order[rank] = order[rank], p
-        L[p, rank] = np.sqrt(left[p])
-        for i in range(rank + 1, nj):
-            j = order[i]
-            entry = unit[j] * G[j, p] * unit[p]
-            for k in range(rank):
-                entry -= L[j, k] * L[p, k]
-            L[j, rank] = entry / L[p, rank]
-            left[j] -= L[j, rank] * L[j, rank]
+        pivot, column = np.sqrt(left[p]), L[rank]
+        for j in range(nj):
+            column[j] = unit[j] * G[j, p] * unit[p]
+        for k in range(rank):
+            earlier = L[k]
+            for j in range(nj):
+                column[j] -= earlier[j] * earlier[p]
+        for j in range(nj):
+            column[j] /= pivot
+            left[j] -= column[j] * column[j]
+        column[p] = pivot
         rank += 1
-    root = np.zeros((rank, rank))  # the inverse of the taken rows' factor
-    for c in range(rank):
-        for i in range(c, rank):
-            entry = 1.0 if i == c else 0.0
-            for k in range(c, i):
-                entry -= L[order[i], k] * root[k, c]
-            root[i, c] = entry / L[order[i], i]
-    X = np.zeros((nj, nj))
+    root, X = np.zeros((rank, rank)), np.zeros((nj, nj))  # the inverse of the taken rows' factor
+    for i in range(rank):
+        root[i, i] = 1.0
+        for k in range(i):
+            factor = L[k, order[i]]
+            for c in range(k + 1):
+                root[i, c] -= factor * root[k, c]
+        for c in range(i + 1):
+            root[i, c] /= L[i, order[i]]
+    inner = np.zeros((rank, rank))
+    for k in range(rank):
+        for a in range(k + 1):
+            factor = root[k, a]
+            for b in range(a + 1):
+                inner[a, b] += factor * root[k, b]
     for a in range(rank):
         for b in range(rank):
-            entry = 0.0
-            for k in range(max(a, b), rank):
-                entry += root[k, a] * root[k, b]
-            X[order[a], order[b]] = unit[order[a]] * entry * unit[order[b]]
+            X[order[a], order[b]] = unit[order[a]] * inner[max(a, b), min(a, b)] * unit[order[b]]
     return X
 
 

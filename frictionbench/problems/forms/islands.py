@@ -89,6 +89,15 @@ def delassus_units(first, neighbours, block, q, s, b_f):  # type: ignore[no-unty
     return _units(*delassus_graph(first, neighbours, block, s), size, closes, row, q, s, b_f)
 
 
+@kernel
+def lowered(q, mu):  # type: ignore[no-untyped-def]
+    """q (nc*d,) with q_n - mu |q_t| for q_n: what the impulses of the convex relaxation have to lift."""
+    lower, d = q.copy(), len(q) // max(len(mu), 1)
+    for i in range(len(mu)):
+        lower[i * d] -= mu[i] * length(q[i * d + 1 : i * d + d], 0, d - 1)
+    return lower
+
+
 @part
 def open_without_normal(q, i, d):  # type: ignore[no-untyped-def]
     """q_n,i = inf for a row without a normal, whose b is no velocity: it is open by any distance, and no term of q_i."""

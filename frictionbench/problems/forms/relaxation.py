@@ -25,7 +25,7 @@ from frictionbench.problems.mechanics import Mechanics
 from frictionbench.problems.rows import Array, Rows
 
 LEAST_BIAS = 1e-12  # of a contact's unit: what a friction bias must be able to do to its velocity, to be part of a program
-_EDGES = np.array([[1.0, 1.0], [1.0, -1.0]])  # the section in the plane
+EDGES = np.array([[1.0, 1.0], [1.0, -1.0]])  # the section in the plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +46,6 @@ class Program:
     friction: Array
     friction_bias: Array
 
-    @property
-    def contacts(self) -> tuple[int, int]:
-        return len(self.friction), self.section.shape[1]
-
     @cached_property
     def P(self) -> sparse.csc_array:
         return _by_columns(self.objective, len(self.q))
@@ -63,7 +59,7 @@ class Program:
         return sparse.csc_array(self.joints.matrix(len(self.q)))
 
     def impulse(self, z: Array) -> Array:
-        return _impulse(self.section, self.friction, self.friction_bias, z)
+        return multiplied(self.section, self.friction, self.friction_bias, z)
 
 
 class QP(Program):
@@ -77,7 +73,7 @@ class ConeProgram(Program):
 def relaxation_qp(problem: Mechanics, facets: int) -> QP:
     """The relaxation with a polygonal section (exact in the plane) as a QP in x = (v, y)."""
     if problem.dimension == 2:
-        return QP(*_program(problem, _EDGES))
+        return QP(*_program(problem, EDGES))
     angle = 2 * np.pi * np.arange(facets) / facets
     return QP(*_program(problem, np.column_stack([np.ones(facets), np.cos(angle), np.sin(angle)])))
 
@@ -88,12 +84,16 @@ def relaxation_cone(problem: Mechanics) -> ConeProgram:
 
 
 def _program(problem: Mechanics, section: Array) -> tuple[Rows, Array, Rows, Array, Rows, Array, Array, Array, Array]:
-    mu, b_f, M = problem.friction, problem.friction_bias, problem.mass_rows
-    if b_f.any():  # the slack of one of rounding's size would cost nothing, and grow without bound
-        b_f = np.where(b_f * problem.scale > LEAST_BIAS * problem.units, b_f, 0.0)
-    p_start, q, *G, h = _matrices(*problem.contact_rows, *M, problem.free_velocity, problem.offset, mu, b_f, section)
+    mu, b_f, M = problem.friction, bias_of_size(problem), problem.mass_rows
+    p_start, q, *G, h = matrices(*problem.contact_rows, *M, problem.free_velocity, problem.offset, mu, b_f, section)
     P = Rows(p_start, M.column, M.value)
     return P, q, Rows(*G), h, problem.joint_rows, -problem.joint_bias, section, mu, b_f
+
+
+def bias_of_size(problem: Mechanics) -> Array:
+    """b_f, 0 where it is of rounding's size: its slack would cost nothing, and grow without bound."""
+    b_f = problem.friction_bias
+    return np.where(b_f * problem.scale > LEAST_BIAS * problem.units, b_f, 0.0) if b_f.any() else b_f
 
 
 def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:
@@ -101,7 +101,7 @@ def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:
 
 
 @kernel
-def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, b_f, section):  # type: ignore[no-untyped-def]
+def matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, b_f, section):  # type: ignore[no-untyped-def]
     """P's columns' starts, q, G by columns (start, row, value) without zeros, and h."""
     nc, nv, m, d = len(mu), len(free), len(section), offset.shape[1]
     wide = 0
@@ -153,7 +153,7 @@ def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, b_
 
 
 @kernel
-def _impulse(section, mu, b_f, z):  # type: ignore[no-untyped-def]
+def multiplied(section, mu, b_f, z):  # type: ignore[no-untyped-def]
     """The contact impulses (nc, d): the rows' coefficients times their multipliers."""
     nc, (m, d) = len(mu), section.shape
     r, block = np.zeros((nc, d)), nc

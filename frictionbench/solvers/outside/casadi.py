@@ -10,7 +10,6 @@ Licence: CasADi LGPL-3.0; it bundles qpOASES (LGPL-2.1) and Ipopt (EPL-2.0).
 Form: for qrqp and qpoases the dual, dense and dimensionless, for qrqp with 1e-12 on the diagonal, as it fails on singular ones;
     for ipopt the friction LCP's M, scaled, and q. Setup: for ipopt M's compressed columns. Solve: the call, from 0, of CasADi's
     solver object, which is made once for each tolerance and size, for ipopt for each tolerance and sparsity.
-Charged: qrqp some 40 µs more than a call by hand, 1.3 times at 2 contacts: the dimensionless form.
 Clock: CasADi's, around the solver, for qpoases.
 Settings: their defaults, without output, and for ipopt that derivatives are constant. Ipopt relaxes bounds by
     bound_relax_factor = 1e-8; tuned is 0, `frictionbench solve 'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]'

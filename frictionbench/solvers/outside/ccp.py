@@ -137,13 +137,13 @@ class CCPCone:
     def setup(self, scaled: ScaledProgram) -> tuple[ScaledProgram, Any]:
         """The CVXPY problem, and its canonical data with what converts their solution."""
         cvxpy: Any = import_module("cvxpy")
-        d = scaled.program.contacts[1]
+        d, (P, G, A, b) = scaled.contacts[1], scaled.matrices(dense=False)
         x = cvxpy.Variable(len(scaled.q))
-        s = scaled.h - scaled.G @ x
+        s = scaled.h - G @ x
         constraints = [s >= 0 if d == 2 else cvxpy.SOC(s[::d], cvxpy.vstack([s[j::d] for j in range(1, d)]))]
-        if scaled.A is not None:
-            constraints.append(scaled.A @ x == scaled.b)
-        objective = cvxpy.Minimize(cvxpy.quad_form(x, scaled.P, assume_PSD=True) / 2 + scaled.q @ x)
+        if A is not None:
+            constraints.append(A @ x == b)
+        objective = cvxpy.Minimize(cvxpy.quad_form(x, P, assume_PSD=True) / 2 + scaled.q @ x)
         built = cvxpy.Problem(objective, constraints)
         return scaled, (built, built.get_problem_data("CLARABEL", solver_opts={}))
 
@@ -159,7 +159,7 @@ class CCPCone:
                 built.unpack_results(raw, chain, inverse)
             except cvxpy.SolverError as error:
                 return scaled.answer(None, False, detail=str(error))
-        z, d = built.constraints[0].dual_value, scaled.program.contacts[1]
+        z, d = built.constraints[0].dual_value, scaled.contacts[1]
         z = None if z is None or z[0] is None else z
         if z is not None and d > 2:
             z = np.column_stack([np.ravel(z[0]), np.reshape(z[1], (d - 1, -1)).T]).ravel()

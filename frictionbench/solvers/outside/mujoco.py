@@ -15,8 +15,8 @@ Its contact rows are J^ on velocities of unit mass: with M = L L', w = L'v / the
     J^ = E J L^-T,      w* = L'v* / theta,      b^ = E b / theta,      W^ = J^ J^',      q^ = J^ w* + b^.
 
 Licence: Apache-2.0.
-Form: dimensionless contact rows, three a contact, on velocities of unit mass. Setup: their compression, and MuJoCo's
-    template, once per size. Solve: the transfer of the rows into it, and mj_fwdConstraint.
+Form: dimensionless contact rows, three a contact, on velocities of unit mass, compressed. Setup: MuJoCo's template, once per
+    size. Solve: the transfer of the rows into it, and mj_fwdConstraint.
 Clock: around mj_fwdConstraint.
 Charged: some 50 µs more than a call by hand at 2 contacts: the dimensionless form.
 Settings: island discovery and warm start off, as above; elliptic cones. The line search's defaults are ls_tolerance = 0.01 and
@@ -48,10 +48,10 @@ _SEARCH = {"default": (0.01, 50), "tuned": (1e-8, 100)}  # ls_tolerance and ls_i
 _DEFINITE = 1e-13  # on a diagonal of about 1: the least with which mju_boxQP factorises redundant contacts
 _CALLS = 20
 
-# The scaling; rows J^ (3 nc, nv), three a contact, normal first; w* (nv,) and b^ (3 nc,).
-Whitened = tuple[ScaledDelassus, Array, Array, Array]
-# These; of J^, the number of each row's entries, their beginnings, columns and values; MuJoCo's model and data.
-Prepared = tuple[Whitened, tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], Array], Any, Any]
+# The scaling; rows J^ (3 nc, nv), three a contact, normal first; w* (nv,) and b^ (3 nc,); J^ compressed.
+Whitened = tuple[ScaledDelassus, Array, Array, Array, tuple[NDArray[Any], ...]]
+# These, MuJoCo's model and data, and its arrays that are overwritten: a look at one makes an object, which takes its time.
+Prepared = tuple[Whitened, tuple[Any, ...]]
 
 
 @solver(
@@ -79,39 +79,36 @@ class MuJoCo:
         return given, *_whiten(*problem.contact_rows, *problem.mass_rows, *motion, given.E, given.theta)
 
     def setup(self, form: Whitened) -> Prepared:
-        given, J, v, _ = form
-        filled = np.repeat(J.reshape(-1, 3, len(v)).any(axis=1), 3, axis=0)  # alike in a contact's rows
-        counts, at = np.count_nonzero(filled, axis=1), np.flatnonzero(filled)
-        compressed = counts, np.cumsum(counts) - counts, at % len(v), J.ravel()[at]
-        return form, compressed, *_template(len(v), len(given.friction), max(1, int(counts.max())))
+        given, _, v, _, (counts, *_) = form
+        return form, _template(len(v), len(given.friction), max(1, int(counts.max())))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         mujoco: Any = import_module("mujoco")
-        (given, J, v, b), (counts, begins, columns, values), model, data = prepared
+        (given, J, v, b, (counts, begins, columns, values)), (model, data, rows, contacts, velocities) = prepared
         R, mu = max(tol, _LEAST), np.maximum(given.friction, 1e-8)  # its elliptic cone needs friction
         model.opt.solver = getattr(mujoco.mjtSolver, f"mjSOL_{self.method.upper()}")
         model.opt.iterations = limit or _ITERATIONS[self.method]
         model.opt.ls_tolerance, model.opt.ls_iterations = _SEARCH[self.settings]
-        data.efc_J_rownnz[:], data.efc_J_rowadr[:], data.efc_J_rowsuper[:] = counts, begins, 0
+        for array, value in zip(rows, (counts, begins, 0, -b, R, 1 / R, 0, 0), strict=True):
+            array[:] = value
         data.efc_J_colind[: len(values)], data.efc_J[: len(values)] = columns, values
-        data.efc_aref[:], data.efc_R[:], data.efc_D[:] = -b, R, 1 / R
-        data.efc_margin[:] = data.efc_pos[:] = 0
-        data.contact.mu[:], data.contact.friction[:, :2] = mu, mu[:, None]
-        data.qacc_smooth[:] = data.qfrc_smooth[:] = v
+        contacts[0][:], contacts[1][:] = mu, mu[:, None]
+        velocities[0][:] = velocities[1][:] = v
         begun = perf_counter()
         mujoco.mj_fwdConstraint(model, data)
         clock = perf_counter() - begun
         f = data.efc_force.copy()
-        gradient = float(np.abs(data.qacc - v - J.T @ f).max())
+        gradient = float(np.abs(velocities[2] - v - J.T @ f).max())
         status = Status.SOLVED if gradient <= given.share * tol else Status.STALLED
         answer = given.answer(f, status, f"gradient {gradient:.1e}", clock, iterations=int(data.solver_niter[0]))
-        answer.softness = R * np.outer(given.scale, np.ones(given.contacts[1]))
+        answer.softness = np.repeat(R * given.scale[:, None], given.contacts[1], axis=1)
         return answer
 
 
 @lru_cache(maxsize=8)  # some 50 MB each
-def _template(nv: int, nc: int, moving: int) -> tuple[Any, Any]:
-    """MuJoCo's model and data for so many velocities, of which the last `moving` move the spheres, and contacts."""
+def _template(nv: int, nc: int, moving: int) -> tuple[Any, ...]:
+    """MuJoCo's for so many velocities, of which the last `moving` move the spheres, and contacts; then arrays of data: of the
+    rows, of the contacts, of the velocities."""
     mujoco: Any = import_module("mujoco")
     spheres = "".join(f'<geom type="sphere" size=".1" pos="{j} 0 .0999" contype="1" conaffinity="0"/>' for j in range(nc))
     body = '<body><joint type="slide" axis="0 0 1" armature="1"/><inertial pos="0 0 0" mass="1e-12" diaginertia="1 1 1"/>'
@@ -127,7 +124,10 @@ def _template(nv: int, nc: int, moving: int) -> tuple[Any, Any]:
     data.M[:] = 0
     data.M[model.M_rowadr + model.M_rownnz - 1] = 1
     mujoco.mj_factorM(model, data)
-    return model, data
+    names = "J_rownnz", "J_rowadr", "J_rowsuper", "aref", "R", "D", "margin", "pos"
+    rows = tuple(getattr(data, f"efc_{name}") for name in names)
+    contacts = data.contact.mu, data.contact.friction[:, :2]
+    return model, data, rows, contacts, (data.qacc_smooth, data.qfrc_smooth, data.qacc)
 
 
 @solver(
@@ -178,7 +178,7 @@ class BoxQP:
 
 @kernel
 def _whiten(start, column, J, m_start, m_column, m_value, free, offset, E, theta):  # type: ignore[no-untyped-def]
-    """J^, w* and b^."""
+    """J^, w*, b^ and J^ compressed."""
     nc, nv, d = len(E), len(free), J.shape[1]
     L, begin = _factor(m_start, m_column, m_value)
     rows, v, b = np.zeros((3 * nc, nv)), np.zeros(nv), np.zeros(3 * nc)
@@ -195,7 +195,22 @@ def _whiten(start, column, J, m_start, m_column, m_value, free, offset, E, theta
                 for k in range(begin[j], j):
                     row[j] -= L[j, k] * row[k]
                 row[j] /= L[j, j]
-    return rows, v, b
+    return rows, v, b, _compressed(rows)
+
+
+@part
+def _compressed(rows):  # type: ignore[no-untyped-def]
+    """The number of each row's entries, alike in a contact's three, and where they begin; their columns and values."""
+    counts, begins, at = np.zeros(len(rows), np.int32), np.zeros(len(rows), np.int32), 0
+    columns, values = np.empty(rows.size, np.int32), np.empty(rows.size)
+    for i in range(len(rows)):
+        begins[i], first = at, i - i % 3
+        for j in range(rows.shape[1]):
+            if rows[first, j] != 0 or rows[first + 1, j] != 0 or rows[first + 2, j] != 0:
+                columns[at], values[at] = j, rows[i, j]
+                at += 1
+        counts[i] = at - begins[i]
+    return counts, begins, columns[:at], values[:at]
 
 
 @part

@@ -1,7 +1,7 @@
 """The convex relaxation by the Python interfaces of Clarabel, OSQP, ProxSuite, PIQP and SCS, as a simulator uses them.
 
-Form: the dimensionless QP (solvers.outside.scaled_program), sparse. Setup: the library's object, its ordering and scaling.
-    Solve: its solve.
+Form: the dimensionless QP (solvers.outside.scaled_program), sparse, or dense with matrices=dense. Setup: the library's object,
+    its ordering and scaling. Solve: its solve.
 """
 
 from importlib import import_module
@@ -14,7 +14,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.outside import MARGIN
-from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program, stacked
 
 Prepared = tuple[ScaledProgram, Any]  # and what the library is given: its arguments, after setup its object
 
@@ -63,12 +63,13 @@ class Clarabel:
 
     def form(self, problem: FrictionProblem) -> Prepared:
         scaled = scaled_program(problem, from_free=True)
-        return scaled, (scaled.upper, scaled.q, scaled.constraints, scaled.limits(0.0)[1])
+        P, G, A, _ = scaled.matrices(dense=False, upper=True)
+        return scaled, (P, scaled.q, stacked(G, A), scaled.limits(0.0)[1])
 
     def setup(self, formed: Prepared) -> Prepared:
         clarabel: Any = import_module("clarabel")
         scaled, given = formed
-        rows, flat = len(scaled.h), scaled.program.contacts[1] == 2
+        rows, flat = len(scaled.h), scaled.contacts[1] == 2
         cones = [clarabel.NonnegativeConeT(rows)] if flat else [clarabel.SecondOrderConeT(3)] * (rows // 3)
         cones = [*cones, clarabel.ZeroConeT(len(scaled.b))] if len(scaled.b) else cones
         return scaled, clarabel.DefaultSolver(*given, cones, self._settings())
@@ -106,7 +107,8 @@ class OSQP:
 
     def form(self, problem: FrictionProblem) -> Prepared:
         scaled = scaled_program(problem)
-        return scaled, (scaled.upper, scaled.q, scaled.constraints, *scaled.limits(-np.inf))
+        P, G, A, _ = scaled.matrices(dense=False, upper=True)
+        return scaled, (P, scaled.q, stacked(G, A), *scaled.limits(-np.inf))
 
     def setup(self, formed: Prepared) -> Prepared:
         scaled, given = formed
@@ -120,8 +122,9 @@ class OSQP:
         x, y = np.zeros(len(scaled.q)), np.zeros(len(scaled.h) + len(scaled.b))
         if start is not None:
             y[: len(scaled.h)] = scaled.multipliers(start)
-            if not len(scaled.b) and scaled.P.diagonal().all():
-                x = sparse.linalg.spsolve(scaled.P, -scaled.q - scaled.G.T @ y)
+            P, G, A, _ = scaled.matrices(dense=False)
+            if A is None and P.diagonal().all():
+                x = sparse.linalg.spsolve(P, -scaled.q - G.T @ y)
         workspace.warm_start(x=x, y=y)
         found = workspace.solve(raise_error=False)
         info = found.info
@@ -141,8 +144,6 @@ class ProxSuite:
     matrices: sparse or dense. settings: default or tuned. Work: iterations.
 
     Licence: BSD-2-Clause.
-    Form: the dimensionless QP (solvers.outside.scaled_program), sparse or dense. Setup: the QP object and its init. Solve: its
-        solve.
     Clock: ProxQP's own solve_time.
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
         solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=20,mass_ratio=100000]' --solver
@@ -193,8 +194,6 @@ class PIQP:
     matrices: sparse or dense. Work: iterations.
 
     Licence: BSD-2-Clause.
-    Form: the dimensionless QP (solvers.outside.scaled_program), sparse or dense. Setup: the library's object, its ordering and
-        scaling. Solve: its solve.
     Clock: PIQP's own solve_time.
     Charged: dense some 60 µs more than a call by hand, twice at 2 contacts: the dimensionless program, as for daqp.
     Settings: compute_timings on.
@@ -245,9 +244,8 @@ class SCS:
 
     def form(self, problem: FrictionProblem) -> Prepared:
         scaled = scaled_program(problem)
-        rows = scaled.G if scaled.A is None else sparse.vstack([scaled.A, scaled.G], format="csc")
-        data = {"P": scaled.upper, "A": rows, "b": np.concatenate([scaled.b, scaled.h]), "c": scaled.q}
-        d = scaled.program.contacts[1]
+        (P, G, A, _), d = scaled.matrices(dense=False, upper=True), scaled.contacts[1]
+        data = {"P": P, "A": stacked(A, G), "b": np.concatenate([scaled.b, scaled.h]), "c": scaled.q}
         cone = {"l": len(scaled.h)} if d == 2 else {"q": [d] * (len(scaled.h) // d)}
         return scaled, (data, {"z": len(scaled.b), **cone})
 

@@ -29,6 +29,7 @@ from frictionbench.problems.compiled import kernel, part
 from frictionbench.solvers.interface import Answer, Status, impulses
 
 PLANE, SPACE, TANGENTS_FIRST = (0, 1), (0, 1, 2), (2, 0, 1)
+_NOT_WRITTEN = np.zeros((0, 0))
 
 
 class ScaledDelassus(NamedTuple):
@@ -76,7 +77,7 @@ def scaled_delassus(
     nc, d = problem.contacts, problem.dimension
     places = rows or (PLANE if d == 2 else SPACE)
     E, q, theta, share = _scaled_vector(problem.scale, problem.friction, problem.q, problem.units, d, places, size)
-    W = _dense(*problem.blocks, E, places) if matrix else np.zeros((0, 0))
+    W = _dense(*problem.blocks, E, places) if matrix else _NOT_WRITTEN
     return ScaledDelassus(W, q, problem.friction, E, theta, share, problem.scale, (nc, d), places)
 
 
@@ -159,14 +160,16 @@ class DualProgram(NamedTuple):
 
 def dual_program(problem: FrictionProblem, definite: float) -> DualProgram:
     """The relaxation's dual in the plane, with `definite` added to the diagonal."""
-    given = scaled_delassus(problem)
-    return DualProgram(given, *_dual(given.W, given.q, given.friction, definite))
+    scale, mu = problem.scale, problem.friction
+    (E, q, theta, share), H, g = _dual(*problem.blocks, scale, mu, problem.q, problem.units, definite)
+    return DualProgram(ScaledDelassus(_NOT_WRITTEN, q, mu, E, theta, share, scale, (len(mu), 2), PLANE), H, g)
 
 
 @kernel
-def _dual(W, q, mu, definite):  # type: ignore[no-untyped-def]
-    """H and g."""
-    nc = len(mu)
+def _dual(first, neighbours, block, scale, mu, q, units, definite):  # type: ignore[no-untyped-def]
+    """E, q^, theta and share; H and g."""
+    scaled = _scaled_vector(scale, mu, q, units, 2, PLANE, 1.0)
+    W, q, nc = _dense(first, neighbours, block, scaled[0], PLANE), scaled[1], len(mu)
     H, g = np.empty((2 * nc, 2 * nc)), np.empty(2 * nc)
     for i in range(nc):
         for s in range(2):
@@ -178,4 +181,4 @@ def _dual(W, q, mu, definite):  # type: ignore[no-untyped-def]
                 t = mu[j] * (W[2 * i, 2 * j + 1] + a * W[2 * i + 1, 2 * j + 1])
                 H[row, 2 * j], H[row, 2 * j + 1] = n + t, n - t
             H[row, row] += definite
-    return H, g
+    return scaled, H, g

@@ -20,12 +20,10 @@ counts, the tangential impulse being next to nothing, and without friction 1.)
 The duality gap is the sum of the products r_i'u_i. Where impulse and velocity vanish together (a contact about to slide or to
 part), and all along a round cone, a gap of eps leaves an error of sqrt(eps): so the requested gap is eps^2, but not less than
 the difference of two objectives of size 1 that a library reaches in floating point; each adapter states that number.
-
-Matrices are written in compiled passes and become scipy's, or dense, only as a library takes them.
 """
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,72 +31,62 @@ from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel
-from frictionbench.problems.forms.relaxation import Program
-from frictionbench.problems.rows import Rows, row_of_entry
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.forms.islands import length
+from frictionbench.problems.forms.relaxation import EDGES, bias_of_size, matrices, multiplied
+from frictionbench.problems.rows import Index32
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
 from frictionbench.solvers.outside.scaled_delassus import size_and_share
 
 LEAST_FRICTION = 0.01
 relaxation_library = partial(solver, family="relaxation", model="relaxation", lacks=("asymmetry",))  # registers an adapter
 
+Columns = tuple[Index32, Index32, Array]  # a matrix by columns: start, row and value; or by rows
+_SECTIONS = {2: EDGES, 3: np.eye(3)}
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(eq=False)
 class ScaledProgram:
-    """The scaled program: objective and bounds are P and G by columns (start, row, value), A is None without joints.
+    """The scaled program: objective and bounds are P and G by columns, joints is A by rows.
 
-    share: eps over tol. unit: of the multipliers of G.
+    unit: of the multipliers of G. share: eps over tol. law: the section, mu and b_f of problems.forms.relaxation.
     """
 
-    program: Program
-    objective: Rows
+    law: tuple[Array, Array, Array]
+    objective: Columns
     q: Array
-    bounds: Rows
+    bounds: Columns
     h: Array
-    A: sparse.csc_matrix | None
+    joints: Columns
     b: Array
     unit: Array
     share: float
 
-    @cached_property
-    def P(self) -> sparse.csc_matrix:
-        return _matrix(self.objective, len(self.q))
-
-    @cached_property
-    def G(self) -> sparse.csc_matrix:
-        return _matrix(self.bounds, len(self.h))
-
     @property
-    def upper(self) -> sparse.csc_matrix:
-        """The upper half of P."""
-        return _matrix(Rows(*_upper(*self.objective)), len(self.q))
+    def contacts(self) -> tuple[int, int]:
+        return len(self.law[1]), self.law[0].shape[1]
 
-    @property
-    def constraints(self) -> sparse.csc_matrix:
-        """G above A."""
-        return self.G if self.A is None else sparse.vstack([self.G, self.A], format="csc")
+    def matrices(self, dense: bool, upper: bool = False) -> tuple[Any, Any, Any, Array | None]:
+        """P, or its upper half, G, A and b, dense in C order or sparse by columns; A and b are None without joints."""
+        made = _dense if dense else _matrix
+        P = made(len(self.q), *(_upper(*self.objective) if upper else self.objective))
+        G = made(len(self.h), *self.bounds)
+        if not len(self.b):
+            return P, G, None, None
+        A = made(len(self.q), *self.joints).T
+        return P, G, A.copy() if dense else A.tocsc(), self.b
 
     def limits(self, least: float) -> tuple[Array, Array]:
-        """Of the constraints' rows, from below and above; `least` for those of G, which have none from below."""
-        return np.concatenate([np.full(len(self.h), least), self.b]), np.concatenate([self.h, self.b])
-
-    def matrices(self, dense: bool) -> tuple[Any, Any, Any, Array | None]:
-        """P, G, A and b, dense in C order or sparse; A and b are None without joints."""
-        b = None if self.A is None else self.b
-        if not dense:
-            return self.P, self.G, self.A, b
-        A = None if self.A is None else self.A.toarray(order="C")
-        return _dense(*self.objective, len(self.q)), _dense(*self.bounds, len(self.h)), A, b
-
-    def dense(self) -> tuple[Array, Array]:
-        """P, and G above A."""
-        P, G, A, _ = self.matrices(dense=True)
-        return P, G if A is None else np.vstack([G, A])
+        """Of the rows of G above A, from below and above; `least` for those of G, which have none from below."""
+        upper = np.concatenate([self.h, self.b]) if len(self.b) else self.h
+        lower = np.full(len(upper), least)
+        lower[len(self.h) :] = self.b
+        return lower, upper
 
     def multipliers(self, impulse: Array) -> Array:
         """Scaled multipliers of G that make about these planar impulses, for a warm start; the friction bias is ignored."""
-        impulse = impulses(impulse, self.program.contacts)
-        n, slip = impulse[:, 0], impulse[:, 1] / np.where(self.program.friction > 0, self.program.friction, 1.0)
+        impulse, mu = impulses(impulse, self.contacts), self.law[1]
+        n, slip = impulse[:, 0], impulse[:, 1] / np.where(mu > 0, mu, 1.0)
         z = np.zeros(len(self.h))
         z[: 2 * len(n)] = np.maximum(np.column_stack([n + slip, n - slip]).ravel() / 2, 0.0)
         return z / self.unit
@@ -113,9 +101,16 @@ class ScaledProgram:
     ) -> Answer:
         """The answer of scaled multipliers, of which the first belong to G; None where the library returned nothing."""
         nothing = z is None or not len(z)
-        impulse = np.zeros(self.program.contacts) if nothing else self.program.impulse(self.unit * z[: len(self.h)])  # type: ignore[index]
+        impulse = np.zeros(self.contacts) if nothing else multiplied(*self.law, self.unit * z[: len(self.h)])  # type: ignore[index]
         work = {} if iterations is None else {"iterations": iterations}
         return Answer(impulse, Status.SOLVED if solved else Status.FAILED, work, detail=detail, clock=clock)
+
+
+def stacked(*matrices: Any) -> Any:
+    """One above the other, without those that are None."""
+    first, *others = (matrix for matrix in matrices if matrix is not None)
+    together = np.vstack if isinstance(first, np.ndarray) else partial(sparse.vstack, format="csc")
+    return together([first, *others]) if others else first
 
 
 def scaled_program(problem: FrictionProblem, from_free: bool = False) -> ScaledProgram:
@@ -124,81 +119,75 @@ def scaled_program(problem: FrictionProblem, from_free: bool = False) -> ScaledP
     from_free: x* as above, for libraries that stop by a duality gap; otherwise x* = 0. First-order methods start from x^ = 0
     and regularised ones are drawn to it, and rest is nearer to most answers than free motion.
     """
-    program = problem.qp() if problem.dimension == 2 else problem.cone()
-    objective, bounds, mu, b_f = program.objective, program.bounds, program.friction, program.friction_bias
+    law = _SECTIONS[problem.dimension], problem.friction, bias_of_size(problem)
+    rows = *problem.contact_rows, *problem.mass_rows, *problem.joint_rows
+    motion = problem.free_velocity, problem.offset, problem.joint_bias
     moving = problem.scale, problem.q, problem.relaxation_units
-    q, h, b = program.q, program.h, program.b
-    if from_free:
-        q, h, free = _from_free(q, h, *bounds, problem.free_velocity, problem.q, b_f)
-        b = b - program.A @ free if len(b) else b
-    D, P, q, G, h, unit, theta, share = _scaled(*objective, q, *bounds, h, *moving, mu, b_f)
-    A, joint = _joints(program, D)
-    # a copy, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
-    P = Rows(objective.start, objective.column.copy(), P)
-    return ScaledProgram(program, P, q, Rows(bounds.start, bounds.column, G), h, A, b * joint / theta, unit, share)
+    fields: tuple[Any, ...] = _scaled(*rows, *motion, *law, *moving, from_free)
+    return ScaledProgram(law, *fields)
 
 
-def _matrix(columns: Rows, rows: int) -> sparse.csc_matrix:
-    return sparse.csc_matrix((columns.value, columns.column, columns.start), shape=(rows, len(columns.start) - 1))
-
-
-def _joints(program: Program, D: Array) -> tuple[sparse.csc_matrix | None, Array]:
-    """A^, and E_A (nj,); None where there are no joints."""
-    if not len(program.b):
-        return None, np.ones(0)
-    start, column, value = program.joints
-    value, row = value * D[column], row_of_entry(start)
-    length = np.sqrt(np.bincount(row, value**2, len(program.b)))
-    joint = 1 / np.where(length > 0, length, 1.0)
-    return sparse.csr_matrix((value * joint[row], column, start), shape=(len(length), len(D))).tocsc(), joint
-
-
-@kernel
-def _from_free(q, h, start, row, value, velocity, contact_velocity, friction_bias):  # type: ignore[no-untyped-def]
-    """q + P x*, which is 0 on velocities, h - G x* and x*: the free velocity, and the free tangential velocity of each contact
-    with a friction bias."""
-    nv, d, at = len(velocity), len(contact_velocity) // len(friction_bias), len(velocity)
-    linear, bounds, free = q.copy(), h.copy(), np.empty(len(q))
-    linear[:nv], free[:nv] = 0.0, velocity
-    for i in range(len(friction_bias)):
-        if friction_bias[i] > 0:
-            square = 0.0
-            for a in range(1, d):
-                square += contact_velocity[i * d + a] ** 2
-            free[at] = np.sqrt(square)
-            at += 1
-    for v in range(len(free)):
-        for k in range(start[v], start[v + 1]):
-            bounds[row[k]] -= value[k] * free[v]
-    return linear, bounds, free
+def _matrix(rows: int, start: Index32, row: Index32, value: Array) -> sparse.csc_matrix:
+    return sparse.csc_matrix((value, row, start), shape=(rows, len(start) - 1))
 
 
 @kernel
 def _scaled(  # type: ignore[no-untyped-def]
-    p_start, p_row, p_value, q, g_start, g_row, g_value, h, scale, contact_velocity, units, friction, friction_bias
-):
-    """D, the values of P^, q^, the values of G^, h^, the unit of the multipliers, theta and share."""
-    weight = 1 / np.where(friction > 0, np.minimum(1.0, np.maximum(LEAST_FRICTION, friction)), 1.0)
+    start, column, J, m_start, m_column, m_value, f_start, f_column, f_value, free, offset, f_bias, section, mu, b_f,
+    scale, contact_velocity, units, from_free,
+):  # fmt: skip
+    """The fields of ScaledProgram but for the law."""
+    p_start, q, g_start, g_row, g_value, h = matrices(
+        start, column, J, m_start, m_column, m_value, free, offset, mu, b_f, section
+    )
+    nv, d, at, x = len(free), offset.shape[1], len(free), np.zeros(len(q))
+    if from_free:
+        q[:nv], x[:nv] = 0.0, free
+        for i in range(len(mu)):
+            if b_f[i] > 0:
+                x[at] = length(contact_velocity[i * d + 1 : i * d + d], 0, d - 1)
+                at += 1
+        for v in range(len(x)):
+            for k in range(g_start[v], g_start[v + 1]):
+                h[g_row[k]] -= g_value[k] * x[v]
+    weight = 1 / np.where(mu > 0, np.minimum(1.0, np.maximum(LEAST_FRICTION, mu)), 1.0)
     theta, share = size_and_share(scale, contact_velocity, units, weight)
-    wide = scale[friction_bias > 0]  # of the contacts that have a second block of rows, and a variable
+    wide = scale[b_f > 0]  # of the contacts that have a second block of rows, and a variable
     root = np.sqrt(np.append(scale, wide))  # 1/E
-    m, D = len(h) // len(root), np.ones(len(q))
-    P, G, linear = np.empty(len(p_value)), np.empty(len(g_value)), np.empty(len(q))
-    for v in range(len(q)):
+    m, D, P = len(section), np.ones(len(q)), np.empty(len(m_value))
+    for v in range(nv):
         for k in range(p_start[v], p_start[v + 1]):
-            if p_row[k] == v:
-                D[v] = 1 / np.sqrt(p_value[k])
-    D[len(q) - len(wide) :] = root[len(scale) :]
+            if m_column[k] == v:
+                D[v] = 1 / np.sqrt(m_value[k])
+    D[nv:] = root[len(scale) :]
     for j in range(len(q)):
-        linear[j] = D[j] * q[j] / theta
+        q[j] = D[j] * q[j] / theta
         for k in range(p_start[j], p_start[j + 1]):
-            P[k] = p_value[k] * D[j] * D[p_row[k]]
+            P[k] = m_value[k] * D[j] * D[m_column[k]]
         for k in range(g_start[j], g_start[j + 1]):
-            G[k] = g_value[k] * D[j] * (1 / root[g_row[k] // m])
-    right, unit = np.empty(len(h)), np.empty(len(h))
+            g_value[k] = g_value[k] * D[j] * (1 / root[g_row[k] // m])
+    unit = np.empty(len(h))
     for i in range(len(h)):
-        right[i], unit[i] = h[i] / root[i // m] / theta, theta / root[i // m]
-    return D, P, linear, G, right, unit, theta, share
+        h[i], unit[i] = h[i] / root[i // m] / theta, theta / root[i // m]
+    A, b = _joints(f_start, f_column, f_value, f_bias, D, x, theta)
+    # a copy, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
+    return (p_start, m_column.copy(), P), q, (g_start, g_row, g_value), h, (f_start, f_column, A), b, unit, share
+
+
+@part
+def _joints(start, column, value, bias, D, x, theta):  # type: ignore[no-untyped-def]
+    """The values of A^, its rows of unit length, and b^."""
+    scaled, b = value * D[column], np.empty(len(bias))
+    for j in range(len(bias)):
+        left, square = -bias[j], 0.0
+        for k in range(start[j], start[j + 1]):
+            left -= value[k] * x[column[k]]
+            square += scaled[k] ** 2
+        unit = 1 / np.sqrt(square) if square > 0 else 1.0
+        b[j] = left * unit / theta
+        for k in range(start[j], start[j + 1]):
+            scaled[k] *= unit
+    return scaled, b
 
 
 @kernel
@@ -216,7 +205,7 @@ def _upper(start, row, value):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _dense(start, row, value, rows):  # type: ignore[no-untyped-def]
+def _dense(rows, start, row, value):  # type: ignore[no-untyped-def]
     """A matrix by columns, dense in C order."""
     dense = np.zeros((rows, len(start) - 1))
     for j in range(len(start) - 1):

@@ -153,14 +153,19 @@ def test_share_of_the_dense_lcp_bounds_every_contacts_residual() -> None:
 
 def test_whitened_rows_make_the_scaled_delassus_form() -> None:
     for problem in (spatial(5), scene("stack", blocks=2, push=1.0).problem()):
-        (_, J, v, b), dense = MuJoCo().form(problem), scaled_delassus(problem, (0, 1, 2))
+        (_, J, v, b, (counts, begins, columns, values)), dense = MuJoCo().form(problem), scaled_delassus(problem, (0, 1, 2))
         d, own = problem.dimension, np.arange(3 * problem.contacts) % 3 < problem.dimension
         assert (J @ J.T)[np.ix_(own, own)] == pytest.approx(dense.W[np.ix_(own, own)], abs=1e-12), d
         assert J @ v + b == pytest.approx(dense.q, abs=1e-12)
+        compressed = np.zeros_like(J)
+        compressed[np.repeat(np.arange(len(J)), counts), columns] = values
+        assert np.array_equal(compressed, J)
+        assert np.array_equal(begins, np.cumsum(counts) - counts)
+        assert np.array_equal(counts, np.repeat(counts[::3], 3))
 
 
 @pytest.mark.parametrize("spec", ["mujoco", "casadi[method=ipopt]"])
-def test_matrices_are_compressed_in_setup(spec) -> None:
+def test_matrices_are_compressed_before_the_solve(spec) -> None:
     (info, solver), problem = find(spec), EASY["two boxes"]
     if info.missing:
         pytest.skip(info.missing)
