@@ -1,1 +1,1 @@
-"""Figures, the HTML page, paper figures and tables: made from a results folder, without running anything again."""
+"""Figures, the HTML page, and figures and tables for papers, made from a results folder without running anything again."""

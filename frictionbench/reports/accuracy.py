@@ -1,21 +1,21 @@
 """Time to equal achieved accuracy, the measure of speed by which reports rank solvers.
 
-For a problem and a solver (a label, see reports.run) it is the least median time over all tolerances of the solver at which the
-*verified* residual is within the target; whether the solver claimed a solution has no influence. The time is a
-RankBy. A problem not solved is charged the time limit. A class of problems is summarised by the shifted geometric mean (H.
+For a problem and a solver (a label, see reports.run) it is the least median time over the solver's tolerances at which the
+*verified* residual is within the target. Whether the solver claimed a solution has no influence. RankBy defines which times are
+compared. A problem not solved is charged the time limit. A class of problems is summarised by the shifted geometric mean (H.
 Mittelmann's benchmarks) with the weights w of the problems
 
     exp(sum w log(t + s)) - s,     s = 1e-5 s,
 
-where s is about the cost of one call, so that differences below it have little weight. So that no scene decides a mean by its
-number of problems, the problems of one scene, one decade of contacts and one dimension are a stratum, and each stratum has the
-same weight, which its problems share: with S strata a problem of a stratum of n problems has the weight w = 1 / (S n). Shares,
-profiles and percentiles have these weights too. n_eff = 1 / sum w^2 (Kish 1965) is the number of problems of equal weight whose
-mean is as certain. A solver that was skipped on a whole class has no mean there; one that was skipped on some of its problems
-is charged for these. Over all problems of the plane, and over all of space, the solvers are compared on the same problems, so
-that every problem skipped counts as not solved.
+where s is about the cost of one call, so that differences below it have little influence. So that no scene dominates a mean by
+its number of problems, the problems of one scene, one decade of contacts and one dimension form a stratum, and all strata have
+the same weight, which their problems share: with S strata, a problem in a stratum of n problems has the weight w = 1 / (S n).
+Shares, profiles and percentiles use the same weights. n_eff = 1 / sum w^2 (Kish 1965) is the number of problems of equal weight
+whose mean has the same variance. A solver that was skipped on a whole class has no mean there; one that was skipped on some of
+its problems is charged for these. Over all problems in the plane, and over all in space, solvers are compared on the same
+problems, so that every skipped problem counts as not solved.
 
-A solver of single precision is ranked only at the targets for which it was asked: no tighter one is a failure of the method.
+A single-precision solver is ranked only at the targets for which it was asked; others are no failures of the method.
 """
 
 from collections.abc import Sequence
@@ -29,10 +29,10 @@ from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.results.cells import repeats
 from frictionbench.results.conventions import RankBy, law
 
-TARGETS = (1e-4, 1e-6, 1e-8)  # two decades apart: from the accuracy of real-time simulation to that of reference solutions
+TARGETS = (1e-4, 1e-6, 1e-8)  # from the accuracy of real-time simulation to that of reference solutions
 LEVELS = {"p50": 0.5, "p99": 0.99, "worst": 1.0}
-HUNDRED = 100  # problems, of which the 99th percentile leaves out one
-OVERALL = {2: "in the plane", 3: "in space"}  # the classes of all problems of a dimension
+HUNDRED = 100  # problems: the least number for which the 99th percentile is not the maximum
+OVERALL = {2: "in the plane", 3: "in space"}  # the class of all problems of a dimension
 Array = NDArray[np.float64]
 SHIFT = 1e-5  # s, about the cost of calling a solver
 
@@ -49,7 +49,7 @@ class Profile(NamedTuple):
 
 
 def targets(rows: pd.DataFrame) -> tuple[float, ...]:
-    """The targets from the tightest to the loosest tolerance of a run; where there are none, the tightest that it reaches.
+    """Return the targets within the range of a run's tolerances or, if there is none, the tightest one that it reaches.
 
     rows: of the solves table.
     """
@@ -58,11 +58,11 @@ def targets(rows: pd.DataFrame) -> tuple[float, ...]:
 
 
 def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES) -> pd.DataFrame:
-    """A row per problem and label: class, stratum, dimension, reached, charged (s), and form_time, setup_time, solve_time, time
-    (s), work and repeats (s) where reached; unjudgeable: not reached, and some answer is within the target or its own rounding
-    errors, so that it cannot be told.
+    """Return a row per problem and label: class, stratum, dimension, reached, charged (s), and if reached form_time,
+    setup_time, solve_time, time (s), work and repeats (s). unjudgeable: not reached, but some answer is within the target or
+    within its own rounding error, so that reaching the target cannot be decided.
 
-    rows: annotated rows of the solves table, those of problems that are not ranked left out.
+    rows: annotated rows of the solves table for ranked problems.
     """
     pair = ["problem_id", "label"]
     asked = rows[measured(rows)].groupby("label")["tol"].min()
@@ -87,10 +87,10 @@ def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES)
 
 
 def summary(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per class and label, and per label over all of the plane and of space: problems, reached (how many within the
-    target), solved (the same in words), share and mean (s), both weighted, the medians of form, setup and solve (s) over the
-    problems reached, written: the share of form, and law: what the label solves in place of Coulomb's law; there is no mean for
-    another law where not all is solved."""
+    """Return a row per class and label, including the classes of OVERALL: problems, reached (the number within the target),
+    solved (the same as text), share and mean (s), both weighted, the medians of form, setup and solve (s) over the problems
+    reached, written (the share of form) and law, which the label solves instead of Coulomb's law. A solver of another law has a
+    mean only if it solves all problems."""
     both = pd.concat([*overall(times).values(), times], ignore_index=True)
     both["weight"] = weights(both, ["problem_class", "label"])
     groups = both.groupby(["problem_class", "label"], sort=False)
@@ -115,12 +115,12 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
 
 
 def solved_words(reached: int, unjudgeable: int) -> str:
-    """The number solved, and those that cannot be judged: 40 + 80 unjudgeable."""
+    """Return the numbers of solved and of unjudgeable problems as text: 40 + 80 unjudgeable."""
     return f"{reached:.0f}" + (f" + {unjudgeable:.0f} unjudgeable" if unjudgeable else "")
 
 
 def share_of_form(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":
-    """The weighted mean, over the problems reached, of the share of form in form, setup and solve; by groups."""
+    """Return by groups the weighted mean, over the problems reached, of the share of form in form, setup and solve."""
     reached = times[times["reached"]]
     reached = reached.assign(weight=weights(reached, by))
     parts = reached[RankBy.BODIES.columns].fillna(0.0)
@@ -129,8 +129,8 @@ def share_of_form(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":
 
 
 def overall(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """The times by the classes OVERALL, with a row for every label on every problem that has its start and host: means, shares
-    and profiles over all problems have the same denominator."""
+    """Return the times by the classes OVERALL, with a row for every label on every problem with its start and host, so that
+    means, shares and profiles over all problems have the same denominator."""
     return {
         name: _completed(times[times["dimension"] == d], name) for d, name in OVERALL.items() if (times["dimension"] == d).any()
     }
@@ -153,7 +153,7 @@ def _completed(times: pd.DataFrame, name: str) -> pd.DataFrame:
 
 
 def profiles(times: pd.DataFrame, cost: str = "charged", *, relative: bool = True) -> dict[str, Profile]:
-    """The profile of each label. times: one of `overall`. relative: each cost over the least of any label on the problem."""
+    """Return the profile of each label. times: one of `overall`. relative: whether costs are divided by the problem's least."""
     least = (
         times[times["reached"]].groupby("problem_id")[cost].min() if relative else pd.Series(1.0, times["problem_id"].unique())
     )
@@ -164,11 +164,11 @@ def profiles(times: pd.DataFrame, cost: str = "charged", *, relative: bool = Tru
 
 
 def percentiles(times: pd.DataFrame, budget: float | None = None, *, weighted: bool = True) -> pd.DataFrame:
-    """A row per label: the times within which half and 99 % of the problems are solved (p50, p99) and the longest (worst), s,
-    infinite if not solved; p99 is nan below HUNDRED problems, where it would be the longest; within: the share solved within
-    the budget, s, nan without one.
+    """Return a row per label: the times within which half and 99 % of the problems are solved (p50, p99) and the longest
+    (worst), s, infinite if not solved; p99 is NaN below HUNDRED problems, where it would be the longest. within: the share
+    solved within the budget (s), NaN without one.
 
-    times: one of `overall`, or of the steps of one motion. weighted: by the weights above; else each problem counts the same.
+    times: one of `overall`, or the steps of one motion. weighted: whether by the weights above or with equal weights.
     """
     cost = times["charged"].where(times["reached"], np.inf).to_numpy()
     weight = weights(times, ["label"]).to_numpy() if weighted else np.ones(len(times))
@@ -182,46 +182,46 @@ def percentiles(times: pd.DataFrame, budget: float | None = None, *, weighted: b
 
 
 def in_order(table: pd.DataFrame) -> pd.DataFrame:
-    """A table of `percentiles` in the order of p99, or where there is none of the longest time."""
+    """Sort a table of `percentiles` by p99, or by the longest time where there is no p99."""
     return table.sort_values(["p99", "worst", "p50"], kind="stable")
 
 
 def shown_levels(table: pd.DataFrame) -> list[str]:
-    """The percentiles that a table of them has: p99 only where some row has one."""
+    """Return the names of the percentiles that a table shows: p99 only if some row has it."""
     return [name for name in LEVELS if name != "p99" or table["p99"].notna().any()]
 
 
 def decade(contacts: "pd.Series[float]") -> "pd.Series[int]":
-    """The exponent of each number's decade: 1 for up to 10 contacts, 2 for 11 to 100, and so on."""
+    """Return the exponent of each number's decade: 1 for up to 10 contacts, 2 for 11 to 100, and so on."""
     return np.ceil(np.log10(contacts.fillna(0).clip(lower=1))).clip(lower=1).astype(int)
 
 
 def strata(rows: pd.DataFrame) -> "pd.Series[str]":
-    """The name of each row's stratum. rows: with scene, contacts and dimension."""
+    """Return the name of each row's stratum. rows: with columns scene, contacts and dimension."""
     size, dimension = decade(rows["contacts"]).astype(str), rows["dimension"].fillna(0).astype(int).astype(str)
     return rows["scene"] + " 1e" + size + " d" + dimension
 
 
 def weights(rows: pd.DataFrame, by: Sequence[str] = ()) -> "pd.Series[float]":
-    """The weight of each row, a problem's, within each group of rows with equal values of the columns `by`; each group has the
-    sum 1. rows: with the column stratum."""
+    """Return the weight of each row, which is a problem's, within its group by the columns `by`. The weights of each group have
+    the sum 1. rows: with the column stratum."""
     keys = [rows[name] for name in by] or [pd.Series(0, index=rows.index)]
     in_stratum = rows.groupby([*keys, rows["stratum"]], sort=False)["stratum"].transform("size")
     return 1 / (in_stratum * rows["stratum"].groupby(keys, sort=False).transform("nunique"))
 
 
 def effective(weight: Array) -> float:
-    """The number of problems of equal weight whose mean is as certain; 0 for none."""
+    """Return n_eff as defined above, 0 without problems."""
     return float(weight.sum() ** 2 / (weight**2).sum()) if len(weight) else 0.0
 
 
 def shifted_geometric_mean(times: Array | pd.Series, weight: Array | pd.Series | None = None) -> float:
-    """exp(sum w log(t + s)) - s of times in s, s = 1e-5 s; nan of none. weight: equal by default."""
+    """Return exp(sum w log(t + s)) - s of times t in seconds, s = 1e-5 s; NaN without times. weight: equal by default."""
     return float(np.exp(np.average(np.log(np.asarray(times) + SHIFT), weights=weight)) - SHIFT) if len(times) else np.nan
 
 
 def quantile(values: Array, weight: Array, level: float) -> float:
-    """The least value that the share `level` of the weight does not exceed (nearest rank); nan of none."""
+    """Return the least value that the share `level` of the weight does not exceed (nearest rank); NaN without values."""
     if not len(values):
         return np.nan
     order = np.argsort(values, kind="stable")

@@ -1,8 +1,8 @@
 """A motion as one self-contained HTML page: the bodies, the impulses in their friction cones, and the energy balance.
 
 The page holds the motion as JSON and a short script that draws it (templates/animation.js), and loads nothing. Names may come
-from an untrusted source: text is escaped, "<" does not occur in the JSON, and the page's security policy allows this script
-only, by its hash.
+from an untrusted source. Therefore text is escaped, the JSON contains no "<", and the page's security policy allows only this
+script, by its hash.
 """
 
 from pathlib import Path
@@ -14,7 +14,7 @@ from frictionbench.reports.templates import as_json, environment
 from frictionbench.results.files import write_text
 from frictionbench.results.motion import Array, Motion, Outline, plain
 
-MOST_NUMBERS = 250_000  # on a page, which makes it about 2 MB
+MOST_NUMBERS = 250_000  # numbers on a page, which is then about 2 MB
 DIGITS = 5  # significant digits of each number, finer than a pixel
 MARGIN = 0.1  # around the motion, relative to its size
 
@@ -28,8 +28,8 @@ def write_animation(motion: Motion, path: Path) -> Path:
 
 
 def _data(motion: Motion) -> dict[str, Any]:
-    """The data that the script draws: every frame, or every k-th frame of a long motion, with the contacts of the step between
-    two frames that has the largest impulses, so that every impact is shown."""
+    """Return the data that the script draws: every frame, or every k-th frame of a long motion. Between two frames the contacts
+    of the step with the largest impulses are shown, so that no impact is missed."""
     n = len(motion.times)
     numbers = motion.poses.size + 8 * n + sum(contacts.size for contacts in motion.contacts)
     every = -(-numbers // MOST_NUMBERS)
@@ -54,7 +54,7 @@ def _data(motion: Motion) -> dict[str, Any]:
 
 
 def _size(motion: Motion) -> float:
-    """The length for the arrows, m: the size of a body or, if the bodies are few and small, a share of the picture's size."""
+    """Return the length for the arrows, m: a body's size or, if bodies are few and small, a share of the picture's size."""
     left, bottom, right, top = _view(motion)
     sizes = [float(np.ptp(outline.corners, axis=0).max()) + 2 * outline.radius for outline in _moving(motion)]
     return max(float(np.median(sizes)) if sizes else 0.0, max(right - left, top - bottom) / (motion.poses.shape[1] + 2))
@@ -65,8 +65,8 @@ def _moving(motion: Motion) -> list[Outline]:
 
 
 def _view(motion: Motion) -> Array:
-    """The bounding box (left, bottom, right, top) of all moving bodies over the whole motion, with a margin; in space the
-    square about their centre, whatever the direction from which they are seen."""
+    """Return the bounding box (left, bottom, right, top) of all moving bodies over the whole motion, with a margin. In space it
+    is a square about their centre that holds them for every viewing direction."""
     if motion.dimension == 3:
         reach = _reach(motion) + float(np.linalg.norm(motion.poses[..., :3] - _centre(motion), axis=2).max(initial=0.0))
         return (1 + MARGIN) * reach * np.array([-1.0, -1.0, 1.0, 1.0])
@@ -79,11 +79,11 @@ def _view(motion: Motion) -> Array:
 
 
 def _centre(motion: Motion) -> Array:
-    """The middle (d,) of all places of all bodies."""
+    """Return the centre (d,) of the bounding box of all bodies' positions."""
     places = motion.poses[..., : motion.dimension].reshape(-1, motion.dimension)
     return (places.min(axis=0) + places.max(axis=0)) / 2 if len(places) else np.zeros(motion.dimension)
 
 
 def _reach(motion: Motion) -> float:
-    """The largest distance of a body's point from its centre, m."""
+    """Return the largest distance of a body's point from its origin, m."""
     return max((float(np.linalg.norm(o.corners, axis=1).max()) + o.radius for o in _moving(motion)), default=0.0)

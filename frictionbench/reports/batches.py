@@ -1,7 +1,7 @@
 """The report of a run of batches: the rates of many small problems on one self-contained page.
 
-A rate is shown only where it says something. It is refused, with the reason, where problems have no contacts, where friction is
-not needed in any of them or no contact carries load, and where not every answer has a verified residual within the tolerance.
+A rate is shown only if it is meaningful. The reason is shown instead if problems have no contacts, if none of them needs
+friction or no contact carries load, or if some answer has no verified residual within the tolerance.
 """
 
 from pathlib import Path
@@ -36,12 +36,12 @@ METHOD = (  # how the figures were measured, in words for reports
 
 
 def has_batches(folder: Path) -> bool:
-    """Whether a folder holds a run of batches, which have no problems besides. Errors: ResultsError where it holds no run."""
+    """Return whether a folder holds a run of batches, which has no other problems. Errors: ResultsError if it holds no run."""
     return bool(read_manifest(folder)["settings"].get("batches"))
 
 
 def write_batches(folder: Path) -> Path:
-    """Write DIR/report.html; return its path. Errors: ResultsError where the folder holds no run of batches."""
+    """Write DIR/report.html; return its path. Errors: ResultsError if the folder holds no run of batches."""
     manifest: dict[str, Any] = read_manifest(folder)
     tables = rate_tables(read_table(folder, "batches"))
     path = folder / "report.html"
@@ -52,7 +52,7 @@ def write_batches(folder: Path) -> Path:
 
 
 class RateTable(NamedTuple):
-    """The rates of the same problems, to one tolerance: a title, what the problems are, and rows of texts below HEADER."""
+    """The rates for one set of problems and one tolerance: a title, a description of the problems, and rows below HEADER."""
 
     title: str
     told: str
@@ -60,7 +60,7 @@ class RateTable(NamedTuple):
 
 
 def rate_tables(rows: pd.DataFrame) -> list[RateTable]:
-    """The tables of the rows of batches, in their order; cells without a result are refused by their reason."""
+    """Return the tables for the rows of batches, in their order. Cells without a result show the reason."""
     found = []
     for (scene, parameters, tol), own in rows.groupby(["scene", "parameters", "tol"], sort=False):
         ran, (title, told) = own[own["contacts"].notna()], ("not run", "")
@@ -77,8 +77,8 @@ def rate_tables(rows: pd.DataFrame) -> list[RateTable]:
 
 
 def rate_of(row: dict[str, Any]) -> list[str]:
-    """The texts of a row of the table of batches, as METHOD says; a dash where nothing was measured, and only the reason where
-    its rate is refused."""
+    """Return the entries of a row of a table of batches, as METHOD describes, or the reason and a dash instead of the rate and
+    the ratio."""
     other = law(row["model"] or "coulomb", row["dimension"])
     names = [f"{row['variant']} ({other})" if other else str(row["variant"]), str(row["way"]), str(row["start"])]
     times, singles = (_seconds(row[name]) for name in ("times", "base_times"))
@@ -88,7 +88,7 @@ def rate_of(row: dict[str, Any]) -> list[str]:
 
 
 def refusal(row: dict[str, Any]) -> str:
-    """Why the rate of a row says nothing; empty where it does."""
+    """Return why the rate of a row is not meaningful, or an empty text."""
     if pd.isna(row["verified"]):
         return f"{row['verdict']}: {row['reason']}" if row["reason"] else str(row["verdict"])
     if not row["contacts"] > 0:
@@ -103,6 +103,6 @@ def refusal(row: dict[str, Any]) -> str:
 
 
 def _seconds(values: Any) -> np.ndarray:
-    """The positive, finite ones of a list of times; none for no list."""
+    """Return the positive, finite entries of a list of times; none if the value is not a list."""
     times = np.asarray([] if values is None or np.ndim(values) != 1 else values, dtype=float)
     return times[np.isfinite(times) & (times > 0)]

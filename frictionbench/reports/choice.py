@@ -1,19 +1,18 @@
-"""Which solver to choose: for each kind of problem the solvers in the order of their mean time to a target, and how certain the
-first of them is.
+"""Which solver to choose: for each kind of problem, the solvers ordered by their mean time to a target, and the confidence in
+the first place.
 
 The mean is the weighted shifted geometric mean of reports.accuracy, with problems not solved charged the time limit (PAR1).
 Only solvers that ran on every problem of the kind are compared; plane and space are different kinds. A solver of another law
-has a mean only if it solves every problem, because the charge would say nothing about its speed; those without a mean come
-last.
+has a mean only if it solves every problem, because a charge would not reflect its speed. Solvers without a mean come last.
 
-The lead is the mean of the second solver over that of the first. Its interval holds 95 % of DRAWS bootstrap samples. A sample
-draws scenes with replacement, because problems of one scene are similar, and of robots' steps the models; of each drawn scene
-its problems, stratum by stratum; and of each cell its repeats, whose median is its time. In each sample the lead is over the
-best of the RIVALS next solvers, whichever that is. The first is called the winner only where the interval excludes 1; of too
-few problems there is no interval.
+The lead is the mean of the second solver over that of the first. Its interval contains 95 % of DRAWS bootstrap samples. A
+sample draws, with replacement, scenes (for robots' steps, models), because problems of one scene are similar; then the problems
+of each drawn scene, stratum by stratum; then the repeats of each cell, whose median is its time. In each sample the lead is
+over the best of the RIVALS next solvers, whichever that is. The first solver is called the winner only if the interval excludes
+1. With too few problems there is no interval.
 
-Beside the mean stand the share solved, on how many problems a solver is the fastest, and its mean over the problems that all
-solvers with a mean solve, in which no charge counts. `headline` says it in sentences.
+Also shown are the share solved, the number of problems on which a solver is the fastest, and its mean over the problems that
+all solvers with a mean solve, in which nothing is charged. `headline` puts this into sentences.
 """
 
 from collections.abc import Collection, Mapping
@@ -30,9 +29,9 @@ from frictionbench.results.hardness import ILL
 
 SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
 DRAWS = 1000  # bootstrap samples: 25 of them lie beyond each end of an interval
-MEDIANS = 32  # resampled medians of the repeats of a cell, of which each sample takes one
-RIVALS = 4  # solvers after the first that may be the best of a sample
-FEW = 5  # problems, by n_eff; of so few the bootstrap gives no meaningful interval
+MEDIANS = 32  # resampled medians of the repeats of a cell; each sample uses one of them
+RIVALS = 4  # solvers after the first with which it is compared in each sample
+FEW = 5  # problems, by n_eff, up to which the bootstrap gives no meaningful interval
 CHARGES = (1, 2, 10)  # time limits charged for a problem not solved: PAR1, PAR2 and PAR10
 LISTED = 8  # solvers listed for a kind of problem
 GLOSS = {
@@ -42,10 +41,10 @@ GLOSS = {
 
 
 class Place(NamedTuple):
-    """A solver in an order. law: what it solves in place of Coulomb's law. reached, unjudgeable: problems solved to the target,
-    and those in which rounding leaves it open. fastest: problems on which no solver is faster. mean, p50, p99, worst: times in
-    s; common: the mean over the problems that all solvers with a mean solve. written: the share of form in its time. within:
-    the share of the problems solved within the budget."""
+    """A solver's place in an order. law: what it solves instead of Coulomb's law. reached, unjudgeable: numbers of problems
+    solved to the target, and of those in which rounding leaves it open. fastest: number of problems on which no solver is
+    faster. mean, p50, p99, worst: times, s; common: the mean over the problems that all solvers with a mean solve. written: the
+    share of form in its time. within: the share of problems solved within the budget."""
 
     label: str
     law: str
@@ -66,9 +65,9 @@ class Place(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """The solvers that ran on all problems of a kind, the fastest first. common: how many problems all with a mean solve.
-    outside: how many of the solvers of Coulomb's law are from outside libraries. interval: of the lead, None where the problems
-    are too few. orders: the first three by each of CHARGES."""
+    """The solvers that ran on all problems of a kind, the fastest first. common: the number of problems that all solvers with a
+    mean solve. outside: the number of solvers with a mean from outside libraries. interval: that of the lead, None with too few
+    problems. orders: the first three by each of CHARGES."""
 
     places: list[Place]
     problems: int
@@ -79,20 +78,20 @@ class Choice(NamedTuple):
 
     @property
     def unclear(self) -> str:
-        """Why no winner is named, a key of GLOSS, or ""."""
+        """Why no winner is named, as a key of GLOSS, or an empty text."""
         if self.interval is None:
             return "too few to rank"
         return "no clear winner" if self.lead is not None and self.interval[0] <= 1 else ""
 
     @property
     def lead(self) -> float | None:
-        """The mean of the second over that of the first; None without a second."""
+        """The mean of the second solver over that of the first; None without a second mean."""
         second = self.places[1].mean if len(self.places) > 1 else np.nan
         return second / self.places[0].mean if np.isfinite(second) else None
 
     @property
     def tail(self) -> bool:
-        """Whether the problems are enough for a 99th percentile."""
+        """Whether there are enough problems for a 99th percentile."""
         return self.problems >= accuracy.HUNDRED
 
     @property
@@ -102,8 +101,8 @@ class Choice(NamedTuple):
 
 
 class Kind(NamedTuple):
-    """A kind of problem: its name, its number of problems, and the choice at each target that some solver reaches. first: shown
-    on the first screen. robots: how many of the problems are robots' steps."""
+    """A kind of problem: its name, its number of problems, and the choice at each target that some solver reaches. first:
+    whether it is shown on the first screen. robots: the number of problems that are robots' steps."""
 
     name: str
     problems: int
@@ -113,7 +112,7 @@ class Kind(NamedTuple):
 
 
 def _kinds(run: Run) -> list[tuple[str, set[int], set[str], bool]]:
-    """Each kind that the run has, its problems, the labels that are compared on them, and whether the first screen shows it."""
+    """Return the kinds in the run: name, problems, the labels compared on them, and whether the first screen shows it."""
     facts = run.ranked.drop_duplicates("problem_id").set_index("problem_id")
     cold, warm = (set(run.rows.loc[run.rows["start"].isin(starts), "label"]) for starts in (["", COLD], [WARM]))
     started = set(run.rows.loc[run.rows["label"].isin(warm), "problem_id"])
@@ -137,7 +136,7 @@ def _kinds(run: Run) -> list[tuple[str, set[int], set[str], bool]]:
 
 
 def choices(run: Run, among: Collection[str] | None = None) -> list[Kind]:
-    """The choice for each kind of problem. among: the labels to choose from; None for all."""
+    """Return the choice for each kind of problem. among: the labels to choose from; None for all."""
     found, robots = [], set(run.ranked.loc[run.ranked["robot"], "problem_id"])
     for name, problems, labels, first in _kinds(run):
         some = labels if among is None else labels & set(among)
@@ -150,7 +149,7 @@ def choices(run: Run, among: Collection[str] | None = None) -> list[Kind]:
 def choose(
     times: pd.DataFrame, problems: set[int], labels: set[str], budget: float | None = None, outside: Collection[str] = ()
 ) -> Choice | None:
-    """The choice for these problems among these labels; None if none of them reaches the target on any problem.
+    """Return the choice for these problems among these labels; None if none of them reaches the target on any problem.
 
     times: see reports.accuracy.times_to. budget: s. outside: the labels of outside libraries.
     """
@@ -194,10 +193,10 @@ def _table(times: pd.DataFrame, column: str) -> pd.DataFrame:
 
 
 def lead_interval(times: pd.DataFrame, charged: pd.DataFrame, problem: pd.DataFrame) -> tuple[float, float]:
-    """The ends of the 95 % interval of the lead of the first column over the best of the others.
+    """Return the ends of the 95 % interval of the lead of the first column over the best of the others.
 
-    times: with the column repeats, relative to the time of the cell. charged: s, a row per problem and a column per label.
-    problem: cluster and stratum of each row.
+    times: with the column repeats. charged: times or charges, s, with a row per problem and a column per label. problem: the
+    cluster and the stratum of each row.
     """
     random = np.random.default_rng(0)
     drawn, rows = draw_problems(problem.assign(weight=accuracy.weights(problem)), random), np.arange(len(charged))
@@ -214,21 +213,21 @@ def lead_interval(times: pd.DataFrame, charged: pd.DataFrame, problem: pd.DataFr
 
 
 def draw_problems(problem: pd.DataFrame, random: np.random.Generator) -> accuracy.Array:
-    """The weights (DRAWS, problems) of each problem in bootstrap samples of clusters and of the problems of each stratum.
+    """Return the weights (DRAWS, problems) of problems in bootstrap samples of clusters and of the problems of each stratum.
 
     problem: with cluster (see reports.run), stratum and weight.
     """
     clusters, weight = list(problem["cluster"].unique()), problem["weight"].to_numpy()
     copies = random.multinomial(len(clusters), np.full(len(clusters), 1 / len(clusters)), size=DRAWS)
     found = np.zeros((DRAWS, len(problem)))
-    for (cluster, _), at in sorted(problem.groupby(["cluster", "stratum"]).indices.items()):  # pandas gives them in any order
+    for (cluster, _), at in sorted(problem.groupby(["cluster", "stratum"]).indices.items()):  # pandas does not sort them
         drawn = random.multinomial(len(at) * copies[:, clusters.index(cluster)], np.full(len(at), 1 / len(at)))
         found[:, at] = drawn * weight[at].sum() / len(at)
     return found / found.sum(axis=1, keepdims=True)
 
 
 def _medians(repeats: object, random: np.random.Generator) -> accuracy.Array:
-    """Medians of resampled repeats, over the median of the repeats; 1 where a cell was timed once or not solved."""
+    """Return medians of resampled repeats over the median of the repeats; 1 if a cell was timed once or not solved."""
     if not isinstance(repeats, np.ndarray) or len(repeats) < 2:
         return np.ones(MEDIANS)
     drawn = np.median(random.choice(repeats, size=(MEDIANS, len(repeats))), axis=1)
@@ -236,7 +235,7 @@ def _medians(repeats: object, random: np.random.Generator) -> accuracy.Array:
 
 
 def headline(ranked: Mapping[RankBy, list[Kind]], target: float) -> list[str]:
-    """Sentences for each kind of the first screen. ranked: the choices by each ranking; target: the finest."""
+    """Return sentences for each kind on the first screen. ranked: the choices by each ranking; target: the tightest."""
     found = {by: {kind.name: kind for kind in kinds} for by, kinds in ranked.items()}
     names = [kind.name for kind in next(iter(ranked.values()), []) if kind.first]
     return [_headline({by: kinds[name] for by, kinds in found.items()}, target) for name in names]
@@ -257,7 +256,8 @@ def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
 
 
 def dependable(choice: Choice) -> str:
-    """The solver that solves most, the fastest of these; among which it is so; and the best single method if it is none."""
+    """Return a sentence on the solver that solves most, the fastest among equals, on those compared, and on the best single
+    method if it is a portfolio."""
     exact = [place for place in choice.places if not place.law]
     if not exact:
         return "no solver of Coulomb's law ran on all of them"
@@ -281,7 +281,7 @@ def dependable(choice: Choice) -> str:
 
 
 def _speed(by: RankBy, choice: Choice) -> str:
-    """The first by its mean, the share of form in it, and its lead; or why it is not called the winner."""
+    """Return a sentence on the first solver: its mean, the share of form in it, its lead, and why it is no winner, if so."""
     best = choice.places[0]
     name = f"{best.label} ({best.law})" if best.law else best.label
     form = f" ({percent(best.written)} of it is form)" if by is RankBy.BODIES else ""
@@ -294,6 +294,6 @@ def _speed(by: RankBy, choice: Choice) -> str:
 
 
 def _charges(choice: Choice) -> str:
-    """Which other charges for a problem not solved change the order of the first three."""
+    """Return a sentence on the charges for unsolved problems that change the first three, or an empty text."""
     changed = [f"by PAR{charge} {', '.join(order)}" for charge, order in choice.orders.items() if order != choice.orders[1]]
     return f" Other charges for what is not solved change the first three: {'; '.join(changed)}." if changed else ""

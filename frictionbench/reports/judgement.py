@@ -1,6 +1,6 @@
-"""The page on an engine's judged steps: percentiles, the laws, the solvers beside, and the worst steps with their forces.
+"""The page on an engine's judged steps: percentiles, violated laws, results of solvers, and the worst steps with their forces.
 
-It is one self-contained file, made from DIR/judgement.json and the table of solves alone. All text of the files is escaped.
+It is one self-contained file, made only from DIR/judgement.json and the table of solves. All text from these files is escaped.
 """
 
 from functools import partial
@@ -18,15 +18,15 @@ from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
 from frictionbench.results.judgement import AMONG, LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
 
-MOST = 12  # steps in the table of the worst
-ROUNDING = 1e-9  # of the largest component of a net impulse: smaller ones are shown as 0
-MOST_VELOCITIES = 12  # whose net impulses are shown: those of two free bodies in space
-DRAWN = 6  # of them with a picture of their forces
-LEAST = 1e-12  # m/s: where smaller violations are drawn
+MOST = 12  # worst steps in the table
+ROUNDING = 1e-9  # relative to the largest component of a net impulse: smaller ones are shown as 0
+MOST_VELOCITIES = 12  # velocities whose net impulses are shown: as many as two free bodies in space have
+DRAWN = 6  # worst steps with a picture of their forces
+LEAST = 1e-12  # m/s: smaller violations are drawn here
 
 
 def write_judgement(folder: Path) -> Path:
-    """Write DIR/judgement.html; return its path. Errors: ResultsError where the folder holds no judgement."""
+    """Write DIR/judgement.html; return its path. Errors: ResultsError if the folder holds no judgement."""
     found = read_judged(folder)
     bad = found.worst(MOST)
     by_variant = found.rows.drop_duplicates(["variant", "problem"]).set_index("problem").groupby("variant", sort=False)
@@ -54,7 +54,7 @@ def write_judgement(folder: Path) -> Path:
 
 
 def _shown(net: list[float]) -> dict[str, object]:
-    """What the page shows of a net impulse; of many velocities the first."""
+    """Return what the page shows of a net impulse, for the first MOST_VELOCITIES velocities."""
     contacts, known, alone, difference, *values = net
     engine, exact = (values[k : k + len(values) // 2][:MOST_VELOCITIES] for k in (0, len(values) // 2))
     told = "single contacts too" if alone else "the sum alone (hyperstatic)" if known else "no"
@@ -64,7 +64,7 @@ def _shown(net: list[float]) -> dict[str, object]:
 
 
 def _residuals(ax: Axes, found: list[Judgement], solved: dict[str, pd.DataFrame]) -> None:
-    """The engine's residuals step by step, and those of the solvers."""
+    """Plot the engine's residuals step by step, and those of the solvers."""
     at = np.arange(1, len(found) + 1)
     ax.plot(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, marker=".", label="the engine")
     for k, (variant, own) in enumerate(solved.items()):
@@ -88,7 +88,7 @@ def _violations(ax: Axes, found: list[Judgement]) -> None:
 
 
 def _steps(ax: Axes, measured: str) -> None:
-    """Axes and legend of what is measured step by step."""
+    """Add the axes' names and the legend to a plot over the steps."""
     ax.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     name_axes(ax, "step with contacts", measured, grid="y")
     if ax.get_legend_handles_labels()[0]:
@@ -96,7 +96,7 @@ def _steps(ax: Axes, measured: str) -> None:
 
 
 def _forces(ax: Axes, one: Judgement) -> None:
-    """Each contact's friction over what its cone allows, against its normal impulse."""
+    """Plot each contact's friction over its limit against its normal impulse."""
     normal, tangential, limit = np.array(one.forces).T
     share = tangential / np.where(limit > 0, limit, np.inf)
     ax.plot(normal, share, "o", color=COLOURS[0], ms=4)

@@ -1,5 +1,5 @@
-"""Text as LaTeX, in which no name is interpreted as a command, and the references of solvers, from references.bib in this
-folder, in which keywords name the solvers of each entry.
+"""Text as LaTeX, in which no name is interpreted as a command, and the references of solvers from references.bib in this
+folder, where the keywords of an entry name its solvers.
 """
 
 import re
@@ -17,12 +17,12 @@ _SPECIAL = str.maketrans({
     "×": r"\ensuremath{\times}", "≤": r"\ensuremath{\leq}",
 })  # fmt: skip
 _COMMANDS = "|".join(re.escape(text) for text in _SPECIAL.values() if text[0] in "\\{")
-ESCAPED = rf"(?:[^\\{{}}$&#^_~%\n]|{_COMMANDS})*"  # matches what `escaped` returns, and no text with other commands
+ESCAPED = rf"(?:[^\\{{}}$&#^_~%\n]|{_COMMANDS})*"  # matches every result of `escaped`, but no text with other commands
 ALWAYS = "all"
 
 
 def escaped(text: str) -> str:
-    """The text with LaTeX's special characters escaped, in ASCII, which every font has."""
+    """Return the text with LaTeX's special characters escaped, in ASCII, which every font contains."""
     plain = "".join(c if c.isprintable() else "?" for c in text).translate(_SPECIAL)
     if plain.isascii():
         return plain
@@ -31,7 +31,7 @@ def escaped(text: str) -> str:
 
 
 class Reference(NamedTuple):
-    """An entry of the bibliography: its key, the solvers that it belongs to, and its text."""
+    """An entry of the bibliography: its key, its solvers and its text."""
 
     key: str
     solvers: frozenset[str]
@@ -57,5 +57,5 @@ def cited(solver: str) -> list[str]:
 
 
 def bibliography(solvers: Collection[str]) -> str:
-    """The entries of these solvers, and those with the keyword ALWAYS."""
+    """Return the entries of these solvers, and those with the keyword ALWAYS."""
     return "\n".join(entry.text for entry in references() if entry.solvers & {ALWAYS, *solvers})

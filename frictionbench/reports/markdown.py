@@ -17,7 +17,7 @@ def write_markdown(folder: Path, run: Run) -> Path:
     """Write DIR/report.md; return its path."""
     path = folder / "report.md"
     parts = [*(f"{escaped(line)}\n" for line in _sentences(run)), *map(_table, printed(run)), _skipped(run)]
-    write_text(path, "\n".join(filter(None, parts)).replace("<", "&lt;"))  # it holds no HTML of our own
+    write_text(path, "\n".join(filter(None, parts)).replace("<", "&lt;"))  # the report contains no HTML
     return path
 
 

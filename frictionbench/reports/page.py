@@ -1,7 +1,7 @@
 """The report: one self-contained HTML file made from a results folder.
 
-Names and reasons in a results folder may come from an untrusted source: the template escapes all text, the page loads nothing,
-the only script that it runs is templates/page.js, by its hash, and figures are drawn without interpreting names.
+Names and reasons in a results folder may come from an untrusted source. Therefore the template escapes all text, the page loads
+nothing, the only script allowed is templates/page.js, by its hash, and names in figures are not interpreted.
 """
 
 import json
@@ -29,9 +29,9 @@ from frictionbench.results.files import write_text
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
 MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the same reason
-FEW = 8  # curves that are distinguishable in one figure
+FEW = 8  # curves that can be distinguished in one figure
 CURVES = ["times", "energies", "penetrations"]  # columns that no table shows
-MUCH_FORM = 0.2  # share of form in the time, above which the formulation by this suite may decide the rank
+MUCH_FORM = 0.2  # share of form in the time above which this suite's formulation may determine the rank
 MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent ones
 LONGEST = 6000  # characters of a description, three times the longest in this package; a plug-in's may be of any length
 
@@ -59,7 +59,7 @@ def render(page: Values) -> str:
 
 
 def view(run: Run) -> Values:
-    """What the page of a run shows; the templates know each value by its name."""
+    """Return what the page of a run shows, under the names that the templates use."""
     claims = tables.wrong_claims(run)
     scenes = set(run.rows["scene"])
     runs = [run, run.ranked_by(run.rank_by.other)]
@@ -94,7 +94,7 @@ def view(run: Run) -> Values:
 
 
 def _head(run: Run, rankings: Records) -> Values:
-    """The summary above all sections."""
+    """Return the values of the summary above all sections."""
     kinds, target = {one["by"]: one["kinds"] for one in rankings}, run.outer_targets[-1]
     return {
         "setup": tables.setting(run),
@@ -114,8 +114,8 @@ def _head(run: Run, rankings: Records) -> Values:
 
 
 def _ranked(run: Run) -> Values:
-    """All that depends on the time by which the run ranks. matrices, overall: by target, then by the classes
-    of all problems of a dimension; classes: the ranking of each class of problems."""
+    """Return all values that depend on the time by which the run ranks. matrices: by target and class of OVERALL; overall: the
+    rankings of these classes; classes: those of all other classes of problems."""
     scenes = _scenes(run)
     return {
         "by": run.rank_by,
@@ -131,20 +131,20 @@ def _ranked(run: Run) -> Values:
 
 
 def _scenes(run: Run) -> dict[str, list[str]]:
-    """The classes of problems of each dimension."""
+    """Return the classes of problems of each dimension."""
     where = run.ranked["dimension"].map(OVERALL)
     return {name: list(run.ranked.loc[where == name, "problem_class"].unique()) for name in run.overall}
 
 
 def _faded(run: Run) -> list[str]:
-    """The tags of all labels except the best FEW; none where there are hardly more."""
+    """Return the tags of all labels except the best FEW; none if there are at most two more."""
     table = run.summaries[min(run.summaries)]
     best = {label for where in run.overall for label in tables.best_first(table, where).index[:FEW]}
     return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > FEW + 2 else []
 
 
 def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]]:
-    """By section of the page, the charts that have a panel to show; those that depend on the ranking for each of the runs."""
+    """Return by section the charts that have panels. Charts that depend on the ranking have panels for each of the runs."""
     found: dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]] = {}
     for chart in CHARTS:
         drawn = {run.rank_by: chart.panels(run)[chart.on_page] for run in (runs if chart.ranked else runs[:1])}
@@ -154,7 +154,7 @@ def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, 
 
 
 def _maps(run: Run) -> Values:
-    """Failure maps as tables. failed: how many cells failed where a solution is known; smallest: one per map and solver."""
+    """Return failure maps as tables. failed: number of failed cells with a known solution; smallest: one per map and solver."""
     cells = robustness.map_cells(run)
     failed = robustness.failures(cells)
     smallest = robustness.smallest(failed).to_dict("records")
@@ -163,7 +163,7 @@ def _maps(run: Run) -> Values:
 
 
 def _simulated(run: Run) -> dict[str, Records]:
-    """The simulations listed for each scene."""
+    """Return the simulations listed for each scene."""
     return {
         str(scene): own.drop(columns=CURVES).head(MOST_SIMULATIONS).to_dict("records")
         for scene, own in run.simulations.groupby("scene", sort=False)
@@ -171,7 +171,7 @@ def _simulated(run: Run) -> dict[str, Records]:
 
 
 def _classes(run: Run, simulated: dict[str, Records]) -> Records:
-    """The classes of problems. facts: the row of tables.problem_classes."""
+    """Return the classes of problems. facts: the row of tables.problem_classes."""
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
     return [
         {"facts": facts, "simulations": simulated.get(scene_of[facts["problem_class"]], [])}
@@ -180,9 +180,9 @@ def _classes(run: Run, simulated: dict[str, Records]) -> Records:
 
 
 def _sheets(run: Run) -> Records:
-    """A sheet per solver: the labels that have cells, in alphabetical order. label, variant, facts, description: its own, in
-    paragraphs, from the manifest; results: its rows of the summary over all problems of the plane and of space, each with its
-    target; failures: rows of _failures, the first MOST_FAILURES."""
+    """Return a sheet for each label that has cells, in alphabetical order: label, variant and facts; description: the solver's,
+    in paragraphs, from the manifest; results: its rows of the summary for the classes of OVERALL, each with its target;
+    failures: its first MOST_FAILURES rows of _failures."""
     descriptions = run.manifest.get("solvers", {})
     parts = [table.assign(target=target) for target, table in run.summaries.items()]
     results = pd.concat([part[part["problem_class"].isin(run.overall)] for part in parts])
@@ -204,15 +204,15 @@ def _sheets(run: Run) -> Records:
 
 
 def _flowing(paragraph: str) -> str:
-    """The paragraph with its lines joined, except formulas, which are indented as a whole, and items of lists."""
+    """Join the lines of a paragraph, except for formulas, whose lines are all indented, and items of lists."""
     if all(line.startswith(" ") for line in paragraph.splitlines()):
         return paragraph
     return re.sub(r"\n(?!\* |\d\. |[A-Z]\w*: )\s*", " ", paragraph)
 
 
 def _failures(run: Run) -> pd.DataFrame:
-    """A row per label, class and verdict other than solved and skipped, the most frequent first: cells, of all that ran (of);
-    and contacts, residual, reason and key of the one with the fewest contacts."""
+    """Return a row per label, class and verdict other than solved and skipped, the most frequent first: the number of cells, of
+    all that ran (of), and contacts, residual, reason and key of the cell with the fewest contacts."""
     ran = run.ranked[measured(run.ranked)]
     of = ran.groupby(["label", "problem_class"]).size().rename("of")
     ran = ran.assign(verdict=endings(ran))

@@ -1,7 +1,7 @@
 """Files for a paper: figures of one width, booktabs tables, captions and references, in DIR/paper/.
 
-    \\includegraphics{speed_accuracy}              a figure, of the width and the typeface that were asked for
-    \\input{times}                                 a table, shrunk where it is wider than the text
+    \\includegraphics{speed_accuracy}              a figure of the chosen width and typeface
+    \\input{times}                                 a table, shrunk if it is wider than the text
     \\caption{\\benchcaption{speed_accuracy}}       from captions.tex
     \\bibliography{references}
 
@@ -28,15 +28,15 @@ from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.reports.tables import setting
 from frictionbench.results.files import ResultsError, read_text, subfolder, write_text
 
-LARGEST = 2**20  # bytes of captions, some thousand of them
+LARGEST = 2**20  # bytes of a file of captions: room for about a thousand
 FONT = 7  # points, in figures: the smallest size that journals accept
 ASPECT, TALLEST = 0.75, 5.6  # height of a panel over its width; inches of panels and legend, on a page of 7.6 with a caption
-SHRUNK = 0.3  # of a row of panels: what may be wanting for one more row, where all are then lower by less than a quarter
-NARROWEST, MOST_COLUMNS = 1.6, 3  # inches of a panel; panels side by side
-LETTERS = 75  # of a row that a column of text takes at a readable size; a table of longer rows takes the width of the page
+SHRUNK = 0.3  # if this share of a panel's height is lacking for one more row, all rows are made lower, by less than a quarter
+NARROWEST, MOST_COLUMNS = 1.6, 3  # least width of a panel, inches; most panels side by side
+LETTERS = 75  # letters in a row that fit into one column of text; a table with longer rows takes the width of the page
 CITED = 4  # letters of a citation by number
-ON_PAGE_ONLY = ("Hover over", "Below each panel")  # the beginnings of sentences that apply to the page only
-# Shrinks what is wider than the text, after \noindent; \width is graphicx's name for the natural width of the box.
+ON_PAGE_ONLY = ("Hover over", "Below each panel")  # how sentences begin that apply to the page only
+# Shrinks a table that is wider than the text; \width is graphicx's name for the natural width of the box.
 FIT = r"\noindent\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 
 
@@ -44,7 +44,7 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
     """Write figures as PDF and SVG, tables, captions and references; return DIR/paper.
 
     figures: some of chart_names(), None for all. width: of every figure, inches. font: serif or sans. A chart that is taller
-    than a page is continued in further files, NAME_2 and so on. Captions of figures of earlier calls stay.
+    than a page is continued in further files, NAME_2 and so on. Captions of earlier calls' figures are kept.
     """
     paper = subfolder(folder, "paper")
     captions: dict[str, str] = {}
@@ -61,7 +61,7 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
 
 
 def chart_names(names: Sequence[str] | None = None) -> Sequence[str]:
-    """The names of charts, None for all. Errors: ResultsError naming a chart that does not exist."""
+    """Check the names of charts, None for all, and return them. Errors: ResultsError naming a chart that does not exist."""
     there = [chart.name for chart in CHARTS]
     if missing := [name for name in names or () if name not in there]:
         raise ResultsError(f"figures: there is no {missing[0]}; there are {', '.join(there)}")
@@ -69,7 +69,7 @@ def chart_names(names: Sequence[str] | None = None) -> Sequence[str]:
 
 
 def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
-    """Save the figures of a chart, one of all panels or one for each map; the captions by the names of the files."""
+    """Save the figures of a chart, one with all panels or one for each map. Return the captions by the files' names."""
     found, caption = chart.panels(run), _caption(chart, run)
     panels = [one for one in found if isinstance(one, Panel)]
     captions = _save(chart.name, caption, panels, NOTHING, run, paper, width, font)
@@ -90,7 +90,7 @@ def _save(
     width: float,
     font: str,
 ) -> dict[str, str]:
-    """Save a figure, in parts that fit on a page; the caption of each part by its name. handles: what the legend names besides
+    """Save a figure, in parts that fit on a page. Return the caption of each part by its name. handles: legend entries besides
     the solvers."""
     columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
     height = ASPECT * width / columns
@@ -108,22 +108,22 @@ def _save(
 
 
 def _caption(chart: Chart, run: Run) -> str:
-    """The caption in print: the title, and what the chart shows."""
+    """Return the caption in print: the title and the chart's caption."""
     title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
     return f"{title}. {_plain(chart.caption)}".removeprefix(". ")
 
 
 def _plain(caption: str) -> str:
-    """A caption without markup and without the sentences that apply to the page only."""
+    """Return a caption without markup and without the sentences that apply to the page only."""
     sentences = Markup(caption).striptags().replace(". ", ".\n").splitlines()
     return " ".join(sentence for sentence in sentences if not sentence.startswith(ON_PAGE_ONLY))
 
 
-RESTRICTED = {"scenes": ["scene", "problem_class"], "solvers": ["variant", "solver", "label"]}  # the columns of their names
+RESTRICTED = {"scenes": ["scene", "problem_class"], "solvers": ["variant", "solver", "label"]}  # columns with their names
 
 
 def restricted(run: Run, what: str, names: Collection[str]) -> Run:
-    """The run restricted to some of RESTRICTED. Errors: ResultsError naming one that is not in the run."""
+    """Return the run with only the named scenes or solvers. what: a key of RESTRICTED. Errors: ResultsError for other names."""
     tables = {name: getattr(run, name) for name in ("rows", "simulations", "map_simulations")}
     named = {name: table.reindex(columns=RESTRICTED[what]) for name, table in tables.items()}
     there = {str(text) for table in named.values() for text in table.stack().dropna()}
@@ -133,7 +133,7 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
 
 
 def booktabs(table: Table) -> str:
-    """A tabular with the first column aligned left and the others right; its document loads booktabs and graphicx."""
+    """Return a tabular with the first column aligned left and the others right, for documents with booktabs and graphicx."""
     cited = [head == REFERENCES for head in table.header]
     body = [
         [rf"\cite{{{cell}}}" if c and cell.isascii() else escaped(cell) for c, cell in zip(cited, row, strict=True)]
@@ -155,7 +155,7 @@ def booktabs(table: Table) -> str:
 
 
 def captions_file(captions: Mapping[str, str], setting: str, paper: Path) -> str:
-    """captions.tex: the captions by the names of their tables and figures, the setting, and earlier ones without commands."""
+    """Return captions.tex: the captions by table and figure, the setting, and earlier captions if they contain no commands."""
     file, line = paper / "captions.tex", rf"^(\\expandafter\\def\\csname benchcaption@(\w+)\\endcsname\{{{ESCAPED}\}})$"
     earlier = read_text(file, LARGEST) if file.exists() else ""
     named = {name: line for line, name in re.findall(line, earlier, re.MULTILINE)}

@@ -1,6 +1,6 @@
-"""The tables of a run in print: each a header, rows of text and a caption, as LaTeX in a paper and as Markdown in `report.md`.
+"""The tables of a run in print, as LaTeX in a paper and as Markdown in `report.md`: each has a header, rows and a caption.
 
-A caption explains the columns that its table has, and no others.
+A caption explains only the columns that its table has.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,7 +19,7 @@ from frictionbench.results.conventions import ENDINGS
 
 
 class Table(NamedTuple):
-    """A column with the head REFERENCES has keys of the bibliography, separated by commas."""
+    """A table of text. A column with the head REFERENCES has keys of the bibliography, separated by commas."""
 
     name: str
     caption: str
@@ -31,13 +31,13 @@ REFERENCES = "references"
 
 
 def printed(run: Run) -> list[Table]:
-    """All tables that have rows."""
+    """Return all tables that have rows."""
     found = [made for make in TABLES for made in make(run)]
     return [table for table in found if table.rows]
 
 
 def _choice(run: Run) -> list[Table]:
-    """For each kind of problem the solver of the least mean, of all and of those of outside libraries, at the finest target."""
+    """For each kind of problem, the solvers with the least mean at the tightest target, among all and among outside ones."""
     target = run.outer_targets[-1]
     theirs = {kind.name: kind.choices.get(target) for kind in choices(run, run.outside)}
     rows = [_first(kind, one, theirs.get(kind.name)) for kind in choices(run) if (one := kind.choices.get(target))]
@@ -67,7 +67,7 @@ def _first(kind: Kind, found: Choice, outside: Choice | None) -> list[str]:
 
 
 def _times(run: Run) -> list[Table]:
-    """Of all problems of the plane, then of space, the solvers with the largest share reached first."""
+    """The solvers on all problems in the plane, then in space, those with the largest share solved first."""
     ranking = [(where, *row) for where in run.overall for row in tables.ranking(run.summaries, where)]
     facts = {
         "solver": [label for _, label, _ in ranking],
@@ -92,7 +92,7 @@ def _times(run: Run) -> list[Table]:
 
 
 def _percentiles(run: Run) -> list[Table]:
-    """At the finest target, in the order of p99."""
+    """Percentiles at the tightest target, sorted by p99."""
     places = []
     for where, times in overall(run.times[run.outer_targets[-1]]).items():
         table = in_order(percentiles(times, run.budget))
@@ -112,7 +112,7 @@ def _percentiles(run: Run) -> list[Table]:
 
 
 def _solvability(run: Run) -> list[Table]:
-    """The counts of verdicts per solver, without verdicts that do not occur."""
+    """The numbers of verdicts per solver, without verdicts that do not occur."""
     found = tables.solvability(run)
     columns = ["cells", "claimed", *(name for name in ENDINGS if found[name].any())]
     with_error = bool(found["error"].notna().any())

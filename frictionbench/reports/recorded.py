@@ -1,9 +1,9 @@
-"""Problems one by one: those recorded by others, with the solvers that solve them, and the steps of one motion, for those who
-have to finish each step within a budget.
+"""Single problems: recorded ones with the solvers that solve them, and the steps of a motion, for users who have to finish each
+step within a budget.
 
-A recorded problem counts as solved if the residual is within the tightest tolerance of its rows, at whichever tolerance it was
-reached. A motion is a scene, or a folder of recorded files in order, of which many steps were solved; every problem of
-it counts the same.
+A recorded problem counts as solved if the residual of an answer at any tolerance is within the tightest tolerance of its rows.
+A motion is a scene, or a folder of recorded files in order, of which many steps were solved. All its problems have the same
+weight.
 """
 
 from typing import Any, NamedTuple
@@ -15,13 +15,13 @@ from frictionbench.reports.accuracy import in_order, percentiles
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import json_object, scene_title
 
-FEWEST = 20  # steps: of fewer the 99th percentile is the longest time
+FEWEST = 20  # steps of a motion that is shown
 
 
 def recorded_problems(run: Run) -> list[dict[str, Any]]:
-    """The recorded problems of the run, in the order of the plan: family, file, tol, reason: why the file yields none, and
-    where it does dimension, contacts (None of a bare LCP), unknowns, solvers: those that solve it with their times, s, the
-    fastest first, and tried: how many ran."""
+    """Return the recorded problems of the run, in the order of the plan: family, file and tol. reason: why the file yields no
+    problem. Otherwise dimension, contacts (None for a bare LCP) and unknowns; solvers: those that solve it with their times, s,
+    the fastest first; tried: how many ran."""
     files = run.rows["parameters"].map(file_of)
     own = run.rows.assign(file=files)[files != ""]
     groups = own.groupby(["scene", "file", "problem"], sort=False)
@@ -46,13 +46,13 @@ def _recorded(rows: pd.DataFrame) -> dict[str, Any]:
 
 
 def file_of(parameters: str) -> str:
-    """The file that the parameters of a recorded problem name; empty for a scene."""
+    """Return the file that the parameters of a recorded problem name, empty for a scene."""
     values = json_object(parameters)
     return str(values["file"]) if list(values) == ["file"] else ""
 
 
 class Motion(NamedTuple):
-    """A motion: its title, its number of problems, and its table of reports.accuracy.percentiles at the finest target."""
+    """A motion: its title, its number of problems, and its table of reports.accuracy.percentiles at the tightest target."""
 
     title: str
     problems: int
@@ -60,7 +60,7 @@ class Motion(NamedTuple):
 
 
 def motions(run: Run) -> list[Motion]:
-    """The motions of FEWEST steps or more, ranked ones only."""
+    """Return the motions with FEWEST ranked steps or more."""
     return [
         Motion(name, own["problem_id"].nunique(), in_order(percentiles(own, run.budget, weighted=False)))
         for name, own in step_times(run)
@@ -68,7 +68,7 @@ def motions(run: Run) -> list[Motion]:
 
 
 def step_times(run: Run) -> list[tuple[str, pd.DataFrame]]:
-    """Of each motion its title and its times to the finest target (reports.accuracy.times_to), with the column step."""
+    """Return for each motion its title and its times to the tightest target (reports.accuracy.times_to) with the step."""
     rows = run.ranked
     recorded = rows["parameters"].map(file_of) != ""
     titles = [scene_title(*names) for names in zip(rows["scene"], rows["parameters"], strict=True)]

@@ -1,4 +1,4 @@
-"""The maps of a run as tables: the cells at their grid points, and how robust each solver is over each map.
+"""The maps of a run as tables: the cells at their grid points, and the robustness of each solver over each map.
 
 results.maps defines where a solution is known to exist.
 """
@@ -35,15 +35,15 @@ class MapCells:
 
 
 def map_cells(run: Run) -> list[MapCells]:
-    """The maps of the run that have rows. Errors: ResultsError if the maps in the manifest cannot be read."""
+    """Return the maps of the run that have rows. Errors: ResultsError if the maps in the manifest cannot be read."""
     tables = {False: run.rows, True: run.map_simulations}
     found = (MapCells(spec, at_grid_points(tables[spec.steps > 0], spec)) for spec in maps_of(run.manifest))
     return [cells for cells in found if len(cells.rows)]
 
 
 def robustness(maps: list[MapCells]) -> pd.DataFrame:
-    """A row per label, the best first: for each map the share of grid points solved among those where a solution is known; in
-    `known` the same over the grid points of all maps; in `all` the share among all grid points."""
+    """Return a row per label, the best first: for each map the share of grid points solved among those with a known solution;
+    `known`: the same over all maps; `all`: the share among all grid points."""
     columns: dict[str, Any] = {}
     for cells in maps:
         known = cells.rows[cells.rows["known"] & measured(cells.rows)]
@@ -60,8 +60,8 @@ def robustness(maps: list[MapCells]) -> pd.DataFrame:
 
 
 def failures(maps: list[MapCells]) -> pd.DataFrame:
-    """The cells of exact methods on maps of first problems that are not solved where a solution is known, those of the smallest
-    problems of each map first; map: its name."""
+    """Return the cells of exact methods on maps of first problems that are not solved though a solution is known, the smallest
+    problems of each map first. map: its name."""
     parts = [cells.rows.assign(map=cells.spec.name) for cells in maps if not cells.spec.steps]
     if not parts:
         return pd.DataFrame(columns=["map", "label", "key"])
@@ -70,12 +70,12 @@ def failures(maps: list[MapCells]) -> pd.DataFrame:
 
 
 def smallest(failed: pd.DataFrame) -> pd.DataFrame:
-    """For each map and label the failed cell of the smallest problem; count: how many failed cells there are."""
+    """Return for each map and label the failed cell of the smallest problem. count: the number of failed cells."""
     counts = failed.groupby(["map", "label"]).size().rename("count")
     return failed.drop_duplicates(["map", "label"]).join(counts, on=["map", "label"])
 
 
 def changes(cells: MapCells) -> list[str]:
-    """The labels whose verdict or work changes over a map on which both must be constant."""
+    """Return the labels whose verdict or work changes over a map on which both must be constant."""
     kinds = cells.rows.groupby("label", sort=False)[["verdict", "work"]].nunique().max(axis=1)
     return list(kinds.index[kinds > 1])

@@ -1,20 +1,20 @@
-"""A run as reports read it: its manifest and its tables with added columns. Page, paper and charts share this value.
+"""A run as reports read it: its manifest, and its tables with added columns. Page, paper and charts share this object.
 
 Columns added to the solves table:
 
-    label           the variant of a solver, with an asterisk if it is a portfolio, "(single precision)" if it was skipped for
-                    that at some tolerance and its name does not say so, and with the start and the host where they
-                    differ, so that times of two machines are never combined
+    label           the variant of a solver, with an asterisk if it is a portfolio, with "(single precision)" if it was skipped
+                    for that at some tolerance and its name does not say so, with the start unless it is cold, and with the
+                    host if there are several, so that times of two machines are never combined
     problem_id      a number for the problem of one time step
     problem_class   the scene, with its range of sizes if the scene occurs in several
-    stratum         the problems among which a weight is shared: see reports.accuracy
-    time            s, of the parts by which the run ranks: see results.conventions
+    stratum         the stratum for weights, see reports.accuracy
+    time            the time by which the run ranks, s, see results.conventions
     answered        whether there is an answer that was verified and timed
     own_solved      whether it solves the exact problem or the solver's own model to the tolerance
     infeasible      whether the problem is proved to have no solution
     several_outcomes    whether solutions with several velocities were found or enumerated
     robot           whether the problem is a step of a robot
-    cluster         the scene, of steps of robots with the model: problems of one cluster are similar
+    cluster         a group of similar problems: the scene or, for steps of robots, the model
 
 Trivial, idle and infeasible problems are excluded from rankings: `Run.ranked` leaves them out.
 """
@@ -40,12 +40,12 @@ from frictionbench.results.store import read_manifest, read_table
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods are faster below, sparse ones above
 PORTFOLIO = "*"
 NO_ANSWER = (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.SKIPPED)
-EXCLUSIONS = {  # of problems from rankings, by column, the first that holds counts
+EXCLUSIONS = {  # columns that exclude problems from rankings; the first that holds is counted
     "infeasible": "proved infeasible",
     "trivial": "trivial",
     "idle": "idle",
 }
-ROBOTS = "robot_step"  # the scene of recorded steps of robots, whose parameter `case` begins with the model
+ROBOTS = "robot_step"  # the scene of recorded steps of robots; its parameter `case` begins with the model
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 
 
@@ -53,9 +53,9 @@ _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 class Run:
     """The contents of a results folder. Values that several readers need are computed once.
 
-    rows: the solves table; simulations: without those of maps in closed loop, which are in map_simulations; thresholds: points
-    on each threshold, by map and name. rank_by: the time by which solvers are ranked; budget: a time for each problem, s, if
-    the reader has one.
+    rows: the solves table; simulations: the simulations table without maps in closed loop, which are in map_simulations;
+    thresholds: points on each threshold, by map and name. rank_by: the time by which solvers are ranked; budget: the reader's
+    time for each problem, s, if any.
     """
 
     manifest: dict[str, Any]
@@ -69,13 +69,13 @@ class Run:
     budget: float | None = None
 
     def ranked_by(self, rank_by: RankBy) -> "Run":
-        """The same run, ranked by another time."""
+        """Return the run ranked by this time."""
         rows = self.rows.assign(time=rank_by.time(self.rows))
         return self if rank_by is self.rank_by else replace(self, rank_by=rank_by, rows=rows)
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
-        """The rows of friction problems that no exclusion removes, without sources that yielded no problem and bare LCPs."""
+        """The rows of friction problems that no exclusion removes, without bare LCPs and sources that yielded no problem."""
         removed = self.rows[list(EXCLUSIONS)].any(axis=1)
         return self.rows[~removed & (self.rows["problem"] != "") & self.rows["contacts"].notna()]
 
@@ -92,7 +92,7 @@ class Run:
 
     @cached_property
     def plugins(self) -> dict[str, str]:
-        """Where the solvers of plug-ins come from: see results.commands."""
+        """The sources of plug-ins' solvers, see results.commands."""
         return sources(self.manifest["settings"])
 
     @cached_property
@@ -109,17 +109,17 @@ class Run:
 
     @cached_property
     def times(self) -> dict[float, pd.DataFrame]:
-        """For each target the times to it, per problem and label: see reports.accuracy."""
+        """For each target the times to it, per problem and label, see reports.accuracy."""
         return {target: times_to(self.ranked, target, self.rank_by) for target in targets(self.ranked)}
 
     @property
     def overall(self) -> list[str]:
-        """The classes of all problems of a dimension that the run has."""
+        """The classes of OVERALL that the run has."""
         return [name for dimension, name in OVERALL.items() if (self.ranked["dimension"] == dimension).any()]
 
     @property
     def outer_targets(self) -> list[float]:
-        """The coarsest and the tightest target; only one if they are the same."""
+        """The loosest and the tightest target; one entry if they are equal."""
         return sorted({max(self.times), min(self.times)}, reverse=True)
 
     @cached_property
@@ -129,7 +129,7 @@ class Run:
 
 
 def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None = None) -> Run:
-    """The run in a results folder, ranked by a time, with a budget in s for each problem.
+    """Read the run in a results folder. rank_by: the time by which it ranks. budget: for each problem, s.
 
     Errors: results.files.ResultsError if it is not one or a file in it cannot be read.
     """
@@ -151,8 +151,7 @@ def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the solves table with the columns label, problem_id, problem_class, stratum, time, answered, own_solved
-    and the others above."""
+    """Return a copy of the solves table with the columns listed above."""
     rows = solves.reset_index(drop=True)
     texts = ["scene", "parameters", "solver", "variant", "model", "verdict", "reason"]
     texts += ["phase", "problem", "start", "key", "host"]
@@ -179,10 +178,10 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
 
 
 def outcomes(rows: pd.DataFrame) -> "pd.Series[float]":
-    """For each row how many velocities the problem has at least, by the answers of the run and the reference, or by enumeration
-    where no answer has a distance from the reference (column outcome_distance, problems.analysis.outcomes).
+    """Return for each row a lower bound on the problem's number of outcomes, from the answers of the run and the reference, or
+    from enumeration if no answer has a distance from the reference (column outcome_distance, problems.analysis.outcomes).
 
-    Velocities at distances that differ by more than APART are apart by at least as much; those at the same one may differ.
+    Velocities whose distances differ by more than APART differ by at least as much; those at one distance may also differ.
     """
     known = (
         rows[rows["outcome_distance"].notna()]
@@ -190,14 +189,14 @@ def outcomes(rows: pd.DataFrame) -> "pd.Series[float]":
         .agg(
             lambda distances: (
                 1 + (np.diff(np.sort(distances.to_numpy(float)), prepend=0.0) > APART).sum()
-            )  # with the reference's, 0
+            )  # the reference is at distance 0
         )
     )
     return rows["problem"].map(known).fillna(rows["outcomes"]).astype(float)
 
 
 def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the simulations table with the column label."""
+    """Return a copy of the simulations table with the column label."""
     rows = simulations.reset_index(drop=True)
     texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme", "key"]
     rows[texts] = rows[texts].fillna("")
@@ -205,7 +204,7 @@ def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:
 
 
 def _mark(rows: pd.DataFrame) -> pd.Series:
-    """The marks that follow the name of a portfolio, and of a solver of single precision."""
+    """Return the marks that follow the name of a portfolio and of a single-precision solver."""
     single = set(rows.loc[rows["reason"].str.startswith(SINGLE), "variant"])
     words = rows["variant"].map(lambda variant: f" ({SINGLE})" if variant in single and "single" not in variant else "")
     return rows["members"].fillna("").ne("").map({True: PORTFOLIO, False: ""}) + words

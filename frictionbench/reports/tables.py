@@ -1,8 +1,8 @@
-"""The report's tables: which solver solves which problems, how reliably and how fast; what the problems of a run are, by the
-states of their contacts and by what makes them hard (results.hardness), and which of them enter no ranking.
+"""The report's tables: which solvers solve which problems, how reliably and how fast; the classes of problems of a run and what
+makes them hard (results.hardness); and the problems that are not ranked.
 
-An answer to another law, or with a polygon for the cone, solves its own model if the residual of that model is within the
-tolerance; its error is its residual by Coulomb's law. A problem has any number of labels of hardness and counts under each.
+An answer to another law, or with a polygonal cone, solves its own model if the residual of that model is within the tolerance.
+Its error is its residual by Coulomb's law. A problem can have several labels of hardness, and counts under each.
 """
 
 from collections.abc import Collection, Mapping
@@ -17,13 +17,13 @@ from frictionbench.reports.run import EXCLUSIONS, Run
 from frictionbench.results.conventions import ENDINGS, count, endings
 from frictionbench.results.hardness import hardness
 
-CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
+CLOCK_MARGIN = 0.1  # relative difference of a library's clock from solve_time that the overhead of a call does not explain
 ALL, NONE = "all", "none of these"
 
 
 def solvability(run: Run) -> pd.DataFrame:
-    """A row per label: left_out (cells of trivial and idle problems, not counted in the others), cells, claimed, each verdict,
-    with the answers to another law and to a polygon apart, and error: the median residual of these, by Coulomb's law."""
+    """Return a row per label: left_out (cells of problems that are not ranked, which the other columns do not count), cells,
+    claimed, each of ENDINGS, and error, the median residual by Coulomb's law of answers to another law or a polygon."""
     groups, ended = run.ranked.groupby("label"), pd.Series(endings(run.ranked), index=run.ranked.index, dtype=object)
     table = pd.DataFrame({"left_out": run.rows.groupby("label", sort=False).size()})
     table = table.assign(cells=groups.size(), claimed=groups["claimed"].sum())
@@ -33,26 +33,26 @@ def solvability(run: Run) -> pd.DataFrame:
 
 
 def model_errors(rows: pd.DataFrame) -> "pd.Series[float]":
-    """By label the median residual, by Coulomb's law, of the answers that solve another law or a polygon in its place."""
+    """Return by label the median residual, by Coulomb's law, of the answers to another law or with a polygonal cone."""
     return rows[rows["verdict"] == Verdict.RELAXED].groupby("label")["residual"].median()
 
 
 def wrong_claims(run: Run) -> pd.DataFrame:
-    """All cells with the verdict wrong, those of trivial problems included, the largest residual first."""
+    """Return all cells with the verdict wrong, including trivial problems, the largest residual first."""
     wrong = run.rows[run.rows["verdict"] == Verdict.WRONG]
     return wrong.sort_values("residual", ascending=False, kind="stable", na_position="first")
 
 
 def reasons(run: Run) -> pd.DataFrame:
-    """A row per label, verdict and reason: cells."""
+    """Return a row per label, verdict and reason with the number of cells."""
     given = run.rows[run.rows["reason"] != ""]
     given = given.assign(verdict=endings(given))
     return given.groupby(["label", "verdict", "reason"], sort=False).size().rename("cells").reset_index()
 
 
 def problem_classes(run: Run) -> pd.DataFrame:
-    """A row per class, grouped by scene and ordered by size: problems, how many are trivial and how many idle, the ranges of
-    contacts and unknowns, and the largest condition."""
+    """Return a row per class, grouped by scene and ordered by size: the numbers of problems, of trivial and of idle ones, the
+    ranges of contacts and unknowns, and the largest condition number."""
     problems = run.rows.sort_values("size").drop_duplicates("problem_id").sort_index()
     order = {scene: i for i, scene in enumerate(problems["scene"].unique())}
     problems = problems.assign(order=problems["scene"].map(order)).sort_values(["order", "size"], kind="stable")
@@ -74,39 +74,39 @@ def problem_classes(run: Run) -> pd.DataFrame:
 
 
 def best_first(summary: pd.DataFrame, problem_class: str) -> pd.DataFrame:
-    """The rows of a class in a summary by label, the largest share of the problems solved first, the faster among equals."""
+    """Return the rows of a class in a summary by label, ordered by the share of the problems solved, then by the mean."""
     own = summary[summary["problem_class"] == problem_class].set_index("label")
     return own.assign(share=own["share"].round(9)).sort_values(["share", "mean"], ascending=[False, True])
 
 
 def matrix(summary: pd.DataFrame, problem_class: str, classes: Collection[str]) -> list[tuple[str, dict[str, Any]]]:
-    """The labels of a class, the best first, each with its row for it and for each of other classes."""
+    """Return the labels of a class, the best first, each with its rows for this class and for the other classes."""
     own = summary[summary["problem_class"].isin([problem_class, *classes])]
     cells = {label: group.set_index("problem_class").to_dict("index") for label, group in own.groupby("label")}
     return [(label, cells[label]) for label in best_first(summary, problem_class).index]
 
 
 def ranking(summaries: dict[float, pd.DataFrame], problem_class: str) -> list[tuple[str, list[dict[str, Any]]]]:
-    """The labels of a class, best at the finest target first, each with its row at each target."""
+    """Return the labels of a class, the best at the tightest target first, each with its row at each target."""
     own = {target: best_first(table, problem_class) for target, table in summaries.items()}
     return [(label, [table.loc[label].to_dict() for table in own.values()]) for label in own[min(own)].index]
 
 
 def gaps(run: Run) -> int:
-    """The number of pairs of a problem and a solver's variant that have no row, as in a run that has not finished.
+    """Return the number of pairs of a problem and a variant without a row, as in a run that has not finished.
 
-    In the plane and in space a plan may have other solvers, and some problems have no warm start: pairs are counted for each
-    dimension and start.
+    Pairs are counted for each dimension and start, because a plan may have different solvers in the plane and in space, and
+    some problems have no warm start.
     """
     pairs = run.ranked.drop_duplicates(["problem_id", "variant", "start"]).groupby(["dimension", "start"])
     return sum(rows["problem_id"].nunique() * rows["variant"].nunique() - len(rows) for _, rows in pairs)
 
 
 def clocks(run: Run) -> pd.DataFrame:
-    """A row per label whose library measures its own time: medians of solve_time and clock_time (s) and of their ratio;
+    """Return a row per label whose library measures its own time: medians of solve_time and clock_time (s) and of their ratio;
     differs: whether the ratio differs from one by more than CLOCK_MARGIN."""
     rows = run.ranked[run.ranked["clock_time"].notna() & run.ranked["solve_time"].notna()]
-    rows = rows.assign(solve_time=rows["call_time"].fillna(rows["solve_time"]))  # of a library in another process, the call
+    rows = rows.assign(solve_time=rows["call_time"].fillna(rows["solve_time"]))  # the call, for a library in another process
     ratio = rows["solve_time"] / rows["clock_time"].clip(lower=1e-7)
     groups = rows.assign(ratio=ratio).groupby("label", sort=False)
     table = groups[["solve_time", "clock_time", "ratio"]].median()
@@ -114,9 +114,9 @@ def clocks(run: Run) -> pd.DataFrame:
 
 
 def reliabilities(run: Run) -> pd.DataFrame:
-    """A row per label, the most often exact first: label, model, and how many of the problems that it ran on at the tightest
-    tolerance ended how. exact: residual of the exact problem within the tolerance; own: residual of the exact problem or of its
-    own model within the tolerance; the others count verdicts."""
+    """Return a row per label, the most often exact first: label, model, and numbers of problems at the tightest tolerance.
+    problems: those it ran on; exact: residual of the exact problem within the tolerance; own: residual of the exact problem or
+    of its own model within the tolerance; the others count verdicts."""
     rows = run.tightest[measured(run.tightest)]
     ended = {
         "problems": rows["tol"].notna(),
@@ -134,7 +134,7 @@ def reliabilities(run: Run) -> pd.DataFrame:
 
 
 def sentences(run: Run) -> list[tuple[str, str]]:
-    """Statements, each with the solvers that it holds for, as text with counts; those that hold for none are left out."""
+    """Return statements, each with the solvers for which it holds, as text with counts; those without solvers are left out."""
     found = reliabilities(run)
     if found.empty:
         return []
@@ -169,10 +169,10 @@ def sentences(run: Run) -> list[tuple[str, str]]:
 
 
 class HardShares(NamedTuple):
-    """where: in the plane or in space. tol: the tightest tolerance. problems: how many problems each column has.
+    """where: in the plane or in space. tol: the tightest tolerance. problems: the number of problems of each column.
 
-    table: a row per solver's label, the largest share of all problems first, with the share of problems solved in each column;
-    NaN where a solver ran on none of them.
+    table: a row per label with the share of problems solved in each column, the largest share of all problems first; NaN if a
+    solver ran on none of them.
     """
 
     where: str
@@ -182,11 +182,10 @@ class HardShares(NamedTuple):
 
 
 def hard_shares(run: Run) -> list[HardShares]:
-    """The share of problems that each solver solves at the tightest tolerance, by the labels of hardness that occur.
+    """Return the share of problems that each solver solves at the tightest tolerance, by the labels of hardness that occur.
 
-    A table for the plane and one for space, whose problems other solvers take. A solver's shares are of the problems that it
-    ran on. A problem counts as solved if the residual of the exact problem is within the tolerance. A dimension in which no
-    problem has a label has no table.
+    There is a table for the plane and one for space, if some problem there has a label. A solver's shares refer to the problems
+    that it ran on. A problem counts as solved if the residual of the exact problem is within the tolerance.
     """
     rows = run.tightest[measured(run.tightest)]
     found = [_shares(where, rows[rows["dimension"] == dimension]) for dimension, where in OVERALL.items()]
@@ -207,7 +206,7 @@ def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
 
 
 def setting(run: Run) -> str:
-    """The suite, its problems and the machine of a run, in a sentence."""
+    """Return a sentence on the suite, its problems and the machine of a run."""
     settings, machine, versions = (run.manifest.get(name, {}) for name in ("settings", "machine", "versions"))
     code = f"{run.manifest.get('release', '')} revision {versions.get('frictionbench')}".strip()
     facts = [f"Suite {settings.get('suite', 'unnamed')}", f"frictionbench {code}"]
@@ -218,8 +217,8 @@ def setting(run: Run) -> str:
 
 
 def exclusions(run: Run) -> str:
-    """How many problems each exclusion removes from the rankings, the first that holds, and how many of those left have several
-    outcomes."""
+    """Return a sentence on how many problems each exclusion removes from the rankings, where the first that holds counts, and
+    how many of the others have several outcomes."""
     left = run.rows[(run.rows["problem"] != "") & run.rows["contacts"].notna()].drop_duplicates("problem_id")
     parts = []
     for name, what in EXCLUSIONS.items():
@@ -234,7 +233,7 @@ def exclusions(run: Run) -> str:
 
 
 def disturbed(run: Run) -> str:
-    """How many cells another process disturbed while they were timed; empty for none."""
+    """Return sentences on the number of cells that were disturbed while they were timed, empty for none."""
     rows = run.rows[run.rows["disturbed"].eq(True) & run.rows["solve_time"].notna()]
     if rows.empty:
         return ""
@@ -243,6 +242,6 @@ def disturbed(run: Run) -> str:
 
 
 def workers_on_all_cores(manifest: dict[str, Any]) -> int:
-    """The number of workers if they left no core to the main process; 0 if one was left or the manifest does not state it."""
+    """Return the number of workers if they left no core to the main process, else 0; also 0 if the manifest does not tell."""
     workers, cores = manifest.get("workers"), manifest.get("machine", {}).get("cores")
     return workers if isinstance(workers, int) and isinstance(cores, int) and workers >= cores else 0

@@ -34,9 +34,8 @@ QUANTITIES = {  # quantities whose percentiles are shown, with units
     "energy_defect": "J",
 }
 NO_CREEP = 1e-6  # relative to the free velocity: less is rounding
-# Softness is the likely cause of creep if its share of the impulse is at least SOFT times the creep's share of the free
-# velocity. MuJoCo's boxes on a slope have 0.2 or more if the solver converges, 0.01 to 0.03 if PGS ends after 3 iterations or
-# CG after 2.
+# Softness is the likely cause of creep if the ratio of its share of the impulse to the creep's share of the free velocity is
+# larger. MuJoCo's boxes on a slope have 0.2 or more with a converged solver, 0.01 to 0.03 after 3 iterations of PGS or 2 of CG.
 SOFT = 0.1
 AMONG = 2  # a table's steps are chosen from this many times as many with the largest residuals
 NEAR = 0.01  # relative difference of net impulses below which they count as the same

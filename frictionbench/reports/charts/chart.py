@@ -1,4 +1,4 @@
-"""The description of a chart, which page and paper take from the list in reports.charts."""
+"""The description of a chart. Page and paper take charts from the list in reports.charts."""
 
 from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
@@ -7,7 +7,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.run import Run
 
-Section = Literal["top", "solvability", "maps", "chart", "time", "energy"]  # of the page, by the id of its heading
+Section = Literal["top", "solvability", "maps", "chart", "time", "energy"]  # sections of the page, by the ids of headings
 
 
 class Chart(NamedTuple):

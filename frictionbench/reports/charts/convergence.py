@@ -1,5 +1,5 @@
-"""What a run follows on a few problems (results.histories): the verified residual when a solver is stopped after a number of
-its iterations, and the impulses of the last answer, as a simulator that uses contact forces would obtain them.
+"""Charts of convergence histories (results.histories): the verified residual of a solver that is stopped after a number of its
+iterations, and the impulses of its last answer, which a simulator that uses contact forces would obtain.
 """
 
 from collections.abc import Iterable
@@ -15,26 +15,26 @@ from frictionbench.reports.run import Run
 from frictionbench.results.conventions import count, scene_title
 from frictionbench.results.histories import ConvergenceHistory
 
-WORST = 1e3  # residuals of iterations that diverge are drawn here if they are larger
-EXACT = 1e-4  # residual below which an answer's impulses are drawn: an order of magnitude finer than the eye sees
+WORST = 1e3  # larger residuals, of iterations that diverge, are drawn here
+EXACT = 1e-4  # residual below which an answer's impulses are drawn: errors are then an order of magnitude below visibility
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per problem with a history of two points or more, all with the same axes."""
+    """Return a panel per problem with a history of two points or more, all with the same axes."""
     drawn = [history for history in run.histories if history.variant in run.looks and len(history.units) > 1]
     most = max((history.units[-1] for history in drawn), default=1)
     return [Panel(title, partial(_draw, histories=own, looks=run.looks, most=most)) for title, own in by_problem(drawn).items()]
 
 
 def forces(run: Run) -> list[Panel]:
-    """A panel per redundant problem of few contacts, with the answers that solve the exact problem."""
+    """Return a panel per redundant problem of few contacts, with the answers that solve the exact problem."""
     known = (history for history in run.histories if history.variant in run.looks and history.residuals)
     drawn = [history for history in known if history.redundant and history.impulse and history.residuals[-1] <= EXACT]
     return [Panel(title, partial(_draw_forces, histories=own, looks=run.looks)) for title, own in by_problem(drawn).items()]
 
 
 def by_problem(histories: Iterable[ConvergenceHistory]) -> dict[str, list[ConvergenceHistory]]:
-    """The histories on each problem, by its title."""
+    """Return the histories on each problem, by its title."""
     found: dict[str, list[ConvergenceHistory]] = {}
     for history in histories:
         step = f", step {history.step}" if history.step else ""

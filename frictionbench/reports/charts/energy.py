@@ -12,7 +12,7 @@ from frictionbench.reports.drawing.style import ALARM, INK, Look, name_axes
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
 
-POINTS = 200  # of a curve, finer than the panel's resolution
+POINTS = 200  # points of a curve: finer than the panel's resolution
 FLAT = 1e-7  # per cent: smaller changes are rounding errors
 MOST = 24  # panels on the page; more make it slow to load
 
@@ -38,7 +38,7 @@ def _draw(ax: Axes, simulations: pd.DataFrame, looks: dict[str, Look]) -> None:
         scale = row.energy_scale if row.energy_scale > 0 else 1.0
         change = 100 * (row.energies[keep] - row.energies[0]) / scale
         keep, change = (part[np.isfinite(row.times[keep]) & np.isfinite(change)] for part in (keep, change))
-        if len(keep):  # markers have no place on a curve without points
+        if len(keep):  # matplotlib cannot place markers on an empty curve
             ax.plot(row.times[keep], change, **looks[row.label].line, markevery=(0.1, 0.3), ms=3.5, alpha=0.9)
         highest = max(highest, float(np.nanmax(change, initial=0.0)))
     ax.axhline(0, color=INK, lw=0.6)

@@ -1,7 +1,7 @@
 """Failure maps: for each solver a panel over two parameters of a scene, coloured by verdict, and panels for the problem itself.
 
-The panels for the problem distinguish ill-posed problems from unstable solvers. The axes count grid lines, whatever the scale
-of the parameter.
+The panels for the problem distinguish ill-posed problems from unstable solvers. The axes count grid lines for any scale of the
+parameters.
 """
 
 import re
@@ -47,14 +47,14 @@ THRESHOLDS = {
     "pointed": ("cone pointed up to here", "#0b5fa5"),
     "gaps": ("gap 0", "#8a5a00"),
 }
-TICKS = 4  # of an axis
+TICKS = 4  # largest number of ticks of an axis
 WORST = "#5b0f14"  # the colour of an infinite value on a scale
-SHADES = 16  # colours of a scale: more are indistinguishable, and cost an element each
+SHADES = 16  # colours of a scale: more could not be distinguished, and each takes an element of the page
 NO_COLOURS: Mapping[str, str] = {}
 
 
 def verdicts(run: Run) -> list[Drawing]:
-    """A drawing per map: the properties of the problem, and the verdicts of each solver that fails at some grid point."""
+    """Return a drawing per map: the problem's properties, and the verdicts of each solver that fails at some grid point."""
     drawings = []
     for cells in map_cells(run):
         fields = _verdicts(cells, run)
@@ -67,24 +67,24 @@ def verdicts(run: Run) -> list[Drawing]:
 
 
 def types(run: Run) -> list[Drawing]:
-    """A drawing per map on which the solvers find more than one type of solution, as far as the column `mode` has it."""
+    """Return a drawing for each map on which solvers find more than one type of solution, according to the column `mode`."""
     return _drawings(run, _types, TYPE)
 
 
 def times(run: Run) -> list[Drawing]:
-    """A drawing per map: the time of each solver; in closed loop the drift of energy and the penetration."""
+    """Return a drawing per map: the time of each solver; in closed loop its drift of energy and its penetration."""
     return _drawings(run, lambda cells: _loop(cells) if cells.spec.steps else _each(cells, "time", seconds))
 
 
 def work(run: Run) -> list[Drawing]:
-    """A drawing per map of first problems: the work of each solver."""
+    """Return a drawing per map of first problems: the work of each solver."""
     return _drawings(run, lambda cells: [] if cells.spec.steps else _each(cells, "work", "{:.0f}".format))
 
 
 def _drawings(
     run: Run, fields: Callable[[MapCells], list[tuple[str, Field]]], legend: Mapping[str, str] = NO_COLOURS
 ) -> list[Drawing]:
-    """A drawing of each map that has such fields, one for each label."""
+    """Return a drawing of each map that has such fields, with equal ones merged."""
     made = [(cells, fields(cells)) for cells in map_cells(run)]
     return [_drawing(run, cells, *_alike(own), legend) for cells, own in made if own]
 
@@ -101,15 +101,15 @@ def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, lege
 
 
 def _axis(axis: Axis) -> tiles.Axis:
-    """An axis with a tick at up to TICKS of its grid lines, both ends among them."""
+    """Return an axis with a tick at up to TICKS of its grid lines, including both ends."""
     lines = sorted({round(k * (axis.count - 1) / (TICKS - 1)) for k in range(TICKS)})
     ticks = tuple((float(line), re.sub(r"e([+-])0*", r"e\1", f"{axis.value(line):.3g}")) for line in lines)
     return tiles.Axis(axis.name, ticks, axis.count)
 
 
 def _facts(spec: Map) -> dict[str, object]:
-    """What the page needs to tell the scene of a tile: its name, its fixed parameters, and the values of both axes at each half
-    of a grid line, to which maps are refined."""
+    """Return what the page needs to name the scene of a tile: its name, its fixed parameters, and the values of both axes at
+    every half grid line, down to which maps are refined."""
     axes = {
         way: {"parameter": axis.parameter, "values": [axis.value(k / 2) for k in range(2 * axis.count - 1)]}
         for way, axis in (("x", spec.x), ("y", spec.y))
@@ -120,13 +120,13 @@ def _facts(spec: Map) -> dict[str, object]:
 def _field(
     title: str, rows: pd.DataFrame, colours: Iterable[str], ground: str = "", tooltips: Iterable[str] = repeat("")
 ) -> Field:
-    """A panel with a tile for each row, its colour and its tooltip; none for an empty colour."""
+    """Return a panel with a tile for each row, without those of an empty colour or, if whole, of the ground's colour."""
     every = map(Tile, rows["i"], rows["j"], rows["tile"], colours, tooltips)
     return Field(title, [tile for tile in every if tile.colour and (tile.width < 1 or tile.colour != ground)], ground)
 
 
 def _verdicts(cells: MapCells, run: Run) -> dict[str, Field]:
-    """By label. The tooltips of failures end with the command that runs the cell again, which page.js shows."""
+    """Return a panel by label. The tooltips of failures end with the command that runs the cell again, which page.js shows."""
     fields, x, y = {}, cells.spec.x, cells.spec.y
     for label, rows in cells.by_label.items():
         known = rows[rows["known"]]
@@ -136,14 +136,14 @@ def _verdicts(cells: MapCells, run: Run) -> dict[str, Field]:
         tooltips = at + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
         tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "")
         tooltips += " · " + rows.apply(lambda row: rerun(run.folder, row["key"], row["variant"], run.plugins), axis=1)
-        tooltips = tooltips.where(rows["verdict"] != Verdict.RELAXED, "")  # no failure: the model is solved
+        tooltips = tooltips.where(rows["verdict"] != Verdict.RELAXED, "")  # not a failure: the solver's model is solved
         ended = pd.Series(endings(rows), index=rows.index)
         fields[label] = _field(label + share, rows, ended.map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], tooltips)
     return fields
 
 
 def _problem(cells: MapCells) -> tuple[list[Field], str]:
-    """The properties of the problem that change over the map, and a note where the number of its solutions does not."""
+    """Return panels for the properties of the problem that vary over the map, and a note if its solutions do not vary."""
     rows = cells.problems
     if cells.spec.steps:
         return [], ""
@@ -164,7 +164,7 @@ def _solutions(row: "pd.Series[Any]") -> str:
 
 
 def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Callable[[float], str] = "{:.0e}".format) -> Field:
-    """Values on a logarithmic scale of colours, with the ends of the scale in the title."""
+    """Return a panel of values on a logarithmic scale of colours, with the ends of the scale in the title."""
     size = values.astype(float).abs()
     positive = size[np.isfinite(size) & (size > 0)]
     low, high = (positive.min(), positive.max()) if len(positive) else (1.0, 1.0)
@@ -190,13 +190,13 @@ def _types(cells: MapCells) -> list[tuple[str, Field]]:
 
 
 def _each(cells: MapCells, column: str, write: Callable[[float], str]) -> list[tuple[str, Field]]:
-    """A scale of the column for each label; of counters their sum."""
+    """Return a panel with a scale of the column for each label; counters are summed."""
     values = cells.rows[column].map(_count) if column == "work" else cells.rows[column]
     return [(label, _scale("", rows, values[rows.index], write)) for label, rows in cells.by_label.items()]
 
 
 def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
-    """One field for all labels whose fields are equal, with their names in the title; and a note that lists equal labels."""
+    """Merge equal fields of several labels into one, with a title that says so; return also a note that lists these labels."""
     same: dict[tuple[Any, ...], list[tuple[str, Field]]] = {}
     for label, field in fields:
         same.setdefault((field.title, *sorted(field.tiles)), []).append((label, field))
@@ -211,13 +211,13 @@ def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
 
 
 def _count(work: str) -> float:
-    """The sum of all counters of a row; nan if there are none."""
+    """Return the sum of all counters of a row; NaN if there are none."""
     found = counts(work)
     return float(sum(found.values())) if found else np.nan
 
 
 def _loop(cells: MapCells) -> list[tuple[str, Field]]:
-    """The drift, penetration and contact-free steps of each label, as far as they change over the map."""
+    """Return panels of drift, penetration and contact-free steps for each label, if they vary over the map."""
     fields = []
     for column, title in (
         ("energy_drift", "drift"),

@@ -22,7 +22,7 @@ SIZES = 3  # the fewest sizes for which a slope has a standard error
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per scene with SIZES sizes or more, with the exponent of each label."""
+    """Return a panel per scene with SIZES sizes or more, with the exponent of each label."""
     contacts = run.ranked.groupby("problem_id")["contacts"].max()
     times = run.times[TARGET if TARGET in run.times else run.outer_targets[-1]].join(contacts, on="problem_id")
     scenes = times.groupby("scene", sort=False)
@@ -36,14 +36,14 @@ def panels(run: Run) -> list[Panel]:
 
 
 def _curves(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """For each label, by number of contacts: mean (s), and all: whether all problems of that size were solved."""
+    """Return for each label, by number of contacts, the mean (s) and `all`, whether all problems of that size were solved."""
     groups = times.groupby(["label", "contacts"])
     table = pd.DataFrame({"mean": groups["charged"].agg(shifted_geometric_mean), "all": groups["reached"].all()})
     return {str(label): own.droplevel("label") for label, own in table.groupby("label")}
 
 
 def exponent(contacts: Array, time: Array) -> tuple[float, float]:
-    """The slope of log time over log contacts and its standard error; nan for fewer than SIZES sizes."""
+    """Return the slope of log time over log contacts and its standard error; NaN for fewer than SIZES sizes."""
     if len(contacts) < SIZES:
         return np.nan, np.nan
     (slope, _), covariance = np.polyfit(np.log(contacts), np.log(time), 1, cov=True)
@@ -51,7 +51,7 @@ def exponent(contacts: Array, time: Array) -> tuple[float, float]:
 
 
 def _exponents(curves: dict[str, pd.DataFrame]) -> dict[str, str]:
-    """The exponents, as text, of the labels that solve enough sizes, the smallest first."""
+    """Return the exponents, as text, of the labels that solve enough sizes, the smallest first."""
     found = {}
     for label, curve in curves.items():
         own = curve[curve["all"] & (curve.index > 0)]

@@ -1,8 +1,8 @@
-"""Speed against accuracy over all problems of the plane or of space: a point for each label and tolerance, and their Pareto
+"""Speed against accuracy over all problems in the plane or in space: a point for each label and tolerance, and the Pareto
 front.
 
-Time is the weighted shifted geometric mean over the problems, with problems not solved charged the time limit; accuracy is the
-weighted median of the verified residual, a missing answer counting as infinite. Only labels that ran on every problem are
+Time is the weighted shifted geometric mean over the problems, where a missing answer is charged the time limit. Accuracy is the
+weighted median of the verified residual, where a missing answer counts as infinite. Only labels that ran on every problem are
 drawn, because means over different problems are not comparable.
 """
 
@@ -20,18 +20,18 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK, WORST, ZERO, Look, name_axes, residual_axis, time_axis
 from frictionbench.reports.run import Run
 
-HALF = 0.5 + 1e-9  # the upper median: a solver of half of the problems is not accurate
+HALF = 0.5 + 1e-9  # the upper median: solving half of the problems does not make a solver accurate
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel for the plane and one for space, if some solver ran on all problems."""
+    """Return a panel for the plane and one for space, if some solver ran on all problems."""
     found = {where: means(run.ranked[run.ranked["dimension"] == dimension]) for dimension, where in OVERALL.items()}
     draw = partial(_draw, looks=run.looks, across=f"time ({run.rank_by.parts}), mean")
     return [Panel(where, partial(draw, points=points)) for where, points in found.items() if len(points)]
 
 
 def means(rows: pd.DataFrame) -> pd.DataFrame:
-    """A row per label and tolerance with an attempt on every problem: time (s) and residual. rows: those that are ranked."""
+    """Return time (s) and residual for each label and tolerance that was tried on every problem. rows: the ranked ones."""
     rows = rows.assign(
         time=rows["time"].where(rows["answered"], rows["time_limit"]),
         residual=rows["residual"].where(rows["answered"], np.inf),
@@ -47,7 +47,7 @@ def means(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def front(time: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.intp]:
-    """The indices of the Pareto-optimal points, the fastest first."""
+    """Return the indices of the Pareto-optimal points, the fastest first."""
     order = np.lexsort((residual, time))
     best = np.minimum.accumulate(np.r_[np.inf, residual[order][:-1]])
     return order[residual[order] < best]

@@ -1,12 +1,12 @@
 """Performance profiles of Dolan and Moré (2002): the weighted share of problems within tau times the least time of any solver.
 
-Beside them stand the share within a time, which does not depend on the other solvers; profiles of deterministic counters in
-place of time, which do not depend on the machine; and profiles by the number of contacts. What else makes a problem difficult,
-such as rank deficiency, has columns of its own in the table of hard problems (reports.tables).
+Further charts show the share within a time, which does not depend on the other solvers; profiles of deterministic counters
+instead of time, which do not depend on the machine; and profiles by the number of contacts. Other sources of difficulty, such
+as rank deficiency, have columns in the table of hard problems (reports.tables).
 
-The work of a solver on a problem is the counter at the least time within the finest target (reports.accuracy), plus one, so
-that the ratio to a problem solved without work is defined. Counters of different units are not compared: a unit has a panel
-with the solvers that count it on every problem. The counters of the members of a portfolio are summed.
+The work of a solver on a problem is the counter at the least time within the tightest target (reports.accuracy), plus one, so
+that ratios are defined if a solver needs no work. Counters of different units are not compared: each unit has a panel with the
+solvers that count it on every problem. The counters of a portfolio's members are summed.
 """
 
 from collections import Counter
@@ -24,20 +24,20 @@ from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
 
-FARTHEST = 1e3  # ratio to the fastest at the right edge: three decades
-STEPS = 160  # of a curve, finer than the resolution of a panel
+FARTHEST = 1e3  # largest ratio to the fastest solver that is shown
+STEPS = 160  # steps of a curve: finer than the resolution of a panel
 UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 SIZES = {"1 to 10 contacts": (1, 10), "11 to 100": (11, 100), "101 to 1000": (101, 1000), "more than 1000": (1001, 10**12)}
-FEWEST = 2  # problems of a class that has a panel
+FEWEST = 2  # least number of problems of a class with a panel
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per target and dimension."""
+    """Return a panel per target and dimension."""
     return [Panel(title, partial(_draw, costs=profiles(times), looks=run.looks)) for title, times in _by_target(run)]
 
 
 def within_time(run: Run) -> list[Panel]:
-    """A panel per target and dimension that some solver reaches."""
+    """Return a panel per target and dimension that some solver reaches."""
     draw, found = partial(_draw_within, looks=run.looks, budget=run.budget), _by_target(run)
     reached = [(title, times) for title, times in found if times["reached"].any()]
     return [Panel(title, partial(draw, costs=profiles(times, relative=False))) for title, times in reached]
@@ -52,7 +52,7 @@ def _by_target(run: Run) -> list[tuple[str, pd.DataFrame]]:
 
 
 def work(run: Run) -> list[Panel]:
-    """A panel per dimension and unit that two or more labels count."""
+    """Return a panel per dimension and unit that two or more labels count."""
     found = []
     for where, times in overall(run.times[run.outer_targets[-1]]).items():
         units = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
@@ -66,7 +66,7 @@ def work(run: Run) -> list[Panel]:
 
 
 def counted(text: object) -> dict[str, int]:
-    """The work in a row by unit: the counter "lemke pivots" of a portfolio has the unit pivots."""
+    """Return the work in a row by unit: the counter "lemke pivots" of a portfolio has the unit pivots."""
     total: Counter[str] = Counter()
     for name, count in counts(text).items():
         unit = name.rsplit(" ", 1)[-1]
@@ -76,7 +76,7 @@ def counted(text: object) -> dict[str, int]:
 
 
 def classes(run: Run) -> list[Panel]:
-    """A panel per class of size, if the problems of a run belong to several classes."""
+    """Return a panel per class of size, if the problems of a dimension belong to several classes."""
     tried = [target for target in sorted(run.times) if len(run.times[target])]
     if not tried:
         return []
@@ -98,7 +98,7 @@ def classes(run: Run) -> list[Panel]:
 def _draw(
     ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], across: str = "time over the fastest solver's time"
 ) -> None:
-    """Draw the profiles. costs: of each label, over the least cost, see reports.accuracy.profiles."""
+    """Draw the profiles. costs: each label's, relative to the least cost, see reports.accuracy.profiles."""
     for label, profile in costs.items():
         look, (reached, share) = looks[label], steps(profile, FARTHEST)
         x, y = [1.0, *reached, FARTHEST], [0.0, *share]
@@ -121,7 +121,7 @@ def _draw_within(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], bu
 
 
 def steps(profile: Profile, farthest: float) -> tuple[Array, Array]:
-    """The costs up to the farthest with the share of the problems within each, thinned to STEPS."""
+    """Return the costs up to `farthest` with the share of the problems within each, thinned to STEPS."""
     cost = profile.cost[profile.cost <= farthest]
     keep = np.unique(np.linspace(0, len(cost) - 1, min(len(cost), STEPS)).astype(int))
     return cost[keep], profile.share(cost[keep])

@@ -1,4 +1,4 @@
-"""The speed-accuracy chart: verified residual against time, one panel per problem class; its caption names the marks."""
+"""The speed-accuracy chart: verified residual against time, one panel per problem class. Its caption explains the marks."""
 
 from functools import partial
 from pathlib import Path
@@ -18,13 +18,13 @@ from frictionbench.reports.run import Run
 from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import scene_title
 
-STRIP = 2e3  # the strip above WORST
-MOST_TOOLTIPS = 5000  # cells of a run above which dots have no tooltips, which would make the page too large
-MOST_DOTS = 1500  # dots above which they are drawn as an image, for the same reason
+STRIP = 2e3  # upper end of the strip above WORST
+MOST_TOOLTIPS = 5000  # with more cells in a run, dots have no tooltips, which would make the page too large
+MOST_DOTS = 1500  # more dots are drawn as an image, for the same reason
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per problem class, all with the same axes."""
+    """Return a panel per problem class, all with the same axes."""
     answers = run.ranked[run.ranked["answered"]]
     ends = (0.7 * answers["time"].min(), 1.4 * answers["time"].max()) if len(answers) else (1e-3, 1.0)
     lowest = min(1e-10, _shown(answers["residual"]).min()) if len(answers) else 1e-10
@@ -35,7 +35,7 @@ def panels(run: Run) -> list[Panel]:
 
 
 def _tooltips(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
-    """For each dot the solver, problem, accuracy and time, and the command that runs the cell again."""
+    """Return for each dot the solver, problem, accuracy and time, and the command that runs the cell again."""
     answers = rows[rows["answered"]]
     return {
         run.looks[str(label)].tag: [

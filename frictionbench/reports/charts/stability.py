@@ -1,4 +1,4 @@
-"""Ill-posed problem or unstable solver: the backward error of every answer against the sensitivity of its problem.
+"""Ill-posed problems and unstable solvers: the backward error of every answer against the sensitivity of its problem.
 
 The backward error is the smallest relative change of the data (q, mu) for which the answer is exact; a stable solver has a
 small one on any problem (Higham 2002, section 1.5). Sensitivity is the relative change of the solution over that of q.
@@ -16,13 +16,13 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK, WORST, ZERO, Look, log_ticks, name_axes, residual_axis
 from frictionbench.reports.run import Run
 
-SENSITIVITY = 1e-2, 1e8  # the range of the axis; values beyond are drawn at its ends
+SENSITIVITY = 1e-2, 1e8  # the range of the axis; values outside are drawn at its ends
 ILL, UNSTABLE = 1e3, 1e-6  # dotted lines: a solution that loses three digits, an error far above rounding
-MOST_DOTS = 4000  # answers above which dots are drawn as an image, to keep the page small
+MOST_DOTS = 4000  # more dots are drawn as an image, to keep the page small
 
 
 def panels(run: Run) -> list[Panel]:
-    """One panel: the answers at the tightest tolerance to problems whose sensitivity is known."""
+    """Return one panel with the answers at the tightest tolerance to problems whose sensitivity is known."""
     rows = run.tightest
     rows = rows[rows["answered"] & rows["sensitivity"].notna() & rows["backward_error"].notna()]
     return [Panel("all problems", partial(_draw, rows=rows, looks=run.looks))] if len(rows) else []
@@ -59,7 +59,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     log_ticks(ax, "x", {10.0**k: f"1e{k}" for k in range(-2, 7, 2)} | {SENSITIVITY[1]: "∞"})
     residual_axis(ax)
     ax.set_xlim(SENSITIVITY[0] / 2, SENSITIVITY[1] * 2)
-    ax.set_ylim(ZERO / 100, WORST * 100)  # room for the words beside the lowest and the highest dots
+    ax.set_ylim(ZERO / 100, WORST * 100)  # leaves room for the words above and below the dots
     name_axes(ax, "sensitivity of the problem", "backward error of the answer")
 
 

@@ -1,4 +1,4 @@
-"""The time of each step of a motion, for those who have to finish each step within a budget."""
+"""The time of each step of a motion, for users who have to finish each step within a budget."""
 
 from functools import partial
 

@@ -1,1 +1,1 @@
-"""The comparison of two runs as people and machines read it, and runs over time."""
+"""Output of the comparison of two runs, for people and programs, and of runs over time."""

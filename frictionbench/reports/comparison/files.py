@@ -35,7 +35,7 @@ def write_files(comparison: Comparison, folder: Path) -> None:
 
 
 def data(comparison: Comparison) -> dict[str, Any]:
-    """The comparison as plain values."""
+    """Return the comparison as plain values."""
     plain = {field.name: getattr(comparison, field.name) for field in fields(comparison)}
     plain |= {name: [_values(comparison, one) for one in plain[name]] for name in ("flips", "gone", "added", "work", "times")}
     return {"exit_code": comparison.exit_code, "counts": comparison.counts, **plain}
@@ -47,7 +47,7 @@ def _values(comparison: Comparison, found: Change) -> dict[str, Any]:
 
 
 def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
-    """The comparison as JUnit's XML, each text `printable`, because XML 1.0 excludes most control characters."""
+    """Return the comparison as JUnit XML. Each text is made `printable`, since XML 1.0 excludes most control characters."""
     root = ElementTree.Element("testsuites", name="frictionbench compare")
     worse = {(found.variant, getattr(found, "key", found.name)): found for found in comparison.worse}
     suites: dict[str, ElementTree.Element] = {}
@@ -78,7 +78,7 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
 
 
 def message(found: Change) -> str:
-    """A change in one line."""
+    """Return a change as one line."""
     if isinstance(found, Flip):
         residuals = f"{found.residual_before:.1e} → {found.residual_after:.1e}"
         return f"{format_verdicts(found)}, residual {residuals} {found.reason}".strip()

@@ -1,5 +1,5 @@
-"""Runs over time: for each solver a line per run that measured it, with verdicts, work and time over the cells that all of
-these runs measured."""
+"""Runs over time: for each solver, a line per run that measured it, with verdicts, work and time over the cells that all these
+runs measured."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -17,8 +17,8 @@ from frictionbench.results.files import ResultsError
 
 
 class Line(NamedTuple):
-    """A solver in one run: the verdicts of the cells, and over those that every run solves the sums of the counters and the
-    geometric mean of the times, s."""
+    """A solver in one run: the verdicts of its cells, and over the cells that every run solves, the sums of the counters and
+    the geometric mean of the times, s."""
 
     run: Cells
     verdicts: Counter[str]
@@ -27,7 +27,7 @@ class Line(NamedTuple):
 
 
 def lines(paths: Iterable[Path]) -> dict[str, list[Line]]:
-    """By solver its lines in the runs, results folders or baselines, the oldest first.
+    """Return each solver's lines in the runs, the oldest first. paths: results folders or baselines.
 
     Errors: ResultsError if one cannot be read, or if nothing was measured in any.
     """
@@ -45,7 +45,7 @@ def lines(paths: Iterable[Path]) -> dict[str, list[Line]]:
 
 
 def history(found: dict[str, list[Line]]) -> str:
-    """The lines as a table of Markdown."""
+    """Return the lines as a Markdown table."""
     rows = []
     for variant, own in found.items():
         for i, line in enumerate(own):

@@ -1,6 +1,6 @@
 """A comparison as Markdown, for a terminal and for a pull request: counts, the changes of each solver, and times.
 
-templates/comparison.md says what it looks like.
+Its template is templates/comparison.md.
 """
 
 import os
@@ -22,7 +22,7 @@ LONGEST = 60_000  # characters; a comment on GitHub may have 65 536
 
 
 def markdown(comparison: Comparison) -> str:
-    """The comparison as a page of Markdown, in which `code` and `escaped` escape what is not ours."""
+    """Return the comparison as Markdown. The template escapes untrusted text by `code` and `escaped`."""
     templates = PackageLoader("frictionbench.reports", "templates")
     made = Environment(loader=templates, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     made.filters |= {"code": code, "escaped": escaped, "seconds": seconds}
@@ -41,20 +41,20 @@ def markdown(comparison: Comparison) -> str:
 
 
 def summarise(comparison: Comparison) -> None:
-    """Append the comparison to the summary of a GitHub workflow's step, if the program runs in one."""
+    """Append the comparison to the summary of the step of a GitHub workflow, if the program runs in one."""
     if path := os.environ.get("GITHUB_STEP_SUMMARY"):
         with open(path, "a", encoding="utf-8") as summary:
             summary.write(markdown(comparison) + "\n")
 
 
 def solvers(comparison: Comparison) -> list[str]:
-    """The solvers with changes, those with a regression first."""
+    """Return the solvers with changes, those with a regression first."""
     worse = {found.variant for found in comparison.worse}
     return sorted({found.variant for found in comparison.changes}, key=lambda name: (name not in worse, name))
 
 
 def rerun_command(comparison: Comparison, flip: Flip) -> str:
-    """The command that runs the cell again; empty if it is gone."""
+    """Return the command that runs the cell again, empty if it is gone."""
     if flip.after == GONE:
         return ""
     return rerun(comparison.current, flip.key.partition(FILE)[0], flip.variant, comparison.sources)

@@ -1,1 +1,1 @@
-"""How figures look, what they are drawn on, and how names and numbers are written."""
+"""The style of figures, their panels and files, and the format of names and numbers."""

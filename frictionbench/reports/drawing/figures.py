@@ -21,7 +21,7 @@ IMAGE = 200  # dots per inch of rasterised parts, twice the resolution of usual 
 class Panel:
     """One drawing on one pair of axes.
 
-    dots: tooltips of the dots of each tag, in the order drawn. notes: text per label, shown below the panel.
+    dots: for each tag, the tooltips of its dots in the order drawn. notes: text per label, shown below the panel.
     """
 
     title: str
@@ -31,10 +31,10 @@ class Panel:
 
 
 def inline_svg(panel: Panel) -> str:
-    """The panel, without its title, as an SVG element in the text colour of the page.
+    """Return the panel, without its title, as an SVG element in the text colour of the page.
 
-    Ids of groups are removed, because they would be repeated on the page; those of labels become the attributes data-label
-    and data-dots.
+    Ids of groups are removed, because they would be repeated on the page. Ids of labels become the attributes data-label and
+    data-dots.
     """
     with mpl.rc_context(RC | ON_PAGE):
         figure = Figure(figsize=PANEL, layout="constrained")
@@ -44,7 +44,7 @@ def inline_svg(panel: Panel) -> str:
 
 @cache
 def swatch(look: Look) -> str:
-    """The line and marker of a label as a small SVG element, for the legend of the page."""
+    """Return the line and marker of a label as a small SVG element, for the legend of the page."""
     with mpl.rc_context(RC):
         figure = Figure(figsize=(0.34, 0.17))
         ax = figure.add_axes((0, 0, 1, 1))
@@ -54,12 +54,12 @@ def swatch(look: Look) -> str:
 
 
 def _element(figure: Figure, attributes: str) -> str:
-    """attributes: of the SVG element, for those who do not see it."""
+    """Return the figure as an SVG element. attributes: for accessibility."""
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=IMAGE, metadata={"Date": None})
     svg = text.getvalue()
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
-    svg = re.sub(r'\s*<defs>\s*<style type="text/css">\*\{(.*?)\}</style>\s*</defs>', "", svg, count=1)  # of the whole page
+    svg = re.sub(r'\s*<defs>\s*<style type="text/css">\*\{(.*?)\}</style>\s*</defs>', "", svg, count=1)  # affects the page
     svg = svg.replace("<svg", f'<svg {attributes} style="stroke-linejoin: round; stroke-linecap: butt"', 1)
     svg = re.sub(r'<g id="dots-(label-[0-9a-f]+)"', r'<g data-dots="\1"', svg)
     svg = re.sub(r'<g id="(label-[0-9a-f]+)"', r'<g data-label="\1"', svg)

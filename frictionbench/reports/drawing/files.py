@@ -15,8 +15,8 @@ from frictionbench.reports.drawing.text import plain
 from frictionbench.results.files import replaced
 
 FAMILIES = {"serif": ("serif", "STIXGeneral"), "sans": ("sans-serif", "DejaVu Sans")}  # fonts that matplotlib includes
-TITLE, LETTER = 96, 0.008  # letters of a panel's title, in lines of its width; inches of a letter for each point of the font
-HANDLE = 9  # letters that fit into the line or patch beside a name in the legend and the gaps around it
+TITLE, LETTER = 96, 0.008  # longest title of a panel, letters; width of a letter, inches per point of the font
+HANDLE = 9  # width, in letters, of a legend's line or patch with the gaps around it
 NOTHING: Mapping[str, Artist] = {}
 
 
@@ -34,8 +34,8 @@ def save_sheet(
 ) -> list[str]:
     """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf; return the names in the legend.
 
-    size: of one panel, inches; font: points; paper: the colour of the background. handles:
-    what the legend names besides the labels that are drawn.
+    size: of one panel, inches. font: points. paper: the colour of the background. handles: legend entries besides the labels
+    that are drawn.
     """
     columns = max(1, min(columns, len(panels)))
     rows = -(-len(panels) // columns)
@@ -64,14 +64,14 @@ def save_sheet(
 
 
 def legend_size(names: Collection[str], width: float, font: float) -> tuple[int, float]:
-    """The columns of a legend in a width, inches, and its height, inches. font: points."""
+    """Return the number of columns of a legend of this width (inches) and its height (inches). font: points."""
     longest = max(map(len, names), default=0) + HANDLE
     across = max(1, int(width / (LETTER * font * longest)))
     return across, 0.02 * font * -(-len(names) // across)
 
 
 def _legend(figure: Figure, named: Mapping[str, Artist], height: float, font: float) -> None:
-    """A legend below the panels, in as many columns as the longest name leaves room for; the figure grows by its height."""
+    """Add a legend below the panels, in as many columns as the longest name allows; the figure grows by its height."""
     across, own = legend_size(named, figure.get_figwidth(), font)
     figure.set_figheight(height + own)
     figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=across, handlelength=3)

@@ -14,9 +14,9 @@ from frictionbench.reports.drawing.text import seconds
 
 INK = "#20242b"  # text and axes; the page replaces it by its text colour
 ALARM = "#d62728"
-NARROW = 5.0  # least ratio of the ends of a time axis, for two ticks or more
-ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, are drawn
-GRID: Any = {"lw": 0.4, "alpha": 0.3}  # of the lines of a grid
+NARROW = 5.0  # least ratio of the ends of a time axis, so that it has two ticks or more
+ZERO, WORST = 1e-17, 1e1  # positions of residuals of zero, and of large or missing ones
+GRID: Any = {"lw": 0.4, "alpha": 0.3}  # style of grid lines
 RC: Any = {
     "font.size": 9.0,
     "font.family": "sans-serif",
@@ -42,7 +42,7 @@ RC: Any = {
     "svg.hashsalt": "frictionbench",
     "pdf.fonttype": 42,
 }
-# On the page, where a panel is at least 340 px wide: 9.2 of its points, the size of all but few words, are then 11 px.
+# On the page a panel is at least 340 px wide. The size of most words, 9.2 points, is then 11 px.
 ON_PAGE: Any = {"font.size": 11.0, "axes.labelsize": "small", "axes.titlesize": "small"}
 COLOURS = (
     *("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a6761d"),
@@ -50,7 +50,7 @@ COLOURS = (
 )
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p", "<", ">", "h")  # 11 and 12 are coprime
 _DASHES = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
-# The position of a solver in the cycles, fixed so that it looks the same in every report; others get theirs from a hash.
+# A solver's position in the cycles is fixed, so that it looks the same in every report; other positions come from a hash.
 _PLACES = (
     *("hybrid", "interior_point", "lemke", "path_search", "nsgs", "apgd_coulomb", "admm_coulomb", "relaxation_ip", "ccp"),
     *("clarabel", "apgd", "admm", "nncg", "staggered", "anitescu_hart", "fischer_newton", "minmap_newton", "murty", "dantzig"),
@@ -72,7 +72,7 @@ class Look(NamedTuple):
 
 
 def looks(labels: Iterable[str]) -> dict[str, Look]:
-    """A look for each label, which depends only on its name and is therefore the same in every report. If two labels have the
+    """Return a look for each label, which depends on its name and is therefore the same in every report. If two labels have the
     same marker and colour, or the same marker and dash, by which lines differ in greyscale, the later one gets others."""
     found: dict[str, Look] = {}
     for label in sorted(set(labels), key=lambda label: (_solver(label) not in _PLACES, label)):
@@ -90,7 +90,7 @@ def _solver(label: str) -> str:
 
 
 def _place(label: str) -> tuple[int, int]:
-    """The solver's position, which determines the colour, and the shift of its variant in the cycles of markers and dashes."""
+    """Return the solver's position, which determines its colour, and the variant's shift in the cycles of marks and dashes."""
     solver = _solver(label)
     place = _PLACES.index(solver) if solver in _PLACES else len(_PLACES) + _number(solver)
     return place, _number(label) if label != solver else 0
@@ -109,7 +109,7 @@ def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:
     """Make an axis a logarithmic axis of times, after everything is drawn."""
     axis = _logarithmic(ax, which)
     low, high = axis.get_view_interval()
-    if high < NARROW * low:  # widened, for two ticks or more
+    if high < NARROW * low:  # widen it for two ticks or more
         middle = np.sqrt(low * high)
         low, high = middle / np.sqrt(NARROW), middle * np.sqrt(NARROW)
         axis.set_view_interval(low, high, ignore=True)
@@ -119,13 +119,13 @@ def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:
 
 
 def name_axes(ax: Axes, across: str, up: str, grid: Literal["both", "x", "y"] = "both") -> None:
-    """Name both axes, and draw the lines of a grid."""
+    """Name both axes, and draw grid lines."""
     ax.set(xlabel=across, ylabel=up)
     ax.grid(axis=grid, **GRID)
 
 
 def share_axis(ax: Axes, across: str) -> None:
-    """Make the vertical axis one of the share of the problems, from none to all, over what `across` names."""
+    """Make the vertical axis one of the share of the problems, from none to all. across: the name of the horizontal axis."""
     ax.set_ylim(0, 1.03)
     ax.yaxis.set_major_formatter(PercentFormatter(1))
     name_axes(ax, across, "share of the problems")

@@ -8,30 +8,30 @@ from frictionbench.results.files import printable
 
 
 def plain(text: str, longest: int = 48) -> str:
-    """Text for a figure: cut to length, characters that the font or XML lacks replaced, and a leading underscore, which would
-    hide a legend's item, preceded by a space."""
+    """Prepare text for a figure: cut it to length, replace characters that the font or XML lacks, and put a space before a
+    leading underscore, with which matplotlib would hide a legend's entry."""
     shown = printable(text.encode("latin-1", "replace").decode("latin-1"))
     shown = shown if len(shown) <= longest else shown[: longest - 3] + "..."
     return " " + shown if shown.startswith("_") else shown
 
 
 def code(text: str) -> str:
-    """Text as Markdown code that cannot leave its table cell."""
+    """Return text as Markdown code that cannot leave its table cell."""
     return "`" + printable(text).replace("`", "'").replace("|", "\\|") + "`"
 
 
 def escaped(text: str) -> str:
-    """Text with the characters escaped that begin tables, links and tags in Markdown."""
+    """Escape the characters that begin tables, links and tags in Markdown."""
     return printable(text).replace("|", "\\|").replace("[", "\\[").replace("<", "&lt;")
 
 
 def pipe(header: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """The lines of a table in Markdown. The texts are escaped already."""
+    """Return the lines of a Markdown table. header, rows: texts that are escaped already."""
     return [f"| {' | '.join(line)} |" for line in (header, ["---"] * len(header), *rows)]
 
 
 def seconds(value: float, digits: int = 2) -> str:
-    """A time, s, in a suitable unit: 12 µs, 3.4 ms, 1.2 s. digits: significant ones, without zeros at the end."""
+    """Format a time, s, in a suitable unit: 12 µs, 3.4 ms, 1.2 s. digits: significant digits, without trailing zeros."""
     if not np.isfinite(value):
         return "–"
     units = ((1e-6, "µs"), (1e-3, "ms"))
@@ -41,7 +41,7 @@ def seconds(value: float, digits: int = 2) -> str:
 
 
 def percent(share: float, decimals: int = 0) -> str:
-    """A share in percent, rounded: 37 %, 4.2 %. 0 % and 100 % stand for exact shares alone."""
+    """Format a share in percent, rounded: 37 %, 4.2 %. Only exact shares are shown as 0 % and 100 %."""
     steps = 100 * 10**decimals
     rounded = round(steps * share)
     if 1e-9 < share < 1 - 1e-9:
@@ -50,17 +50,17 @@ def percent(share: float, decimals: int = 0) -> str:
 
 
 def ratio(value: float) -> str:
-    """A ratio with three digits, zeros at the end too: 1.00, 12.3."""
+    """Format a ratio with three digits and trailing zeros: 1.00, 12.3."""
     return f"{value:#.3g}".rstrip(".")
 
 
 def power(value: float) -> str:
-    """A power of ten: 1e-8."""
+    """Format a number as a power of ten: 1e-8."""
     return f"1e{round(np.log10(value))}" if value > 0 else "0"
 
 
 def residual(value: float, decimals: int = 0) -> str:
-    """A residual with one digit, or more decimals: 3e-9."""
+    """Format a residual with one digit and `decimals` more: 3e-9."""
     if value == 0 or not np.isfinite(value):
         return f"{value:g}"
     digit, exponent = f"{value:.{decimals}e}".split("e")

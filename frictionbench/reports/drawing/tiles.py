@@ -1,8 +1,8 @@
 """A map: panels of coloured tiles over two parameters, as SVG for the page and on matplotlib's axes for a paper.
 
 Grid points are counted in grid lines from the lower left corner. A panel on the page is written by templates/tiles.svg and not
-by matplotlib, because it may hold thousands of tiles, each with its tooltip: those of one colour and tooltip are one path. A
-threshold is drawn as its points.
+by matplotlib, because it may hold thousands of tiles with tooltips. Tiles of one colour and tooltip form one path. A threshold
+is drawn as points.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -22,9 +22,9 @@ from frictionbench.reports.drawing import figures
 from frictionbench.reports.drawing.text import plain
 
 LONGEST = 38  # letters of a title; a longer one is cut
-SEAM = 0.05  # points, the outline of a tile, which closes the gap that a viewer may show between neighbours
-CORNERS = (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)  # of a tile
-DOTS = 3.2, 1.9  # diameters of a threshold's points on the page, in turn, so that two that coincide are both seen
+SEAM = 0.05  # width of a tile's outline, points: it closes gaps that a viewer may show between neighbours
+CORNERS = (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)  # of a unit tile
+DOTS = 3.2, 1.9  # diameters of points on the page, alternating between thresholds, so that coincident points are both visible
 Point = tuple[float, float]
 
 
@@ -39,7 +39,7 @@ class Tile(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """The name of a parameter with its unit, its ticks, each a grid line and a text, and its number of grid lines."""
+    """The name of a parameter with its unit, its ticks as pairs of grid line and text, and its number of grid lines."""
 
     name: str
     ticks: tuple[tuple[float, str], ...]
@@ -47,7 +47,7 @@ class Axis(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """What the panels of a map have in common: both axes, and by colour the points of each threshold, drawn over the tiles."""
+    """What all panels of a map share: both axes, and by colour the points of each threshold, which are drawn over the tiles."""
 
     x: Axis
     y: Axis
@@ -55,8 +55,8 @@ class Grid(NamedTuple):
 
 
 class Field(NamedTuple):
-    """One panel. ground: the colour of the field, so that its whole tiles can be left out. scale: the colours of a scale, the
-    lowest first; the title names both its ends."""
+    """One panel. ground: the background colour; whole tiles of this colour can be left out. scale: the colours of a scale, the
+    lowest first; the title states both ends."""
 
     title: str
     tiles: Sequence[Tile]
@@ -65,7 +65,7 @@ class Field(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """An entry of the legend: a name and its colour, of points or of tiles."""
+    """An entry of the legend: a name and a colour. dots: whether of points instead of tiles."""
 
     name: str
     colour: str
@@ -73,8 +73,8 @@ class Entry(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """A map: its title, the name of its file, its legend, its grid, its panels, a note on what needs no panel, and the facts by
-    which a reader finds what a tile stands for (see reports.charts.failure_maps)."""
+    """A map: its title, the name of its file, its legend, its grid and its panels. note: on what needs no panel. facts: data by
+    which the page names the scene of a tile (see reports.charts.failure_maps)."""
 
     title: str
     name: str
@@ -114,7 +114,7 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
 
 
 def paths(tiles: Iterable[Tile]) -> list[tuple[str, list[tuple[str, str]]]]:
-    """For SVG, in grid lines: by colour, then by tooltip, the path of the tiles that have both."""
+    """Return, by colour and then by tooltip, the SVG path of the tiles that have both, in grid lines."""
     return [
         (colour, [(tooltip, "".join(map(_square, own))) for tooltip, own in groupby(same, key=attrgetter("tooltip"))])
         for colour, same in groupby(sorted(tiles, key=_order), key=attrgetter("colour"))
@@ -126,5 +126,5 @@ def _square(tile: Tile) -> str:
 
 
 def _order(tile: Tile) -> tuple[float, str, str]:
-    """The wider ones first, so that refinements are drawn over them; then by colour and tooltip."""
+    """Sort wider tiles first, so that refinements are drawn over them; then by colour and tooltip."""
     return -tile.width, tile.colour, tile.tooltip

@@ -1,4 +1,4 @@
-"""The environment of the templates and how they format numbers. All text is escaped unless it is markup of this package."""
+"""The environment of the templates and the format of numbers in them. All text is escaped, except markup of this package."""
 
 import json
 import math
@@ -22,13 +22,13 @@ from frictionbench.results.hardness import HARDNESS
 
 
 def as_json(value: Any) -> Markup:
-    """The value as JSON that cannot end a script element."""
+    """Return the value as JSON that cannot end a script element."""
     return Markup(json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"))
 
 
 def environment(*folders: Path) -> Environment:
-    """Templates of this folder and of others with escaping, and filters for numbers, commands and drawings; "–" stands for a
-    missing number."""
+    """Return an environment for the templates in this folder and others, with escaping and with filters for numbers, commands
+    and drawings. A missing number is shown as "–"."""
     loader = FileSystemLoader([Path(__file__).parent, *folders])
     made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     made.filters |= {
@@ -56,7 +56,7 @@ def environment(*folders: Path) -> Environment:
     }
 
     def script(*names: str) -> tuple[Markup, str]:
-        """Scripts of these folders as one; and the hash by which a page's policy allows this script only."""
+        """Return the named scripts joined into one, and the hash by which a page's policy allows only this script."""
         text = "".join(loader.get_source(made, name)[0] for name in names)
         return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
 
