@@ -40,10 +40,10 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.optimize import nnls
 
-from frictionbench.problems import FrictionProblem, InputError, Status
+from frictionbench.problems import FrictionProblem, Status
 from frictionbench.problems.capture import mujoco as engine
 from frictionbench.problems.capture.parts import Contacts, posed, require_finite, without_noise
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, require
 from frictionbench.problems.residual import residual
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.solvers import solve
@@ -127,7 +127,8 @@ def step(
 
     If the solver fails, `status` says so, and its impulses are used nevertheless, or zero if they are not finite.
     Errors: InputError naming data where the simulation has diverged, contact where its surface moves, dof_dampingpoly where
-    Euler is given damping that is not linear, or what `solve` refuses.
+    Euler is given damping that is not linear, integrator where the mass of implicit is not positive definite, or what `solve`
+    refuses.
     """
     import mujoco as mj
 
@@ -177,12 +178,14 @@ def steps(model: Any, data: Any, count: int, solver: str = "hybrid", tol: float 
 
 def _stage(mj: Any, model: Any, data: Any) -> _Stage:
     implicit = model.opt.integrator in engine.known(mj)[1:]
-    if not implicit and np.any(model.dof_dampingpoly):
-        raise InputError("dof_dampingpoly: Euler takes damping as linear; use implicitfast")
+    linear = not np.any(model.dof_dampingpoly)
+    require(implicit or linear, "dof_dampingpoly", "Euler takes damping as linear; use implicitfast")
+    usable = np.abs(np.concatenate([data.qpos, data.qvel])) <= mj.mjMAXVAL
+    require(bool(usable.all()), "data", "MuJoCo would reset it: the simulation has diverged")
     mj.mj_step1(model, data)
     mj.mj_fwdActuation(model, data)
     mj.mj_fwdAcceleration(model, data)
-    require_finite(data.qpos, data.qvel, data.qfrc_smooth)
+    require_finite(data.qfrc_smooth)
     if implicit:  # a trial step computes the derivatives of forces
         everything = mj.mjtState.mjSTATE_INTEGRATION
         state = np.empty(mj.mj_stateSize(model, everything))

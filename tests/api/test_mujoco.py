@@ -163,6 +163,13 @@ def test_unusable_models_and_states() -> None:
     data.qfrc_applied[0] = np.inf
     with pytest.raises(fb.InputError, match="data: masses, forces or velocities are not finite"):
         fb.mujoco.step(model, data)
+    data.qvel[0] = 1.1e10
+    with pytest.raises(fb.InputError, match="data: MuJoCo would reset it: the simulation has diverged"):
+        fb.mujoco.step(model, data)
+    model, data = made(CHAIN.format(integrator="implicit"))
+    data.qvel[:] = 1e4
+    with pytest.raises(fb.InputError, match="integrator: implicit's mass is not positive definite"):
+        fb.mujoco.step(model, data)
 
 
 @pytest.mark.slow  # six robots; the quick tests have no meshes, tendons or many joints at once

@@ -69,7 +69,10 @@ def known(mj: Any) -> tuple[Any, ...]:
 
 
 def mass_of(mj: Any, model: Any, data: Any) -> Array:
-    """A (nv, nv), the mass matrix with which impulses act in the integrator. data: after the step."""
+    """A (nv, nv), the mass matrix with which impulses act in the integrator. data: after the step.
+
+    Errors: InputError naming data or integrator where it is not finite, or implicit's is not positive definite.
+    """
     mass, h = np.zeros((model.nv, model.nv)), model.opt.timestep
     mj.mj_fullM(model, data, mass)
     if model.opt.integrator not in known(mj)[1:]:
@@ -80,6 +83,9 @@ def mass_of(mj: Any, model: Any, data: Any) -> Array:
     mass[at] -= h * data.qDeriv
     if model.opt.integrator == mj.mjtIntegrator.mjINT_IMPLICITFAST:  # it uses only the lower triangle
         return np.tril(mass) + np.tril(mass, -1).T
+    require_finite(mass)
+    reason = "implicit's mass is not positive definite at the velocities that light bodies have; use implicitfast"
+    require(bool((np.linalg.eigvalsh(mass + mass.T) > 0).all()), "integrator", reason)
     return mass
 
 
