@@ -1,4 +1,4 @@
-"""One step of a running engine as a problem, with the impulses that the engine used.
+"""Capture a step of a running engine as a problem, with the impulses that the engine used.
 
     mujoco(model, data)      before mujoco.mj_step(model, data)
     drake(plant, context)    before simulator.AdvanceTo(...); the context is the diagram's

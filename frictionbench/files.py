@@ -18,7 +18,7 @@ def load(path: str | Path) -> FrictionProblem | LCP:
     path: an .npz written by `save`, a plain .npz of arrays (W, q, mu, d or M, N, T, mu, v; an LCP's M, q), FCLIB's HDF5,
     Siconos' text or ContactBench's .npz. The format is recognised by the content, whatever the file's name.
 
-    Returns a FrictionProblem, or an LCP where the file holds a bare one. Pickled objects are never loaded.
+    Returns a FrictionProblem, or an LCP if the file holds a bare one. Pickled objects are never loaded.
     Limits: 4 GiB unpacked for an .npz, 512 MiB for HDF5 and for text.
     Errors: InputError naming path, or the file and the field that is missing or cannot be used, or that is too large.
 
@@ -34,12 +34,12 @@ def load(path: str | Path) -> FrictionProblem | LCP:
 
 
 def load_step(path: str | Path) -> EngineStep:
-    """Read a step of an engine: the problem, and what the engine answered.
+    """Read a step of an engine: the problem, and the engine's answer.
 
     path: an .npz written by `save` with impulses, or by a capture.
 
-    Returns an EngineStep. Limits: as of `load`.
-    Errors: InputError as of `load`, and where the file holds no impulses of an engine.
+    Returns an EngineStep. Limits: as for `load`.
+    Errors: InputError as for `load`, and if the file holds no impulses of an engine.
 
     >>> import numpy as np
     >>> import frictionbench as fb
@@ -62,13 +62,13 @@ def save(
     """Write a problem to a file that `load` reads, or a step of an engine, which `load_step` reads.
 
     path: its suffix selects the format. .npz: our own, every field of a FrictionProblem or the M and q of an LCP, bit for bit.
-    .hdf5 or .h5: FCLIB's, its local form where only W is known, otherwise its global form.
+    .hdf5 or .h5: FCLIB's, its local form if only W is known, otherwise its global form.
     impulse: (contacts, d), N s, the normal first: the impulses that an engine used in this step; only in an .npz.
-    notes: what of the step the problem does not express, by name, with its share of the impulse, from 0 to 1.
-    step: s, the length of the engine's step, where the problem's bias is the gap over it.
+    notes: effects in the step that the problem does not express, by name, with their shares of the impulse, from 0 to 1.
+    step: the length of the engine's step, s, if the problem's bias is the gap divided by it.
 
-    An existing file is replaced. Errors: InputError for another suffix, and where FCLIB's format cannot hold the problem (an
-    LCP, a friction bias); InputError naming impulse, notes or step; OSError where the file cannot be written.
+    An existing file is replaced. Errors: InputError for another suffix, and if FCLIB's format cannot hold the problem (an LCP,
+    a friction bias); InputError naming impulse, notes or step; OSError if the file cannot be written.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2).problem()

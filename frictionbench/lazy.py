@@ -1,6 +1,6 @@
 """Names that are imported when they are first used, so that `import frictionbench` alone loads neither numpy nor numba.
 
-The folder's __init__ lists them once, as imports that only the type checker makes:
+The package's __init__ lists them once, as imports that only a type checker executes:
 
     if TYPE_CHECKING:
         from frictionbench.problems.catalogue import scene as scene
@@ -17,7 +17,7 @@ from typing import Any
 
 
 def importer(package: str, file: str) -> Callable[[str], Any]:
-    """The __getattr__ of a package with this file: it reads there from which module a name comes."""
+    """Return the __getattr__ of a package. file: its __init__, which says from which module each name is imported."""
     listed = (node for node in ast.walk(ast.parse(Path(file).read_text("utf-8"))) if isinstance(node, ast.ImportFrom))
     found = {each.asname or each.name: (node.module or "", each.name) for node in listed for each in node.names}
 

@@ -1,10 +1,10 @@
-"""The charts of the report, drawn on matplotlib axes of yours.
+"""The charts of the report, drawn on your matplotlib axes.
 
-Each function takes a results folder or what `read_results` returns, the axes to draw on (by default pyplot's current ones), and
-the panel: a chart has one panel per target, scene or problem, named by its title or counted from 0; `titles` lists them. It
-returns the axes. Draw one chart per axes: scales, ticks and legend are set.
+Each function takes a results folder or the result of `read_results`, the axes to draw on (by default pyplot's current ones),
+and the panel. A chart has one panel per target, scene or problem, given by its title or its index from 0; `titles` lists them.
+Each function returns the axes. Draw one chart per axes, since scales, ticks and legend are set.
 
-Errors: ValueError where the run has nothing to draw, or no such panel; ResultsError where the folder cannot be read.
+Errors: ValueError if the run has nothing to draw, or no such panel; ResultsError if the folder cannot be read.
 
 >>> import frictionbench as fb
 >>> from matplotlib.figure import Figure
@@ -45,7 +45,7 @@ class Draw(Protocol):
 
 
 def _chart(name: str, shown: str) -> Draw:
-    """The function of this name, whose docstring begins with what is shown."""
+    """Return the function that draws the chart of this name. shown: the beginning of its docstring."""
 
     def draw(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
         return _draw(name, results, ax, panel)
@@ -99,11 +99,11 @@ convergence = _chart(
 
 
 def titles(results: Results | str | Path, chart: str) -> list[str]:
-    """The titles of the panels of a chart, in their order; empty where the run has nothing to draw.
+    """Return the titles of a chart's panels in their order; none if the run has nothing to draw.
 
-    results: a results folder, or what `read_results` returns. chart: the name of a function of this module: "profiles", "work",
-    "speed_accuracy", "growth", "energy" or "convergence".
-    Errors: ValueError for another chart; ResultsError where the folder cannot be read.
+    results: a results folder, or the result of `read_results`. chart: the name of a function of this module: "profiles",
+    "work", "speed_accuracy", "growth", "energy" or "convergence".
+    Errors: ValueError for another chart; ResultsError if the folder cannot be read.
 
     >>> import frictionbench as fb
     >>> fb.plot.titles("run", "energy")
@@ -144,7 +144,7 @@ def _draw(chart: str, results: Results | str | Path, ax: Axes | None, which: str
 
 
 def _legend(ax: Axes, run: Run, panel: Panel) -> None:
-    """Name the curves by their group ids."""
+    """Add a legend; curves are identified by their group ids."""
     drawn = {str(artist.get_gid()) for artist in ax.findobj()}
     named = {name: look for name, look in run.looks.items() if {look.tag, f"dots-{look.tag}"} & drawn}
     labels = [f"{plain(name)} {panel.notes.get(name, '')}".strip() for name in named]

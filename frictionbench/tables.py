@@ -1,4 +1,4 @@
-"""A results folder as tables of pandas."""
+"""A results folder as pandas tables."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,7 +22,7 @@ class Results:
     simulations  pandas.DataFrame, a row per scene, scheme and solver run in closed loop
     batches      pandas.DataFrame, a row per batch of small problems, solver and way to solve them all
 
-    A run that was interrupted has the rows it wrote so far. A number that was not measured is NaN. Errors: ResultsError (a
+    An interrupted run has the rows that it has written. A number that was not measured is NaN. Errors: ResultsError (a
     ValueError) naming the file and the column that cannot be read. docs/columns.md describes every column.
     """
 
@@ -58,12 +58,12 @@ class Results:
 
 
 def read_results(folder: str | Path) -> Results:
-    """The results in a folder that `frictionbench run` wrote.
+    """Open the results in a folder that `frictionbench run` wrote.
 
     Returns a Results with `solves`, `simulations` and `batches` as pandas.DataFrame and `manifest` as a dict;
     docs/columns.md lists every column with its unit and meaning.
-    Errors: ResultsError (a ValueError) where the folder does not exist, holds no run, or was written with another schema;
-    InputError naming folder, where it is no path.
+    Errors: ResultsError (a ValueError) if the folder does not exist, holds no run, or was written with another schema;
+    InputError naming folder if it is not a path.
 
     >>> results = read_results("run")
     >>> results

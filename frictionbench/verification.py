@@ -1,4 +1,4 @@
-"""The verdict on one answer, as a benchmark run finds it."""
+"""The verdict on one answer, as in a benchmark run."""
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, verify as verifier
 from frictionbench.problems.answer import AnswerError, checked_copy
@@ -7,20 +7,20 @@ from frictionbench.problems.verify import Finding
 from frictionbench.solvers import Answer, find
 from frictionbench.solvers.interface import tolerance
 
-EXACT = "nsgs"  # a solver of Coulomb's law itself, whose answers are compared with the exact problem only
+EXACT = "nsgs"  # a solver of Coulomb's law, whose answers are verified on the exact problem only
 
 
 def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver: str | None = None) -> Finding:
     """Verify an answer independently of the solver that gave it.
 
-    problem: what was solved; for an LCP the answer must carry z. answer: as `solve` returns it; its status counts as a claim
-    only. tol: the bound on the residual, relative contact velocity, > 0. solver: the name of the solver, with settings if any;
-    an answer of the convex relaxation, of a polygonal cone or of regularised contacts is then also measured on that model,
-    and may be "relaxed". Without it the answer is judged on the exact problem alone.
+    problem: the problem solved; for an LCP the answer must have z. answer: as `solve` returns it; its status counts only as a
+    claim. tol: the bound on the residual, a relative contact velocity, > 0. solver: the name of the solver, with settings if
+    any. An answer to the convex relaxation, with a polygonal cone or with regularised contacts is then also measured on that
+    model, and may be "relaxed". Without it the answer is judged only on the exact problem.
 
     Returns a frozen Finding: verdict, reason, residual, model_residual, floor, fclib_error and energy_defect; `help` of
     its type describes them with units.
-    Errors: InputError naming problem, answer with the field that is no array of numbers, tol or solver.
+    Errors: InputError naming problem, answer and its field that is not an array of numbers, tol or solver.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()

@@ -1,5 +1,5 @@
 """The command line. Exit codes: 0 done, 1 a regression (compare) or a failed check (check-solver), 2 unusable input or output,
-3 an error of frictionbench itself, 128 + n ended by signal n; 141 also where the reader of a pipe has ended.
+3 an error of frictionbench itself, 128 + n ended by signal n; 141 also if the reader of a pipe has ended.
 
 Large imports are inside the commands that need them, so that --help is fast.
 """
@@ -31,21 +31,21 @@ app = typer.Typer(
     help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",
     no_args_is_help=True,
     add_completion=True,
-    rich_markup_mode=None,  # it would read [blocks=5] as markup
+    rich_markup_mode=None,  # otherwise [blocks=5] would be read as markup
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 
 class _Command(TyperCommand):
-    """A command whose help shows an argument's name and not its type in Python, such as list[Path], and whose errors are not
-    worded by the library that reads values for typer."""
+    """A command whose help does not show the Python types of arguments, such as list[Path], and whose error messages replace
+    those of the library that parses values for typer."""
 
     def make_context(self, *given: Any, **named: Any) -> Any:
         try:
             return super().make_context(*given, **named)
         except Exception as error:
-            if getattr(error, "option_name", "") == "--suite":  # the class of this error is none of typer's public names
+            if getattr(error, "option_name", "") == "--suite":  # the class of this error is not public in typer
                 raise typer.BadParameter("--suite: the suite is an argument, as in `frictionbench run smoke`") from None
             if isinstance(error, typer.BadParameter):
                 error.message = _reworded(error)
@@ -471,11 +471,11 @@ def rerun(
 
 
 def _jobs(jobs: int | None, progress: "Progress") -> int:
-    """The number of workers; by default a core is left to this process and the system, whose work would disturb the timings."""
+    """Return the number of workers. By default one core is left to this process and the system, which would disturb timings."""
     from numba.core import config
 
     from frictionbench.harness.process import cores, require_linux
-    from frictionbench.problems import InputError, compiled  # noqa: F401  # sets the folder of kernels
+    from frictionbench.problems import InputError, compiled  # noqa: F401  # sets numba's cache folder
 
     require_linux()
     most = len(cores())
@@ -497,7 +497,7 @@ def _stop(number: int, _: Any) -> None:
 
 
 def _reworded(error: typer.BadParameter) -> str:
-    """The message of an argument that cannot be used: the value, and what is wrong with it."""
+    """Return the message for an unusable argument: the value, and what is wrong with it."""
     found: dict[str, Any] = next(iter(getattr(error.__cause__, "errors", list)()), {"type": "", "input": ""})
     bounds = found.get("ctx", {})
     words = {
@@ -526,7 +526,7 @@ _SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if
 
 
 def main() -> None:
-    """The entry point: run the command line. Errors of input are printed as one line, our own in full."""
+    """Run the command line. Errors of input are printed as one line, errors of this program in full."""
     for number in _SIGNALS:
         signal.signal(number, _stop)
     with standard_streams():
@@ -569,7 +569,7 @@ def _run() -> None:
 
 
 def _message(error: Exception) -> str:
-    """The error's message; of an error of the system the file and the reason."""
+    """Return the error's message; for an error of the operating system the file and the reason."""
     if isinstance(error, OSError) and error.filename and error.strerror:
         return printable(f"{error.filename}: {error.strerror}")
     return "\n".join(map(printable, str(error).splitlines()))

@@ -1,4 +1,4 @@
-"""`compare --confirm`: run the alerting cells again in new processes, alternating the baseline's code and the current code.
+"""`compare --confirm`: run the cells with alerts again in new processes, alternating the baseline's code and the current code.
 
 The baseline's code is a revision of the repository in the current folder, a checkout, or an environment where it is installed.
 Without it only the current code runs again: alerts that do not recur are dropped, and times are not compared.
@@ -36,15 +36,15 @@ from frictionbench.results.times import Pair, may_be_slower
 from frictionbench.solvers import executable, plugins
 
 PAIRS, PAIRS_UNTIMED = 8, 3  # runs of each code: eight equal signs are significant at 1 %; verdicts and counters hardly vary
-FEW = 0.1  # of what a solver solved: rounding on another machine changes the verdicts of fewer cells
-ENVIRONMENT = Path(sys.prefix).resolve()  # in a repository, but of no version of it
+FEW = 0.1  # share of the solved cells: rounding on another machine changes fewer verdicts
+ENVIRONMENT = Path(sys.prefix).resolve()  # may be inside a repository, but belongs to none of its versions
 GIVE = "give a checkout or an environment that holds the baseline's"
 OTHER = "{} was made with another content of {}; run it again in a new folder"
 START = "import runpy, sys; sys.path.insert(0, sys.argv.pop(1)); runpy.run_module('frictionbench', run_name='__main__')"
 
 
 class Code(NamedTuple):
-    """A version of the code: the command that runs it, and its own copies of the outside solvers."""
+    """A version of the code: the command that runs it, and its copies of the outside solvers."""
 
     command: list[str]
     solvers: list[str]
@@ -53,10 +53,10 @@ class Code(NamedTuple):
 def confirmed(
     comparison: Comparison, limits: Limits, named: list[str], code: str | None, tell: Callable[[str], None]
 ) -> Comparison:
-    """The comparison with only those alerts that recur when their cells run again.
+    """Run cells again and return the comparison with only the alerts that recur.
 
     named: outside solvers that the user trusts. code: the location of the baseline's code. tell: prints a line of progress.
-    Errors: InputError naming the option, ResultsError where a run fails.
+    Errors: InputError naming the option, ResultsError if a run fails.
     """
     if comparison.unusable:
         return comparison
@@ -79,7 +79,7 @@ def confirmed(
         scratch = Path(name)
         now = Code([sys.executable, "-P", "-c", START, str(PACKAGE.parent)], outside)
         before = baseline_code(code, outside, scratch) if code else None
-        if before and before.command == now.command:  # it has other versions of plug-ins alone
+        if before and before.command == now.command:  # only its plug-ins may differ
             variants &= comparison.sources.keys()
             require(bool(variants), "code", f"{code} holds no frictionbench, of which all these solvers are; {GIVE}")
         options = [*_options(settings), *(part for variant in sorted(variants) for part in ("--solver", variant))]
@@ -114,8 +114,8 @@ def confirmed(
 
 
 def require_whole(code: str, stored: pd.DataFrame, runs: list[pd.DataFrame]) -> None:
-    """Errors: ResultsError where the baseline's code never runs here what the baseline solved, or leaves more than one cell
-    and a FEW of these unsolved, as if it lacked something: it would excuse anything."""
+    """Check that the baseline's code works here, since one that lacks something would excuse any failure. Errors: ResultsError
+    if a cell that the baseline solved never runs, or if more than one cell and a share FEW of these are not solved."""
     for variant, solved in stored[stored["verdict"].isin(ACCEPTED)].groupby("variant"):
         lost = 0
         for key, cell in solved.iterrows():
@@ -131,7 +131,7 @@ def require_whole(code: str, stored: pd.DataFrame, runs: list[pd.DataFrame]) -> 
 
 
 def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Cells, own: list[Path]) -> str:
-    """Why times of a plug-in of the baseline's code are not those of the baseline, so that a slower solver could pass, or "".
+    """Return why a plug-in's times with the baseline's code are not the baseline's, so that a slower solver could pass, or "".
 
     own: files and folders of the version under test, except for the environment there.
     """
@@ -148,7 +148,7 @@ def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Ce
 
 
 def _options(settings: dict[str, Any]) -> list[str]:
-    """The command-line options of a run with these settings. Errors: InputError where its problems come from files."""
+    """Return the command-line options of a run with these settings. Errors: InputError if its problems come from files."""
     try:
         suite, sources = settings["suite"], settings["sources"]
         if suite not in SUITES or any(source["file"] for source in sources):
@@ -170,7 +170,7 @@ def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cel
         capture_output=True,
         text=True,
         check=False,
-        preexec_fn=partial(process.die_with_parent, os.getpid()),  # it would run on, and disturb what is timed next
+        preexec_fn=partial(process.die_with_parent, os.getpid()),  # or it would continue, and disturb later timings
     )
     if done.returncode:
         last_line = (done.stderr.strip().splitlines() or ["no error output"])[-1]
@@ -179,7 +179,7 @@ def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cel
 
 
 def require_code(code: str) -> None:
-    """Errors: InputError where there is neither a folder nor a revision of this name, or both."""
+    """Check the baseline's location. Errors: InputError if it names neither a folder nor a revision, or both."""
     require(bool(code), "code", "is empty, as a variable that is not set")
     revision = not code.startswith("-") and _git("rev-parse", "--verify", "--quiet", f"{code}^{{tree}}")
     if bool(revision) == Path(code).is_dir():
@@ -188,9 +188,9 @@ def require_code(code: str) -> None:
 
 
 def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
-    """The baseline's code at `code`; a revision is unpacked in scratch. named: outside solvers, by absolute paths.
+    """Return the baseline's code at `code`; a revision is unpacked in scratch. named: outside solvers, by absolute paths.
 
-    Errors: InputError where it cannot be used.
+    Errors: InputError if it cannot be used.
     """
     folder = Path(code).absolute()
     if (folder / "bin" / "python").exists():
@@ -205,7 +205,7 @@ def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
 
 
 def _moved(spec: str, home: Path, folder: Path) -> str:
-    """The solver's file, or the files of its command, in another checkout of the repository at home."""
+    """Return the solver's file, or its command, with files replaced by those in another checkout of the repository at home."""
     if not plugins.defines_all(spec):
         raise InputError(f"code: {spec} is installed; give an environment with the baseline's version of it, like .venv-base")
     moved = spec
@@ -220,24 +220,24 @@ def _moved(spec: str, home: Path, folder: Path) -> str:
 
 
 def _place(path: Path, home: Path) -> Path | None:
-    """The path relative to home, also where it leads there by a link; None where it lies elsewhere."""
+    """Return the path relative to home, even if it leads there through a link; None if it is elsewhere."""
     ways = path, path.parent.resolve() / path.name, path.resolve()
     return next((way.relative_to(home) for way in ways if way.is_relative_to(home)), None)
 
 
 def _home() -> Path:
-    """The top of the git repository that one stands in; the current folder outside one."""
+    """Return the top of the git repository of the current folder, or the current folder outside a repository."""
     top = _git("rev-parse", "--show-toplevel")
     return Path(top.decode().strip()) if top else Path.cwd()
 
 
 def _unpacked(revision: str, home: Path, folder: Path) -> Path:
-    archive = _git("-C", str(home), "archive", "--format=tar", revision) or b""  # of a folder below it is that folder alone
+    archive = _git("-C", str(home), "archive", "--format=tar", revision) or b""  # at the top, or it would lack other folders
     require(bool(archive), "code", f"git cannot unpack {revision!r}")
     try:
         with tarfile.open(fileobj=io.BytesIO(archive)) as packed:
             packed.extractall(folder, filter="data")
-    except tarfile.TarError as error:  # such as a link to a place outside
+    except tarfile.TarError as error:  # such as a link that leads outside
         raise InputError(f"code: {revision} cannot be unpacked ({error}); give a checkout of it") from None
     return folder
 

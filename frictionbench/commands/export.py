@@ -1,5 +1,5 @@
-"""`frictionbench export`: problems of a scene, an instance or a run as files, in FCLIB's HDF5 format or as our .npz;
-recorded problems from their public collection into the user's cache."""
+"""`frictionbench export`: write problems of a scene, an instance or a run to files, in FCLIB's HDF5 format or as our .npz, and
+fetch recorded problems from their public collection into the user's cache."""
 
 import re
 import tempfile
@@ -34,9 +34,9 @@ def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
 
 
 def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
-    """A problem that several sources of a run share is written once; in a folder, as .npz what FCLIB's format cannot represent.
+    """Write each problem once, even if several sources share it. In a folder, those that FCLIB's format lacks are .npz files.
 
-    Files in a folder are named by their content: those that are there already, as after an interruption, are kept.
+    Files in a folder are named by their content, so that existing ones, as after an interruption, are kept.
     """
     named = {}
     for record in records:

@@ -1,4 +1,4 @@
-"""`frictionbench judge`: the judgement on an engine's steps in a few lines; its page shows percentiles and the worst steps."""
+"""`frictionbench judge`: the judgement on an engine's steps in a few lines. The page shows percentiles and the worst steps."""
 
 from collections.abc import Callable
 from functools import partial
@@ -13,14 +13,14 @@ from frictionbench.results.judgement import read_judged
 
 
 def as_data(folder: Path) -> dict[str, Any]:
-    """The judgement as plain values, for JSON: the page's sentences and tables, and every step."""
+    """Return the judgement as plain values for JSON: the page's sentences and tables, and every step."""
     found = read_judged(folder)
     told = {name: getattr(found, name) for name in ("creep", "forces", "laws", "notes", "percentiles", "beside")}
     return {"folder": str(folder), **told, "steps": [one._asdict() for one in found.steps]}
 
 
 def told(folder: Path) -> str:
-    """The summary of a judged folder: laws, notes, the worst step, and the solvers beside."""
+    """Return the summary of a judged folder: laws, notes, the worst step, and a table of the engine and the solvers."""
     found = read_judged(folder)
     without = len(found.steps) - len(found.touching)
     lines = [f"{count(len(found.touching), 'step')} with contacts judged by Coulomb's law, {without} without contact"]
@@ -47,5 +47,5 @@ def told(folder: Path) -> str:
 
 
 def _shown(values: dict[str, float] | None, which: tuple[str, ...], form: Callable[[float], str]) -> list[str]:
-    """Some of the percentiles as text; nothing where there are none."""
+    """Return some of the percentiles as text; empty texts without percentiles."""
     return [form(values[name]) if values else "" for name in which]

@@ -1,4 +1,4 @@
-"""The lists of `frictionbench list`: as JSON, or a paragraph for each scene, solver or suite, wrapped to the terminal."""
+"""The lists of `frictionbench list`: JSON, or a paragraph for each scene, solver or suite, wrapped to the terminal's width."""
 
 from dataclasses import fields
 from typing import Any
@@ -14,12 +14,12 @@ Facts = dict[str, Any]
 
 
 def listed(what: str) -> dict[str, Facts]:
-    """The scenes, solvers or suites by name, each with its summary and facts."""
+    """Return the scenes, solvers or suites by name, each with its summary and facts."""
     return {"scenes": _scenes, "solvers": _solvers, "suites": _suites}[what]()
 
 
 def show(what: str) -> None:
-    """Print each with its short facts in brackets, and below it the summary and what is a list."""
+    """Print each name with its short facts in brackets, and below it the summary and the facts that are lists."""
     width = screen()
     for name, told in listed(what).items():
         facts = {fact.replace("_", " "): value for fact, value in told.items() if value and value != [name]}
@@ -62,7 +62,7 @@ def _scenes() -> dict[str, Facts]:
 
 
 def _solvers() -> dict[str, Facts]:
-    """Those of this package and loaded plug-ins, and installed plug-ins without importing their code."""
+    """Return the solvers of this package and of loaded plug-ins, and installed plug-ins without importing their code."""
     found: dict[str, Facts] = {}
     for name, info in sorted(available().items()):
         made: Any = info.make()

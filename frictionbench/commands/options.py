@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share, and readers of texts that typer has no type for."""
+"""Arguments and options that several commands share, and parsers for options without a type in typer."""
 
 import re
 from pathlib import Path
@@ -10,7 +10,7 @@ from frictionbench.results.conventions import RankBy
 
 
 def parse_length(text: str) -> float:
-    """A length with a unit (inches without one), in inches. Errors: BadParameter where it is unreadable or out of range."""
+    """Parse a length with a unit, by default inches, in inches. Errors: BadParameter if it is unreadable or out of range."""
     value = _quantity(text, UNITS_PER_INCH)
     if not 1 <= value <= 20:
         raise typer.BadParameter(f"{text!r} is not a length from 1 to 20 inches; write it like 85mm, 3.35in or 241pt")
@@ -18,7 +18,7 @@ def parse_length(text: str) -> float:
 
 
 def parse_duration(text: str) -> float:
-    """A time with a unit, in seconds. Errors: BadParameter where it is unreadable or not positive."""
+    """Parse a time with a unit, in seconds. Errors: BadParameter if it is unreadable or not positive."""
     value = _quantity(text, UNITS_PER_SECOND)
     if not value > 0:
         raise typer.BadParameter(f"{text!r} is not a time with a unit; write it like 1ms, 250us or 0.5s")
@@ -26,13 +26,13 @@ def parse_duration(text: str) -> float:
 
 
 def _quantity(text: str, units: dict[str, float]) -> float:
-    """A number with one of these units, in that of which they say how many it has; 0 where it is none."""
+    """Parse a number with a unit, in the unit of which `units` gives the number per base unit; 0 if it is unreadable."""
     match = re.fullmatch(rf"\s*(\d+\.?\d*|\.\d+)\s*({'|'.join(units)})\s*", text)
     return float(match[1]) / units[match[2]] if match else 0.0
 
 
 def split_names(text: str) -> list[str]:
-    """The names in a list separated by commas, but for those within brackets and before a range of sizes (stack, n < 100)."""
+    """Split names at commas, except for commas inside brackets and before a range of sizes (stack, n < 100)."""
     return [name.strip() for name in re.split(r",(?![^\[]*\]| n (?:<|from) )", text) if name.strip()]
 
 

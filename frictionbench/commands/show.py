@@ -1,4 +1,4 @@
-"""`frictionbench show`: the motion of a scene, simulated in this process by our own solvers, in a worker by plug-ins."""
+"""`frictionbench show`: the motion of a scene, simulated in this process for our own solvers, and in a worker for plug-ins."""
 
 import re
 from dataclasses import replace
@@ -23,7 +23,7 @@ MAX_SECONDS = 3600.0  # seconds for a plug-in to simulate a scene: the user can 
 
 
 def told(motion: Motion) -> str:
-    """The energy balance in a line, relative to the largest kinetic energy, or to a thousandth of all where nothing moves."""
+    """Return the energy balance in one line, relative to the largest kinetic energy, at least a thousandth of the total."""
     energy = motion.energy
     scale = max(motion.kinetic.max(), 1e-3 * np.abs(energy).max(), np.finfo(float).tiny)
     shares = (energy[-1] - energy[0]) / scale, np.diff(energy, prepend=energy[0]).max() / scale
@@ -35,13 +35,13 @@ def told(motion: Motion) -> str:
 
 
 def page_name(scene: str, solver: str | None, scheme: str) -> str:
-    """The page's file, named by the scene and what is not the default: stack-blocks=5-moreau.html."""
+    """Return the page's file name, from the scene, the solver and scheme if not the default: stack-blocks=5-moreau.html."""
     given = (scene, solver or "", scheme if scheme != DEFAULT_SCHEME else "")
     return "-".join(re.sub(r"[^\w.=]+", "-", text).strip("-") for text in given if text) + ".html"
 
 
 def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int | None) -> Motion:
-    """The motion of a scene by a solver, both as named on the command line; None: an exact one of the scene's dimension.
+    """Record the motion of a scene. solver_spec: by default an exact solver for the scene's dimension.
 
     Errors: InputError naming the field.
     """

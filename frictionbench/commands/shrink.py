@@ -1,8 +1,8 @@
 """`frictionbench rerun --shrink`: contacts are removed while the solver still fails, and the rest is saved as a file.
 
-Delta debugging (Zeller and Hildebrandt 2002): leave out each of n parts of the contacts in turn, with n growing as parts turn
-out to be needed, until no single contact can be removed. A body is removed with its last contact. Every trial runs isolated
-and is verified like any cell; it fails if its verdict is the row's own and its residual is above the rounding floor.
+Delta debugging (Zeller and Hildebrandt 2002): leave out each of n parts of the contacts in turn, and increase n while all parts
+are needed, until no single contact can be removed. A body is removed with its last contact. Every trial runs isolated and is
+verified like any cell. It fails if it has the verdict of the row, and if rounding does not hide its residual (`fails_as`).
 """
 
 from collections.abc import Callable
@@ -28,12 +28,12 @@ from frictionbench.results.store import Row
 def shrink(
     folder: Path, key: str, named: list[str], tell: Callable[[str], None] = lambda _: None
 ) -> tuple[Path, FrictionProblem, int, str]:
-    """Shrink the problem of a failing solve row into DIR/shrunk: the file, the problem in it, the number of trials, and the
-    command that shows the failure.
+    """Shrink the problem of a failing solve row into DIR/shrunk. Return the file, the problem in it, the number of trials, and
+    the command that shows the failure.
 
-    named: outside solvers that the user trusts. tell: prints a line of progress. Errors: as of store.find_row, and InputError
-    where the row did not fail or does not fail again from a cold start, its problem is damaged, or its solver is neither ours
-    nor among the named.
+    named: outside solvers that the user trusts. tell: prints a line of progress. Errors: as for store.find_row, and InputError
+    if the row did not fail or does not fail again from a cold start, its problem is damaged, or its solver is neither ours nor
+    in `named`.
     """
     _, row, settings, memory_limit = stored_cell(folder, key, ["solves"])
     if row["verdict"] in (Verdict.SOLVED, Verdict.SKIPPED):
@@ -72,13 +72,13 @@ def shrink(
 
 
 def fails_as(row: Row, found: Row) -> bool:
-    """Whether the row of a trial fails as the given one, by more than what rounding may change."""
+    """Return whether a trial's row has the given row's verdict, with a rounding floor that is not above tolerance and floor."""
     hidden = (found.get("residual_floor") or 0.0) > max(row["tol"], row.get("residual_floor") or 0.0)
     return found["verdict"] == row["verdict"] and not hidden
 
 
 def reduced(parts: list[int], fails: Callable[[list[int]], bool]) -> list[int]:
-    """The parts that are left when no single one of them can be removed. The whole list must fail."""
+    """Return the parts that are left when no single one can be removed. The whole list must fail."""
     pieces = 2
     while len(parts) >= 2:
         bounds = [round(i * len(parts) / pieces) for i in range(pieces + 1)]

@@ -1,6 +1,6 @@
-"""`frictionbench solve` and `frictionbench rerun`: one problem with every solver, one cell again.
+"""`frictionbench solve` and `frictionbench rerun`: solve one problem with every solver, and run one cell again.
 
-All run in isolated workers and are verified like any run.
+Both use isolated workers and verification, like any run.
 """
 
 import json
@@ -31,8 +31,8 @@ from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import installed
 
 SPATIAL = 3  # dimensions
-FIRST = ("nsgs", "hybrid")  # of all solvers: the one that compiles in some seconds, and the one that solves nearly everything
-PATIENCE = 5.0  # seconds after which the first answer is told before the table
+FIRST = ("nsgs", "hybrid")  # run first: one compiles within seconds, the other solves nearly every problem
+PATIENCE = 5.0  # seconds after which the first answer is announced before the table
 
 
 def solve_one(
@@ -48,7 +48,7 @@ def solve_one(
 ) -> None:
     """Solve one problem with solvers (all if none are named), and print a table with the best first and a recommendation.
 
-    rank_by: the time that ranks; by default from bodies where the problem has them, else from the method's own form.
+    rank_by: the time that ranks; by default from bodies if the problem has them, otherwise from the method's own form.
     Errors: InputError naming the field.
     """
     begun, progress = time.monotonic(), progress or Progress()
@@ -83,7 +83,7 @@ def solve_one(
         print(json.dumps(told, indent=1))
         return
     title = f"tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
-    if record["dimension"] != SPATIAL:  # in space the exact problem is no LCP
+    if record["dimension"] != SPATIAL:  # in space the exact problem is not an LCP
         title = f"LCP of {record['size']} unknowns, {title}"
     _show(title, {str(rank): row for rank, row in enumerate(applicable, start=1)}, rank_by)
     if refused := [row["variant"] for row in rows if row not in applicable]:
@@ -93,13 +93,13 @@ def solve_one(
 
 
 def _data(row: Row) -> Row:
-    """What `solve --json` says of a solver: the columns of a run's table, docs/columns.md."""
+    """Return what `solve --json` prints for a solver: columns of a run's table, see docs/columns.md."""
     names = ("variant", "verdict", "status", "residual", "model_residual", "form_time", "setup_time", "solve_time", "reason")
     return {name: row.get(name) for name in names} | {"work": counts(row.get("work"))}
 
 
 def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
-    """Which solver to use, from rows with the best first; by the other ranking as well where that is another one."""
+    """Return which solver to use, from rows with the best first, and the best by the other ranking if it differs."""
     if solved := [row for row in rows if row["verdict"] == Verdict.SOLVED]:
         best, others = solved[0], len(solved) - 1
         told = f"use {best['variant']}: solved {rank_by.words} in {_time(_seconds(best, rank_by))}"
@@ -121,7 +121,7 @@ def _seconds(row: Row, rank_by: RankBy) -> float:
 
 
 def all_variants() -> tuple[tuple[str, ...], tuple[Plugin, ...], list[str]]:
-    """The variants of all available solvers, those of installed plug-ins included; the plug-ins; and a line for each installed
+    """Return the variants of all available solvers, including installed plug-ins; the plug-ins; and a line for each installed
     plug-in that cannot be used."""
     variants = [spec for _, info in sorted(available().items()) for spec in info.specs if not find(spec)[0].missing]
     plugins: list[Plugin] = []
@@ -138,9 +138,9 @@ def all_variants() -> tuple[tuple[str, ...], tuple[Plugin, ...], list[str]]:
 
 
 def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
-    """Run the cell of a row again; the row and the new one. named: outside solvers that the user trusts.
+    """Run the cell of a row again; return the row and the new one. named: outside solvers that the user trusts.
 
-    Errors: as of store.find_row, and InputError where the row has no problem, or its solver is neither ours nor among named.
+    Errors: as for store.find_row, and InputError if the row has no problem, or its solver is neither ours nor in `named`.
     """
     table, row, settings, memory_limit = stored_cell(folder, key)
     if table == "solves" and not row["problem"]:
@@ -152,15 +152,15 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
 
 
 def show_rerun(folder: Path, key: str, named: list[str]) -> None:
-    """Run the cell of a row again and print both rows. Errors: as of rerun_row."""
+    """Run the cell of a row again and print both rows. Errors: as for rerun_row."""
     row, again = rerun_row(folder, key, named)
     title = printable(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}")
     _show(title, {"stored": row, "rerun": again})
 
 
 def _source(problem: str) -> Source:
-    """The file, instance or scene that the command line names. Errors: InputError naming problem for a folder, and for what is
-    neither a file nor known."""
+    """Return the file, instance or scene that the command line names. Errors: InputError naming `problem` for a folder, and for
+    a name that is neither a file nor known."""
     path = Path(problem)
     if path.is_dir():
         each, steps = (f"`frictionbench run {suite} --data {problem}`" for suite in ("recorded", "replay"))
@@ -187,7 +187,7 @@ def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
 
 
 def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> None:
-    """Print a table of rows, each after its label, and the rows' reasons below."""
+    """Print a table of rows with their labels, and the rows' reasons below."""
     lines, remarks = [], []
     for label, row in rows.items():
         times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
@@ -210,5 +210,5 @@ def _number(value: float | None) -> str:
 
 
 def _time(value: float | None) -> str:
-    """A time, s, with three digits and a unit."""
+    """Format a time, s, with three digits and a unit; empty if it is unknown."""
     return "" if value is None or value == np.inf else seconds(value, 3)

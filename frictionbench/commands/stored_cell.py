@@ -1,5 +1,5 @@
-"""A cell of a results folder that is to run again, which may come from someone else: what it needs is checked, and its code is
-our own or that of plug-ins that the user names in this command. The file named in the manifest is shown and never run.
+"""A cell of a results folder that is to be run again. The folder may come from someone else: the cell's data are checked, and
+only our own code or plug-ins named in this command are run. A file named in the manifest is shown but never run.
 """
 
 import re
@@ -21,13 +21,13 @@ from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row
 from frictionbench.solvers import available, find
 
-# Limits within which a solver can be judged: with less than these, a fault of the folder would be told as the solver's.
+# Limits within which a solver can be judged: outside, a fault of the folder would be reported as the solver's.
 LEAST_SECONDS, MOST_SECONDS = 1e-3, 1e6
 LEAST_MEMORY, MOST_STEPS, MOST_PROBLEMS = 2**28, 10**6, 10**5  # bytes, steps, problems of a batch
 
 
 class StoredCell(NamedTuple):
-    """A row with all columns, its table, and the settings of its run with a memory limit in bytes."""
+    """A row with all columns, its table, the settings of its run, and the memory limit in bytes."""
 
     table: str
     row: Row
@@ -36,7 +36,7 @@ class StoredCell(NamedTuple):
 
 
 def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -> StoredCell:
-    """The cell of a row. Errors: as of store.find_row, and InputError naming the setting or column that cannot be used."""
+    """Read the cell of a row. Errors: as for store.find_row, and InputError naming the setting or column that is unusable."""
     settings = store.read_manifest(folder)["settings"]
     table, row = store.find_row(folder, key, tables)
     row = dict.fromkeys(column.name for column in TABLES[table]) | row  # shards leave out nulls
@@ -63,9 +63,9 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
 
 
 def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugin, ...]:
-    """The named plug-ins that define the row's solver; none for our own solvers.
+    """Return the named plug-ins that define the row's solver, none for our own solvers.
 
-    Errors: InputError naming the solver, and the file from which the run loaded it.
+    Errors: InputError naming the solver and the file from which the run loaded it.
     """
     variant = row["variant"]
     info = available().get(split("solver", variant)[0])

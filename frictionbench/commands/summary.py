@@ -18,7 +18,7 @@ MOST, LONGEST = 6, 160  # reasons shown and characters of each: two lines of a t
 
 
 def folder_for(plan: Plan) -> Path:
-    """The default folder of a plan's results: the suite's, or one named by a hash of the settings where they differ from it."""
+    """Return the default folder of a plan's results: the suite's, or one named by a hash of the settings if these differ."""
     runs = Path("runs")
     if plan.suite in SUITES and plan.settings() == SUITES[plan.suite]().settings():
         return runs / plan.suite
@@ -27,7 +27,7 @@ def folder_for(plan: Plan) -> Path:
 
 
 def summary(folder: Path) -> str:
-    """The verdicts of a finished run, one line per solver, its folder, and the command that makes the report."""
+    """Return the verdicts of a finished run, one line per solver, its folder, and the command that makes the report."""
     rows = read_table(folder, "solves")
     ranked = rows[~rows["trivial"].eq(True) & ~rows["idle"].eq(True)]
     lines = [counted("cells of problems in which friction is at work", ranked)]
@@ -41,7 +41,7 @@ def summary(folder: Path) -> str:
 
 
 def counted(what: str, rows: pd.DataFrame) -> str:
-    """How many rows ended how, a line per variant; empty without rows."""
+    """Return the numbers of verdicts, a line per variant; empty without rows."""
     if rows.empty:
         return ""
     counts = pd.crosstab(rows["variant"], np.array(endings(rows))).reindex(columns=list(ENDINGS), fill_value=0)
@@ -51,7 +51,7 @@ def counted(what: str, rows: pd.DataFrame) -> str:
 
 
 def _reasons(rows: pd.DataFrame) -> str:
-    """Why cells were skipped or crashed, the most frequent reasons first."""
+    """Return why cells were skipped or crashed, the most frequent reasons first."""
     failed = rows[rows["verdict"].isin([Verdict.SKIPPED, Verdict.CRASHED]) & rows["reason"].notna()]
     counts = failed.groupby(["variant", "verdict", "reason"]).size().sort_values(ascending=False, kind="stable")
     lines = [f"{count} × {variant} {verdict}: {reason}"[:LONGEST] for (variant, verdict, reason), count in counts.items()]

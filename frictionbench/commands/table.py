@@ -1,4 +1,4 @@
-"""Tables and paragraphs as text: of full width in a pipe or file, no wider than the screen on a terminal."""
+"""Tables and paragraphs as text: full width in a pipe or file, no wider than the screen on a terminal."""
 
 import shutil
 import sys
@@ -9,19 +9,19 @@ from rich.console import Console
 from rich.table import Column, Table
 from rich.text import Text
 
-WIDEST = 110  # characters of a line of a paragraph: longer ones are hard to read
+WIDEST = 110  # characters in a line of a paragraph: longer lines are hard to read
 
 
 def screen() -> int | None:
-    """The terminal's width in characters; None where the output is not a terminal."""
+    """Return the terminal's width in characters; None if the output is not a terminal."""
     return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 
 def columns(header: Sequence[str], rows: Sequence[Sequence[str]], width: int | None, spare: Iterable[str] = ()) -> list[str]:
-    """The lines of a table; empty columns are left out.
+    """Return the lines of a table without empty columns.
 
-    spare: the names of columns to leave out as well, in this order, while the table is wider than the width; a line says so.
-    Where that does not suffice, the longest cells are continued on further lines.
+    spare: names of columns to leave out, in this order, while the table is wider than `width`; a line says so. If that does not
+    suffice, the longest cells are continued on further lines.
     """
     widths = {
         i: max(map(len, (name, *(row[i] for row in rows)))) for i, name in enumerate(header) if any(row[i] for row in rows)
@@ -40,7 +40,7 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], width: int | N
 
 
 def paragraph(text: str, width: int | None, indent: str = "    ") -> list[str]:
-    """The text's lines, indented; one line where no width is given."""
+    """Return the text's lines, indented; one line if no width is given."""
     limit = 10**6 if width is None else min(max(width, 40), WIDEST)
     return textwrap.wrap(
         text, limit, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False, break_long_words=False
