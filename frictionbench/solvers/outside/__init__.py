@@ -1,14 +1,14 @@
-"""Adapters of outside libraries: each converts a problem, asks for a tolerance of one meaning, and converts the answer.
+"""Adapters of outside libraries: each converts a problem, requests a tolerance, and converts the answer.
 
-An adapter sets tolerances and work limits for every problem, as a user would have to. Where another option of the library
-makes a difference, the adapter has a field `settings`: `default` leaves the option alone, `tuned` sets it as the library's
-documentation allows, and the entry `Settings` in its docstring names the option and both values. Both are variants with rows of
-their own.
+An adapter sets tolerances and work limits for every problem, as a user would have to. If another option of the library makes a
+difference, the adapter has a field `settings`: `default` keeps the library's default, `tuned` sets the option as the library's
+documentation allows, and the entry `Settings` in the docstring names the option and both values. Both are variants with
+separate results.
 
-The residual is the largest error of one contact, as a velocity. A library stops by its own criterion: a sum, a mean or a norm
-of scaled rows, primal and dual separately. An answer that just meets it can exceed tol by a small factor and be a near miss for
-a difference of norms, which says nothing about the method. Every library whose criterion was seen to be weaker is therefore
-asked for tol over MARGIN; interior points, which overshoot, and libraries that test this very residual get tol itself.
+The requested tolerance means the same for all. The residual is the largest error of one contact, as a velocity; a library stops
+by its own criterion, a sum, a mean or a norm of scaled rows, primal and dual separately. An answer just meeting it can exceed
+tol by a small factor, a near miss that says nothing about the method. Libraries whose criterion was observed to be weaker are
+asked for tol / MARGIN, interior points, which overshoot, and libraries that test this residual for tol.
 """
 
-MARGIN = 10  # larger than every factor that was seen
+MARGIN = 10  # larger than every factor that was observed

@@ -1,8 +1,8 @@
 """Kamino's proximal ADMM and accelerated projected gradients: Newton's solvers of articulated bodies, on the processor.
 
-They solve Coulomb's law by de Saxcé's shift of the velocity, in single precision. Their public calls take models. Here a
-template has one body and nc contacts, and its dense dual problem's Delassus matrix, free velocities and friction are
-overwritten, then preconditioned as Kamino does.
+They solve Coulomb's law by de Saxcé's shift of the velocity, in single precision. Their public functions take models. Here a
+template with one body and nc contacts is used: the Delassus matrix, free velocities and friction of its dense dual problem are
+overwritten, and the problem is preconditioned as Kamino does.
 
 Licence: Apache-2.0 (Newton and Warp).
 Form: the dimensionless Delassus matrix, dense, with three rows a contact, (t1, t2, n); the second tangent of a planar one is
@@ -105,7 +105,7 @@ class Kamino:
 
 
 def _set(config: Any, options: dict[str, float]) -> None:
-    """Change options of a solver's structure of options."""
+    """Change options in a solver's options structure."""
     values = config.numpy()
     for name, value in options.items():
         values[name] = value
@@ -114,8 +114,8 @@ def _set(config: Any, options: dict[str, float]) -> None:
 
 @cache
 def _template(nc: int, method: str) -> Template:
-    """Kamino's dual problem of so many contacts and a solver, all of whose kernels are compiled."""
-    with event.trigger_event("numba:compiler_lock"):  # by which the harness does not time what is compiled and loaded
+    """Kamino's dual problem of nc contacts and a solver, with all kernels compiled."""
+    with event.trigger_event("numba:compiler_lock"):  # so that the harness does not time compiling and loading
         import_module("warp").config.log_level = 40  # errors only
         newton = import_module("newton")
         kinematics, solvers = _KAMINO + "kinematics.", _KAMINO + "solvers."

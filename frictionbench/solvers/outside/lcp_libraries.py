@@ -1,6 +1,6 @@
 """The friction LCP by libraries of LCPs: Drake's two solvers, PATH through GAMSPy, and QuantEcon's Lemke method.
 
-All are given M, dense and scaled (solvers.pivots.dense_lcp), and q; PATH also the mixed problem in velocities and impulses.
+All receive the dense, scaled M (solvers.pivots.dense_lcp) and q; PATH also the mixed problem in velocities and impulses.
 """
 
 import io
@@ -22,7 +22,7 @@ _DRAKE = {"moby": "MobyLcpSolver", "unrevised": "UnrevisedLemkeSolver"}
 _SILENT = ("crash_iterations", "major_iterations", "minor_iterations", "initial_point_statistics", "final_point_statistics")
 _PATH = "default", "tuned", "velocities"
 
-# An LCP of n unknowns, and w = M z + q of it and of N - n further unknowns, which are free and have w = 0; M (N, N), q (N,).
+# An LCP of n unknowns, and M (N, N) and q (N,) of w = M z + q with N - n further unknowns, which are free and have w = 0.
 Mixed = tuple[DenseLCP, Array, Array]
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
@@ -145,7 +145,7 @@ def _with_velocities(problem: FrictionProblem, given: DenseLCP) -> Mixed:
 
     w = C v^ + R y + b,      0 = M^ (v^ - v*^) - C'y - F'l,      0 = F v^ + b_F,
 
-    R the rows and columns of the sliding speeds in the LCP, M^ of unit diagonal, the rows of F of unit length.
+    where R are the rows and columns of the sliding speeds in the LCP, M^ has a unit diagonal, and the rows of F have length 1.
     """
     (nc, d), n, nv = given.scaled.contacts, len(given.q), len(problem.free_velocity)
     basis: Any = given.scaled.basis

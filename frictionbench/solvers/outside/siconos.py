@@ -1,6 +1,6 @@
 """Siconos/Numerics in a child process: Debian's python3-siconos, for the system's Python only.
 
-The global form has mass matrix and Jacobian apart: with v = theta D v^, D = 1/sqrt(M_ii), and r = theta E r^
+The global form takes mass matrix and Jacobian separately: with v = theta D v^, D = 1/sqrt(M_ii), and r = theta E r^
 (solvers.outside.scaled_delassus), M (v - v*) = J'r and u = J v + b become
 
     M^ v^ = H^ r^ + q^,    u^ = H^'v^ + b^,      M^ = D M D,    H^ = D J'E,    q^ = D M v* / theta,    b^ = E b / theta.
@@ -55,13 +55,13 @@ _PLANAR = ("friction_2d_nsgs", "friction_2d_cpg", "friction_2d_lemke")
 _SPATIAL = tuple(f"friction_3d_{name}" for name in ("nsgs", "prox", "admm", "nsn_ac", "nsn_fb", "aclmfp", "tfp", "dsfp"))
 _GLOBAL = ("global_friction_3d_admm", "global_friction_3d_ipm")
 _METHODS = (*_LCP, *_PLANAR, *_SPATIAL, *_GLOBAL)
-# W is dense up to so many contacts. Measured on 30 problems from 4 to 400 contacts: beyond, block storage is faster, and
-# Newton's methods, which solve their equations otherwise then, fail less often. Sweeps are never slower with it.
+# The contacts up to which W is dense, measured on 30 problems of 4 to 400 contacts: beyond, block storage is faster, and
+# Newton's methods, which then use another linear solver, fail less often. Sweeps are never slower with block storage.
 _DENSE = {
     **{"friction_2d_cpg": 10**9, "friction_2d_lemke": 10**9, "friction_3d_admm": 100, "friction_3d_prox": 64},
     **{"friction_3d_nsn_ac": 16, "friction_3d_nsn_fb": 16},
 }
-_FULL = ("friction_3d_admm", "friction_3d_prox")  # dense also where most pairs of contacts share a body
+_FULL = ("friction_3d_admm", "friction_3d_prox")  # dense also if most pairs of contacts share a body
 _BALANCED = {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2}  # SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING
 _RELAXED = {"SICONOS_FRICTION_3D_NSGS_RELAXATION": 1}, {"SICONOS_FRICTION_3D_NSGS_RELAXATION_VALUE": 1.3}
 _TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
@@ -148,7 +148,7 @@ class Siconos:
 
 
 def global_form(problem: FrictionProblem, given: ScaledDelassus) -> dict[str, Array]:
-    """M^ and H^ by entries (row, column, value), q^ (nv,) and b^ (nc*d,) of a problem without joints."""
+    """M^ and H^ as entries (row, column, value), q^ (nv,) and b^ (nc*d,) of a problem without joints."""
     m, J, free = problem.mass_rows, problem.contact_rows, problem.free_velocity
     row, D = row_of_entry(m.start), np.ones(len(free))
     diagonal = row == m.column

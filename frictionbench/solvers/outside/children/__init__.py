@@ -1,1 +1,1 @@
-"""Libraries that run in a process of their own: those of another Python, and those that may crash."""
+"""Libraries that run in a process of their own, because they belong to another Python or may crash."""

@@ -3,9 +3,9 @@
 The child is started by the first request and used for all that follow. It runs on its parent's core and under its memory limit,
 and the kernel kills it when the parent ends. If the child dies, only the current request fails; the next one starts another.
 
-A message is named numbers, texts and arrays of doubles, without pickle: the length of its header (4 bytes), the header in JSON,
-and the arrays' bytes in the header's order. The script of a child calls serve(answer): the reply to each message is what
-answer(**message) returns. It imports this file alone, in a Python that may have nothing of this package.
+A message consists of named numbers, texts and arrays of doubles, encoded without pickle: the length of its header (4 bytes),
+the header in JSON, and the arrays' bytes in the header's order. The script of a child calls serve(answer); the reply to each
+message is answer(**message). It imports only this file, in a Python in which this package may be missing.
 """
 
 import ctypes
@@ -93,7 +93,7 @@ class Child:
             answer = receive(process.stdout)
         except BrokenPipeError:
             pass
-        except BaseException:  # interrupted: a late reply would be taken for the next one's
+        except BaseException:  # interrupted: a late reply would be taken for that to the next message
             self.end()
             raise
         if answer is None:

@@ -1,8 +1,8 @@
 """Siconos in a process of its own, for solvers.outside.siconos: Debian builds it for the system's Python only.
 
-The clock is around Siconos' problem object and driver, of matrices in its simulations' storage (W in blocks, the global form in
-compressed columns); options and a guess of the velocities are at hand. Siconos' Python module makes blocks of scipy's matrices
-only, which this Python may not have; its library is therefore called directly for that.
+The clock measures Siconos' problem object and driver, for matrices in the storage of its simulations (W in blocks, the global
+form in compressed columns); options and a guess of the velocities are prepared before. Siconos' Python module makes block
+matrices only from scipy's, which this Python may not have; its library is therefore called directly for that.
 """
 
 import ctypes
@@ -16,7 +16,7 @@ from child import Array, serve  # this folder is on the path of the child
 _NUMERICS = ctypes.CDLL(sn._numerics.__file__)  # and the library behind it
 _NUMERICS.NM_csc.restype, _NUMERICS.NM_csc.argtypes = ctypes.c_void_p, [ctypes.c_void_p]
 _NUMERICS.SBM_from_csparse.argtypes = [ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p]
-CALLS = 3  # of the driver at most: |r| grows little from one answer to the next
+CALLS = 3  # the largest number of calls of the driver: |r| grows little from one answer to the next
 
 
 def answer(
@@ -34,10 +34,10 @@ def answer(
 ) -> dict[str, Any]:
     """Solve a problem from `start`: the answer, the return code of the last call, the iterations and seconds of all calls.
 
-    Siconos divides its error by |q| or, in friction problems, by |r| if that is larger, which is known only afterwards: the
-    driver is then called again from its own answer with a smaller tolerance, unless that answer's error is small enough: PROX
-    started at such an answer makes no step and reports failure. eps: the error before that division. size: |q|. dense: whether
-    W is the matrix and not its entries.
+    Siconos divides its error by |q| or, in friction problems, by |r| if that is larger, which is known only afterwards. The
+    driver is then called again from its own answer with a smaller tolerance, unless this answer is accurate enough: from such
+    an answer PROX makes no step and reports failure. eps: the requested error before the division. size: |q|. dense: whether W
+    is a dense matrix, otherwise its entries.
     """
     r, iterations = start.copy(), 0
     matrices: tuple[Any, ...]
@@ -96,7 +96,7 @@ def compressed(entries: Array, rows: int, columns: int) -> Any:
 
 
 def blocks(entries: Array, n: int, size: int) -> Any:
-    """A square matrix of entries in Siconos' block storage, blocks of so many rows and columns."""
+    """A square matrix of entries in Siconos' block storage, with blocks of `size` rows and columns."""
     sparse, matrix = compressed(entries, n, n), sn.NM_create(sn.NM_SPARSE_BLOCK, n, n)
     if _NUMERICS.SBM_from_csparse(size, _NUMERICS.NM_csc(int(sparse.this)), int(matrix.matrix1.this)):
         raise RuntimeError("Siconos made no blocks of the matrix")
