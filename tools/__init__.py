@@ -1,1 +1,1 @@
-"""What uses the package and is not part of it: published results, generators of documents."""
+"""Programs that use the package and are not part of it: generators of documents, sets of problems and published results."""

@@ -1,12 +1,11 @@
 """Choose the suite `hard` from its candidates by the rule of docs/hard.md: its hard.tsv, and the answers in answers.npz.
 
-The candidates, in candidates.tsv, are families at their edges: "around p = 0" has Painlevé's rod near the friction at which
-1 + 3 cos^2 = 3 mu sin cos of its angle, "recorded" what was recorded elsewhere.
+The candidates, in candidates.tsv, come from the extremes of families: "around p = 0" has Painlevé's rod near the friction at
+which 1 + 3 cos^2 = 3 mu sin cos of its angle; "recorded" has problems recorded elsewhere.
 
     python -m tools.admit DIR
 
-runs every candidate with every method in DIR (about a quarter of an hour on one core), or goes on with a run that was
-interrupted.
+runs every candidate with every method in DIR (about a quarter of an hour on one core), or resumes an interrupted run.
 """
 
 import csv
@@ -31,7 +30,7 @@ from frictionbench.results.store import rows
 
 COLUMNS = ("family", "scene", "parameters", "contacts", "known", "residual", "floor", "answer", "failed")
 FAILED = (Verdict.NEAR_MISS, Verdict.UNJUDGEABLE, Verdict.UNSOLVED, Verdict.CRASHED, Verdict.WRONG)
-PROVEN = ("gaps", "pointed", "counted")  # values of the column `existence` that prove it
+PROVEN = ("gaps", "pointed", "counted")  # values of the column `existence` that mean a proof
 FLOOR = hard.TOL / 10
 LIMIT = 10.0  # seconds
 FEWEST = 4
@@ -65,7 +64,7 @@ def admit(folder: Path) -> None:
 
 
 def candidates(dimension: int) -> Plan:
-    """All candidates of a dimension, with the methods whose model is exact there."""
+    """Return the plan of all candidates of a dimension, with the methods whose model is exact there."""
     return Plan(
         suite=f"candidates for hard, dimension {dimension}",
         sources=tuple(source for family in families(dimension).values() for source in family),
@@ -76,7 +75,7 @@ def candidates(dimension: int) -> Plan:
 
 
 def families(dimension: int) -> dict[str, list[Source]]:
-    """The candidates by family: a source for every combination of the values in a row of candidates.tsv."""
+    """Return the candidates by family: a source for every combination of the values in a row of candidates.tsv."""
     found: dict[str, list[Source]] = {}
     for row in hard.table(CANDIDATES):
         if int(row["dimension"]) == dimension:
@@ -87,7 +86,7 @@ def families(dimension: int) -> dict[str, list[Source]]:
 
 
 def kept_answer(row: Record) -> NDArray[np.float64] | None:
-    """The verified impulses (nc, d) kept for a row of hard.tsv; None where a solution is known by theory alone."""
+    """Return the verified impulses (nc, d) stored for a row of hard.tsv; None if a solution is known only by theory."""
     if not row["answer"]:
         return None
     with np.load(ANSWERS, allow_pickle=False) as answers:
@@ -105,7 +104,7 @@ def failures(rows: list[Record]) -> dict[str, str]:
 
 
 def admissible(rows: list[Record]) -> bool:
-    """Whether a problem, given by all its rows, may be in the suite: see docs/hard.md."""
+    """Return whether a problem, given by all its rows, may be in the suite by the rule of docs/hard.md."""
     first = rows[0]
     if not first["problem"] or first["trivial"] or first["idle"] or not failures(rows):
         return False
@@ -116,7 +115,7 @@ def admissible(rows: list[Record]) -> bool:
 
 
 def fewest_contacts(problems: list[list[Record]]) -> list[list[Record]]:
-    """For each method the FEWEST problems of a family with the fewest contacts on which it fails, in the family's order."""
+    """Return, for each method, the FEWEST smallest problems of a family on which it fails, in the family's order."""
     taken: dict[str, list[int]] = defaultdict(list)
     for index in sorted(range(len(problems)), key=lambda i: problems[i][0]["contacts"]):
         for method in failures(problems[index]):
@@ -126,7 +125,7 @@ def fewest_contacts(problems: list[list[Record]]) -> list[list[Record]]:
 
 
 def _line(family: str, rows: list[Record], problem: fb.FrictionProblem) -> tuple[Record, NDArray[np.float64] | None]:
-    """A row of hard.tsv, and the best answer if it is verified."""
+    """Return a row of hard.tsv, and the best answer if it is verified."""
     best = min(rows, key=_distance)
     answer = fb.solve(problem, best["variant"], tol=hard.TOL).impulse if best["verdict"] == Verdict.SOLVED else None
     found = best["residual"] if answer is None else fb.residual(problem, answer)

@@ -1,24 +1,24 @@
-"""docs/certified.tsv: which answers kept with the suite `hard` are certified: near them a solution exists, with proof.
+"""Make docs/certified.tsv: which answers stored with the suite `hard` are certified, that is, proved to be near a solution.
 
     python -m tools.certify > docs/certified.tsv        needs python-flint
 
-The problem is taken as the doubles that it is given by. The answer tells the mode of each contact. In that mode Coulomb's law
-is a system of smooth equations
+The problem's data are taken as exact double-precision numbers. The answer gives the mode of each contact. In this mode
+Coulomb's law is a system of smooth equations
 
-    v = v* + M^-1 (H'h + T't),      H v + b = 0,      t_i |u_i| + mu_i r_n,i u_i = 0 at every contact i that slides,
+    v = v* + M^-1 (H'h + T't),      H v + b = 0,      t_i |u_i| + mu_i r_n,i u_i = 0 at every sliding contact i,
 
-H the rows that are zero: normal rows of closed contacts, tangential ones of those that stick, joints; h their impulses; T, t
-and u = T v the tangential rows, impulses and velocities of those that slide. Where rows of H depend on each other, with their
-offsets b, in exact arithmetic, a basis of them is kept, as many of the h are unknown, and the others stay at values for which
-a linear program finds all limits satisfied with room. What is known by W and q alone has H M^-1 H' and H v* in W and q.
+where H has the rows with zero velocity (normal rows of closed contacts, tangential rows of sticking ones, joints) and h their
+impulses; T, t and u = T v are the tangential rows, impulses and velocities of sliding contacts. If rows of H with their offsets
+b are dependent in exact arithmetic, a basis of them is kept. Then only as many entries of h are unknown, and the others have
+values for which a linear program satisfies all limits strictly. For a problem given by W and q, these hold H M^-1 H' and H v*.
 
-Newton's method finds the centre m of a box X, in numbers of BITS bits. If the interval Newton operator m - F'(X)^-1 F(m) lies
-in X's interior, X holds exactly one zero of F (Moore 1966, Rump 2010). If then everywhere in X what has to be positive is so,
-r_n and mu r_n - |r_t| of contacts that stick, r_n and |u_t| of those that slide, u_n of open ones, the zero is a solution. It
-is the only one in X in this mode; other solutions elsewhere are not excluded.
+Newton's method finds the centre m of a box X in arithmetic of BITS bits. If the interval Newton operator m - F'(X)^-1 F(m) lies
+in the interior of X, then X contains exactly one zero of F (Moore 1966, Rump 2010). If in addition, everywhere in X, r_n and
+mu r_n - |r_t| of sticking contacts, r_n and |u_t| of sliding ones and u_n of open ones are positive, the zero is a solution. It
+is the only one in X in this mode; solutions elsewhere are not excluded.
 
-A line per answer: its family, scene, parameters and contacts; the radius, the largest difference of a contact velocity between
-the answer and the solution over the contact's unit; or why it is not certified.
+A line per answer has its family, scene, parameters, contacts, and the radius, the largest difference of a contact's velocity
+between answer and solution over the contact's unit, or the reason why it is not certified.
 """
 
 import json
@@ -38,13 +38,13 @@ from frictionbench.problems import FrictionProblem, refined
 from tools.admit import kept_answer
 
 COLUMNS = ("family", "scene", "parameters", "contacts", "radius", "reason")
-BITS = 400  # a condition of 1e60 leaves half of the digits
-STEPS = 5  # of Newton's method, from an answer accurate to rounding: each doubles the digits
+BITS = 400  # precision: a condition number of 1e60 leaves half of the digits
+STEPS = 5  # Newton steps from an answer accurate to rounding: each doubles the number of digits
 BOX = 2.0**-150  # radius of X over the largest unknown
-ROOM = 1e-6  # over the largest impulse: less room counts as none; ten times what the linear program's tolerance is
-DEPENDENT = 1e-11  # pivot over the largest below which a row counts as dependent; exact arithmetic then decides
-TIE = 1e-9  # of a contact's unit: velocities and impulses below are not told from 0
-LARGEST = 400  # unknowns, some minutes: the cost grows with their cube
+ROOM = 1e-6  # over the largest impulse: less slack counts as none; ten times the linear program's tolerance
+DEPENDENT = 1e-11  # relative pivot below which a row is treated as dependent, which exact arithmetic then checks
+TIE = 1e-9  # relative to a contact's unit: smaller velocities and impulses are not distinguished from 0
+LARGEST = 400  # unknowns, which take some minutes: the cost grows as their cube
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -56,17 +56,17 @@ class NotCertifiedError(Exception):
 
 
 class Mode(NamedTuple):
-    """closed, slides: (nc,), which contacts bear and which of them slide."""
+    """closed, slides: (nc,), which contacts are closed, and which of these slide."""
 
     closed: Flags
     slides: Flags
 
 
 def mode_of(problem: FrictionProblem, r: Array, tie: float) -> Mode:
-    """As Alart and Curnier's equations have it.
+    """Determine the mode as in the equations of Alart and Curnier.
 
-    tie: what neither bears nor opens within so much of its unit counts as closed, because others may hold it so.
-    Errors: NotCertifiedError where a friction bias is at work.
+    tie: contacts whose normal impulse and velocity are both within `tie` of zero, relative to the unit, count as closed,
+    because other contacts may hold them closed. Errors: NotCertifiedError if the problem has a friction bias.
     """
     if problem.friction_bias.any():
         raise NotCertifiedError("a friction bias is at work")
@@ -79,9 +79,9 @@ def mode_of(problem: FrictionProblem, r: Array, tie: float) -> Mode:
 
 
 class Rows(NamedTuple):
-    """The rows of a problem in exact numbers. response (n, n): what a unit impulse in each row does to each, arb.
-    free (n,): velocities without impulses, arb. exact (n, nv + 1): the rows with their offsets; None for W and q alone.
-    of: (nc, d), the index of each contact's rows; joints come after them."""
+    """Rows of a problem in interval arithmetic. response (n, n): the velocity of each row for a unit impulse in each, arb.
+    free (n,): velocities without impulses, arb. exact (n, nv + 1): the rows with their offsets, or None if only W and q are
+    known."""
 
     response: arb_mat
     free: list[arb]
@@ -89,7 +89,7 @@ class Rows(NamedTuple):
 
 
 def rows_of(problem: FrictionProblem, wanted: Whole) -> Rows:
-    """The rows wanted, of contacts in order (normal first) and then of joints."""
+    """Return the wanted rows, counted over the contacts (normal first) and then the joints."""
     d, nc = problem.dimension, problem.contacts
     if not problem.mechanical:
         W = problem.W.toarray()[np.ix_(wanted, wanted)]
@@ -109,7 +109,7 @@ def rows_of(problem: FrictionProblem, wanted: Whole) -> Rows:
 
 
 def _solved_by_blocks(mass: Array, rows: Array) -> arb_mat:
-    """M^-1 rows' in exact numbers, M block diagonal."""
+    """Return M^-1 rows', computed exactly by the diagonal blocks of M."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
@@ -134,7 +134,7 @@ def _rational(x: float) -> fmpq:
 
 
 def certify(problem: FrictionProblem, impulse: Array) -> float:
-    """The radius. Errors: NotCertifiedError with the reason."""
+    """Return the radius. Errors: NotCertifiedError with the reason."""
     flint.ctx.prec = BITS
     given = impulse
     r = refined(problem, impulse)
@@ -147,7 +147,7 @@ def certify(problem: FrictionProblem, impulse: Array) -> float:
 
 
 def _certified(problem: FrictionProblem, given: Array, r: Array, mode: Mode) -> float:
-    """The radius. Errors: NotCertifiedError with the reason."""
+    """Return the radius. Errors: NotCertifiedError with the reason."""
     d, nc = problem.dimension, problem.contacts
     closed, slides = np.flatnonzero(mode.closed), np.flatnonzero(mode.slides)
     stuck = np.flatnonzero(mode.closed & ~mode.slides & (problem.friction > 0))
@@ -160,7 +160,7 @@ def _certified(problem: FrictionProblem, given: Array, r: Array, mode: Mode) -> 
 
 
 class _Certificate:
-    """One problem in one mode. zero, sliding: the rows that are zero and the tangential rows of contacts that slide."""
+    """One problem in one mode. zero, sliding: the rows with zero velocity, and the tangential rows of sliding contacts."""
 
     def __init__(self, problem: FrictionProblem, given: Array, r: Array, mode: Mode, zero: Whole, sliding: Whole) -> None:
         self.problem, self.given, self.r, self.mode = problem, given, r, mode
@@ -174,9 +174,9 @@ class _Certificate:
         self.unknown = self._unknowns()
 
     def _basis(self) -> Whole:
-        """Positions of independent rows that are zero.
+        """Return the positions of linearly independent rows among the zero rows.
 
-        Errors: NotCertifiedError where the others do not follow from these in exact arithmetic.
+        Errors: NotCertifiedError if the others do not depend on these in exact arithmetic.
         """
         n = len(self.zero)
         if not n:
@@ -192,23 +192,23 @@ class _Certificate:
         return independent
 
     def _scaled(self, n: int) -> tuple[Array, Array]:
-        """W (n, n) of the first active rows, and the roots of its diagonal (n,)."""
+        """Return W (n, n) of the first n active rows, and the square roots of its diagonal (n,)."""
         W = np.array([[float(self.rows.response[i, k]) for k in range(n)] for i in range(n)]).reshape(n, n)
         return W, np.sqrt(np.maximum(np.diag(W), np.finfo(float).tiny))
 
     def _unknowns(self) -> Whole:
-        """Positions of as many impulses as rows are kept, which these determine."""
+        """Return the positions of the unknown impulses, which the kept rows determine; they are equal in number."""
         n = len(self.zero)
         if len(self.kept) == n:
             return self.kept
         effect = self._effect()[self.kept]
-        effect[:, self.impulse[:n] == 0] = 0.0  # contacts that bear nothing are left at exactly that
+        effect[:, self.impulse[:n] == 0] = 0.0  # impulses that are zero stay exactly zero
         _, _, order = qr(effect, pivoting=True, mode="economic")
         return np.sort(order[: len(self.kept)])
 
     def _effect(self) -> Array:
-        """What a change of the zero rows' impulses does to all active rows, where friction follows it along the slip; both
-        scaled by the roots of W's diagonal."""
+        """Return the derivative of the active rows' velocities with respect to the zero rows' impulses, including the friction
+        of sliding contacts. Both are scaled by the square roots of W's diagonal."""
         n, d = len(self.zero), self.d
         W, root = self._scaled(len(self.active))
         move = W[:, :n].copy()
@@ -218,7 +218,7 @@ class _Certificate:
         return move / root[:, None] / root[:n]
 
     def _start(self) -> Array:
-        """Impulses of the active rows (n,): the refined ones, where rows are dependent moved off their limits."""
+        """Return impulses of the active rows (n,): the refined ones, moved away from their limits if rows are dependent."""
         flat = np.concatenate([self.r.ravel(), np.zeros(len(self.problem.joint_bias))])
         if len(self.problem.joint_bias):
             flat[self.r.size :] = self._joint_impulses()
@@ -226,7 +226,7 @@ class _Certificate:
         return start if len(self.kept) == len(self.zero) else self._with_room(start)
 
     def _joint_impulses(self) -> Array:
-        """Those that go with r: F M^-1 F' lam = -(F v + b_F) by least squares."""
+        """Return the joints' impulses for r: F M^-1 F' lam = -(F v + b_F) by least squares."""
         p = self.problem
         F, mass = p.joints.toarray(), p.mass.toarray()
         push = np.linalg.solve(mass, F.T)
@@ -238,12 +238,12 @@ class _Certificate:
         return np.asarray(np.linalg.lstsq(F @ push, -(F @ v + p.joint_bias), rcond=None)[0])
 
     def _friction(self, i: int) -> Array:
-        """The friction (d - 1,) of a contact that slides, for a normal impulse of 1."""
+        """Return the friction (d - 1,) of a sliding contact for a normal impulse of 1."""
         slip = self.problem.contact_velocity(self.r)[i, 1:]
         return -float(self.problem.friction[i]) * slip / np.linalg.norm(slip)
 
     def _sizes(self, scaled: Array) -> Array:
-        """Of each row that is zero (n,) the largest scaled impulse of its island; of a joint the largest of all."""
+        """Return for each zero row (n,) the largest scaled impulse of its island, for a joint the largest of all."""
         island = np.append(self.problem.islands, -1)[np.minimum(self.zero // self.d, self.problem.contacts)]
         sizes = np.full(len(scaled), np.abs(scaled).max(initial=0.0))
         for one in np.unique(island[island >= 0]):
@@ -251,7 +251,7 @@ class _Certificate:
         return np.where(sizes > 0, sizes, 1.0)
 
     def _with_room(self, start: Array) -> Array:
-        """Impulses of the same effect as far inside of all limits as they can be; in space cones are replaced by pyramids."""
+        """Return impulses with the same effect and the largest slack in all limits; in space pyramids replace the cones."""
         n, d, mu, kept = len(self.zero), self.d, self.problem.friction, self.kept
         closed = np.flatnonzero(self.mode.closed)
         _, root = self._scaled(n)
@@ -272,7 +272,7 @@ class _Certificate:
                     right.append((mu[i] * start[normal] - float(turn @ start[own])) * root[normal] / size[normal])
                     of.append(c)
         above, below = np.array(limits), np.array(right)
-        # First each contact's own room, to find those that cannot bear; then as much as all others can have.
+        # First maximise each contact's slack, to find contacts that cannot be loaded; then the least slack of all others.
         room = _most_room(equal, above, below, np.array([_entry(len(closed), {c: 1.0}) for c in of]), [], 100 * ROOM)
         free = room[n:] > ROOM
         still = [self.at[int(i * d + k)] for i in closed[~free] for k in range(d) if int(i * d + k) in self.at]
@@ -291,7 +291,7 @@ class _Certificate:
         return moved
 
     def _velocities(self, impulse: list[arb]) -> list[arb]:
-        """Of the active rows."""
+        """Return the velocities of the active rows."""
         pushed = self.rows.response * arb_mat([[x] for x in impulse])
         return [pushed[i, 0] + free for i, free in enumerate(self.rows.free)]
 
@@ -305,7 +305,7 @@ class _Certificate:
         return found
 
     def _slip(self, i: int, u: list[arb]) -> tuple[list[int], list[arb], arb]:
-        """Positions of a contact's tangential rows, the direction of its slip and its speed."""
+        """Return the positions of a contact's tangential rows, the direction of its slip, and its speed."""
         own = [self.at[i * self.d + k] for k in range(1, self.d)]
         if self.d == 2:
             return own, [arb(1) if u[own[0]].mid() > 0 else arb(-1)], abs(u[own[0]])
@@ -333,7 +333,7 @@ class _Certificate:
         return arb_mat(lines)
 
     def radius(self) -> float:
-        """Errors: NotCertifiedError with the reason."""
+        """Return the radius. Errors: NotCertifiedError with the reason."""
         columns = [*map(int, self.unknown), *range(len(self.zero), len(self.active))]
         point = [arb(float(x)) for x in self.impulse]
         if columns:
@@ -355,7 +355,7 @@ class _Certificate:
         return self._distance(point)
 
     def _newton(self, point: list[arb], box: list[arb]) -> list[arb]:
-        """F'(box)^-1 F(point). Errors: NotCertifiedError where the derivative may be singular."""
+        """Return F'(box)^-1 F(point). Errors: NotCertifiedError if the derivative may be singular."""
         try:
             found = self._derivative(box).solve(arb_mat([[x] for x in self._equations(point)]))
         except ZeroDivisionError:
@@ -363,12 +363,12 @@ class _Certificate:
         return [found[k, 0] for k in range(found.nrows())]
 
     def _require_strict(self, impulse: list[arb]) -> None:
-        """Errors: NotCertifiedError naming what is not shown to be positive."""
+        """Check the strict inequalities. Errors: NotCertifiedError naming one that is not proved."""
         u, d, mu = self._velocities(impulse), self.d, self.problem.friction
         for i in map(int, np.flatnonzero(self.mode.closed)):
             pressed = impulse[self.at[i * d]]
             if all(impulse[self.at[i * d + k]] == 0 for k in range(d) if i * d + k in self.at):
-                continue  # it bears exactly nothing, and its u_n is exactly 0
+                continue  # its impulse and its u_n are exactly 0
             if not pressed > 0:
                 raise NotCertifiedError(f"contact {i} is closed, with an impulse of 0 to {float(abs(pressed).upper()):.0e} N s")
             if self.mode.slides[i]:
@@ -384,7 +384,7 @@ class _Certificate:
                 raise NotCertifiedError(f"contact {other} is between open and closed")
 
     def _elsewhere(self, others: Whole, impulse: list[arb]) -> list[arb]:
-        """Velocities of rows that are not active."""
+        """Return the velocities of rows that are not active."""
         if not len(others):
             return []
         whole = rows_of(self.problem, np.concatenate([self.active, others]))
@@ -394,7 +394,7 @@ class _Certificate:
         return [pushed[n + k, 0] + whole.free[n + k] for k in range(len(others))]
 
     def _distance(self, impulse: list[arb]) -> float:
-        """The largest difference of a contact's velocity between answer and solution, over the contact's unit."""
+        """Return the largest difference of a contact's velocity between answer and solution over the contact's unit."""
         p, d = self.problem, self.d
         answered = p.contact_velocity(self.given)
         every = np.arange(p.contacts * d)
@@ -410,7 +410,7 @@ _CORNERS = np.column_stack([np.cos(np.arange(16) * np.pi / 8), np.sin(np.arange(
 
 
 def _most_room(equal: Array, above: Array, below: Array, of: Array, still: list[int], most: float) -> Array:
-    """Changes dx of no effect, and the rooms that have the largest sum, where above dx + of room <= below."""
+    """Maximise the sum of the slacks `room` subject to above dx + of room <= below and equal dx = 0; return dx and room."""
     n, rooms = above.shape[1], of.shape[1]
     bounds = [(0.0, 0.0) if k in set(still) else (-1e3, 1e3) for k in range(n)] + [(0.0, most)] * rooms
     found = linprog(
@@ -435,14 +435,14 @@ def _entry(n: int, values: dict[int, float]) -> Array:
 
 
 def _pivots(matrix: Array) -> Whole:
-    """Independent rows of a symmetric matrix, in order."""
+    """Return the indices of linearly independent rows of a symmetric matrix, in order."""
     _, R, order = qr(matrix, pivoting=True, mode="economic")
     size = np.abs(np.diag(R))
     return np.sort(order[: int((size > DEPENDENT * size.max(initial=0.0)).sum())])
 
 
 def _rank(rows: Array) -> int:
-    """The exact rank of rows of doubles."""
+    """Return the exact rank of a matrix of double-precision numbers."""
     exact = []
     for line in rows.tolist():
         ratios = [x.as_integer_ratio() for x in line]
@@ -452,7 +452,7 @@ def _rank(rows: Array) -> int:
 
 
 def lines() -> Any:
-    """The lines of the table, the header first."""
+    """Yield the lines of the table, the header first."""
     yield "\t".join(COLUMNS)
     for row in hard.admitted():
         known = kept_answer(row)

@@ -1,4 +1,4 @@
-"""The page of the tables' columns, made from their schema.
+"""Make the page on the tables' columns from their schema.
 
 python -m tools.columns > docs/columns.md
 """
@@ -37,7 +37,7 @@ A row per batch of small problems, solver, way to solve them all, start and tole
 
 
 def describe() -> str:
-    """All columns with types, units and meanings, as a page of Markdown."""
+    """Return all columns with types, units and meanings as a Markdown page."""
     return PAGE.format(version=SCHEMA_VERSION, **{name: _markdown(columns) for name, columns in TABLES.items()})
 
 

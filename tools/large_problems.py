@@ -1,9 +1,9 @@
-"""The second part of docs/performance.md: large problems, one by one.
+"""The section of docs/performance.md on single calls on large problems.
 
-Each method is timed on the same problem, form, setup and solve, by the processor's time, ROUNDS times in turn; the least time
-counts, over that of the interior point. How that itself grows from size to size stands beside it. A time is shown only where
-the residual is within TOL; methods whose two dense matrices would exceed STORAGE bytes, and those that took LONG on a smaller
-problem of the family, are not run.
+The processor time of form, setup and solve of each method is measured ROUNDS times on the same problem. The table shows the
+least time relative to that of interior_point, and the growth of the latter with the size. A time is shown only if the residual
+is within TOL. Methods whose two dense matrices would exceed STORAGE bytes, or that took LONG on a smaller problem of the
+family, are not run.
 """
 
 from collections.abc import Iterator
@@ -32,7 +32,7 @@ need more than {STORAGE / 2**30:g} GiB. A residual stands where it is above {TOL
 
 
 def section() -> str:
-    """The section in Markdown."""
+    """Return the section in Markdown."""
     return "\n".join([HEAD, *(_table(title, *family) for title, family in FAMILIES.items())])
 
 
@@ -58,12 +58,12 @@ def _problem(name: str, parameter: str, size: int) -> FrictionProblem:
 
 
 def _unknowns(problem: FrictionProblem) -> int:
-    """Of the friction LCP in the plane, of the impulses in space."""
+    """Return the number of unknowns: of the LCP in the plane, of the impulses in space."""
     return problem.contacts * (4 if problem.dimension == 2 else 3)
 
 
 def _times(problem: FrictionProblem, late: set[str]) -> Iterator[tuple[str, tuple[float, float]]]:
-    """The least time and the residual of each method that is run; `late` gathers those that took long."""
+    """Yield the least time and the largest residual of each method that is run; methods that took long are added to `late`."""
     joined = len(problem.joint_bias) > 0
     for method in METHODS:
         lcp = find(method)[0].model == "lcp"

@@ -1,10 +1,10 @@
-"""docs/outside.tsv: the results of the contract for every installed outside solver, and the licences of its packages.
+"""Make docs/outside.tsv: the results of the contract for every installed outside solver, and the licences of its packages.
 
     python -m tools.outcomes > docs/outside.tsv
 
-One line per variant: its name, the versions of the libraries it needs, the licences in the packages' metadata, the date, and
-the checks that it fails, each with the first violation; "none" if it passes all, and the reason if it is not installed. The
-table is part of the page that tools.direct.page generates.
+A line per variant has its name, the versions of the libraries that it needs, the licences in the packages' metadata, the date,
+and the checks that it fails, each with the first violation, or "none", or the reason if it is not installed. The table is part
+of the page that tools.direct.page generates.
 """
 
 import subprocess
@@ -25,7 +25,7 @@ COLUMNS = ("variant", "versions", "licences", "date", "failed_checks")
 
 
 def lines(specs: list[str], jobs: int) -> Iterable[str]:
-    """The lines of the table, the header first."""
+    """Yield the lines of the table, the header first."""
     yield "\t".join(COLUMNS)
     installed = [spec for spec in specs if not find(spec)[0].missing]
     found = examine(installed, jobs, Progress()) if installed else []
@@ -37,7 +37,7 @@ def lines(specs: list[str], jobs: int) -> Iterable[str]:
 
 
 def licence(need: str) -> str:
-    """An installed package's licence by its metadata: its expression, its classifiers, or the first line of its text."""
+    """Return a package's licence from its metadata: the licence expression, the classifiers, or the first line of the text."""
     name, _, python = need.partition(">=")[0].partition("@")
     try:
         facts: Any = _metadata_of(name, python) if python else metadata(name)
@@ -49,7 +49,7 @@ def licence(need: str) -> str:
 
 
 def _metadata_of(module: str, python: str) -> Message:
-    """The metadata of a package of another Python."""
+    """Return the metadata of a package installed for another Python."""
     script = f"import importlib.metadata as m; print(m.metadata({module.partition('.')[0]!r}))"
     done = subprocess.run([python, "-c", script], capture_output=True, text=True, check=True, timeout=60)
     return message_from_string(done.stdout)

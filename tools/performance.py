@@ -1,4 +1,4 @@
-"""docs/performance.md: the rates of a run of the suite `batch`, and its further parts, from the steps of robots on.
+"""Make docs/performance.md: the rates of a run of the suite `batch`, then the sections on steps of robots and large problems.
 
 frictionbench run batch --out DIR
 python -m tools.performance DIR > docs/performance.md
@@ -21,7 +21,7 @@ Made by `frictionbench run batch --out DIR`, and from that by `python -m tools.p
 
 
 def rates(folder: Path) -> str:
-    """The first part of the page, in Markdown. Errors: ResultsError where the folder holds no rows of batches."""
+    """Return the first part of the page in Markdown. Errors: ResultsError if the folder holds no rows of batches."""
     rows = read_table(folder, "batches")
     if rows.empty:
         raise ResultsError(f"{folder}: has no rows of batches; `frictionbench run batch` writes some")

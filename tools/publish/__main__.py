@@ -1,4 +1,4 @@
-"""The command: check runs, write their summaries and the site of them.
+"""The command `python -m tools.publish`: check runs, write their summaries and a site of them.
 
 python -m tools.publish DIR... --out SITE            results folders, summaries, or folders of summaries
 python -m tools.publish DIR... --summaries FOLDER    each run's summary as text
@@ -18,7 +18,7 @@ from tools.publish.summary import read, summarise, write
 def publish(given: Sequence[Path], site: Path | None, texts: Path | None) -> Iterator[Path]:
     """Check the runs, write the site and the summaries, and yield what was written.
 
-    Errors: ResultsError and InputError naming the folder or file and what is wrong with it; nothing is written then.
+    Errors: ResultsError and InputError naming the folder or file and what is wrong with it; then nothing is written.
     """
     entries = [entry for path in given for entry in _entries(path)]
     names = [entry.summary["name"] for entry in entries]

@@ -1,8 +1,8 @@
-"""A static site of published runs: a page for each suite and version with the runs of all machines one below the other, and an
-index with the history over versions and machines, which a reader sorts and filters.
+"""A static site of published runs: a page for each suite and version with the runs of all machines, and an index with the
+history over versions and machines, which a reader can sort and filter.
 
-Runs are shown beside each other and never merged: no figure on the site is computed from two of them. What comes from a results
-folder is copied by name from a list, without following links; all text is escaped, and pages load nothing from elsewhere.
+Runs are shown side by side and never merged: no number on the site is computed from two of them. Only listed files are copied
+from a results folder, without following links. All text is escaped, and pages load nothing from elsewhere.
 """
 
 import shutil
@@ -26,7 +26,7 @@ COPIED = ("manifest.json", "convergence.json", "maps/*.json", *(f"{table}.parque
 
 
 class Entry(NamedTuple):
-    """A published run: its summary, and the results folder that it was made from, if that is at hand."""
+    """A published run: its summary, and the results folder that it was made from, if available."""
 
     summary: Summary
     folder: Path | None = None
@@ -53,7 +53,7 @@ def write_site(entries: Sequence[Entry], site: Path) -> Path:
 
 
 def history_rows(entry: Entry) -> list[dict[str, Any]]:
-    """A row for each solver in the plane and in space, from bodies and to the finest target."""
+    """Return a row for each solver in the plane and in space, ranked from bodies, at the tightest target."""
     facts = {name: entry.summary[name] for name in ("suite", "version", "release", "finished", "machine")}
     rows = [row for row in entry.summary["rankings"] if row["kind"] in OVERALL.values() and row["by"] == RankBy.BODIES]
     finest = min((row["target"] for row in rows), default=None)
@@ -61,7 +61,7 @@ def history_rows(entry: Entry) -> list[dict[str, Any]]:
 
 
 def same_problems(entry: Entry, runs: Sequence[Entry]) -> list[str]:
-    """How many problems of the run are the same, to the last bit, as in each other run of the page."""
+    """Return sentences on how many problems of the run are equal, to the last bit, to those of each other run of the page."""
     own, lines = entry.summary["problems"]["hashes"], []
     for other in (one for one in runs if one is not entry):
         theirs = other.summary["problems"]["hashes"]
@@ -71,7 +71,7 @@ def same_problems(entry: Entry, runs: Sequence[Entry]) -> list[str]:
 
 
 def _files(entry: Entry, site: Path) -> list[dict[str, str]]:
-    """Write what can be downloaded of a run, into a folder of its own; the address of each file and what it is."""
+    """Write the files of a run for download into its own folder. Return the address and a description of each."""
     name = entry.summary["name"]
     home = subfolder(site, name)
     write(entry.summary, home)
@@ -82,7 +82,7 @@ def _files(entry: Entry, site: Path) -> list[dict[str, str]]:
             for path in sorted(entry.folder.glob(pattern)):
                 if path.is_file() and not path.is_symlink() and not path.parent.is_symlink():
                     place = subfolder(home, str(path.parent.relative_to(entry.folder)))
-                    with replaced(place / path.name) as copy:  # not through a link that is there
+                    with replaced(place / path.name) as copy:  # does not write through an existing link
                         shutil.copyfile(path, copy)
         write_report(home)
         found = {"report.html": "the whole report", **found}

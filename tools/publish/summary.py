@@ -1,4 +1,4 @@
-"""Summaries of runs as they are published: one JSON file a run, text of some ten kilobytes.
+"""Published summaries of runs: one JSON file per run, a text of about ten kilobytes.
 
     format       1
     name         SUITE-VERSION-MACHINE-DATE, the name of the file
@@ -6,15 +6,15 @@
     machine      processor, cores, memory, system, python; without the name of the host
     settings     tolerances and time limit, s
     libraries    the versions of the libraries that the solvers used
-    problems     ranked, trivial and idle: their numbers; hashes: of each problem, by scene and step, of a map's together
-    checks       [what, whether it holds, in words]
+    problems     ranked, trivial and idle: their numbers; hashes: of each problem, by scene and step; one hash for each map
+    checks       [name, whether it holds, explanation]
     headline     sentences on the kinds of problems of the first screen; classes: on the others, in runs since 26 November 2026
-    rankings     rows: kind, by, target, solver, law, mean, p50, p99, worst (s; null is never), reached, problems;
-                 unclear: why none of the kind is the winner, or ""
+    rankings     rows: kind, by, target, solver, law, mean, p50, p99, worst (s; null means never), reached, problems;
+                 unclear: why no solver of the kind is the winner, or ""
     reliability  rows: solver, model, problems, exact, own, near_miss, wrong, timeout, crashed
-    scenes       rows: scene, solver, solved, cells, at the tightest tolerance; "map NAME": of grid points with a known solution
+    scenes       rows: scene, solver, solved, cells, at the tightest tolerance; "map NAME": on grid points with a known solution
 
-Summaries may come from anybody: what does not have these fields and types is refused, and pages escape all text.
+Summaries may come from anybody. Those without these fields and types are refused, and pages escape all text.
 """
 
 import json
@@ -40,24 +40,24 @@ FORMAT = 1
 LARGEST = 4 * 2**20  # bytes of a summary
 Summary = dict[str, Any]
 MACHINE = ("processor", "cores", "memory", "system", "python")
-DIGITS = 6  # of times: pages show three, which rounding first to four can change
-SHORT = 12  # characters of a problem's hash, enough to tell some thousands apart
+DIGITS = 6  # significant digits of times: pages show three, which rounding to four before could change
+SHORT = 12  # characters of a problem's hash: enough to distinguish thousands of problems
 
 
 def page_of(name: str) -> str:
-    """The part of a run's name that its suite and version have in common with other runs."""
+    """Return the part of a run's name that consists of suite and version."""
     return name.rsplit("-", 2)[0]
 
 
 def _named(name: str) -> str:
-    """The name, if it names a file, and a page that is not the index. Errors: ValueError."""
+    """Return the name if it is valid for a file and for a page other than the index. Errors: ValueError."""
     if not re.fullmatch(r"[\w+-][\w.+-]{0,200}", name) or page_of(name).casefold() == "index":
         raise ValueError("names no page")
     return name
 
 
 def _fields(**kinds: Any) -> Any:
-    """The type of an object that has these fields, and maybe others."""
+    """Return the type of an object that has these fields, and possibly others."""
     required: dict[str, Any] = {name: (kind, ...) for name, kind in kinds.items()}
     return create_model("Fields", **required)
 
@@ -94,7 +94,7 @@ FIELDS: dict[str, Any] = {
 
 
 def write(summary: Summary, folder: Path) -> Path:
-    """Write FOLDER/NAME.json, a row of a table on a line, so that a change is one line of a diff; return its path."""
+    """Write FOLDER/NAME.json with one row of a table per line, so that a change is one line of a diff; return its path."""
     parts = []
     for key, value in ({"format": FORMAT} | summary).items():
         text = json.dumps(value, ensure_ascii=False, allow_nan=False)
@@ -108,11 +108,11 @@ def write(summary: Summary, folder: Path) -> Path:
 
 
 def read(path: Path) -> Summary:
-    """The summary in a file. Errors: ResultsError naming the file and the field that is missing or cannot be used."""
+    """Read the summary in a file. Errors: ResultsError naming the file and the field that is missing or cannot be used."""
     found = read_json(path, LARGEST)
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise ResultsError(f"{path}: not a published summary of format {FORMAT}")
-    kinds = FIELDS | ({"classes": list[str]} if "classes" in found else {})  # not in those of older runs
+    kinds = FIELDS | ({"classes": list[str]} if "classes" in found else {})  # older runs lack it
     try:
         _fields(**kinds).model_validate_json(json.dumps(found), strict=True)
     except ValidationError as error:
@@ -122,8 +122,8 @@ def read(path: Path) -> Summary:
 
 
 def summarise(run: Run) -> Summary:
-    """The summary of a run. Errors: ResultsError where it has not finished or nothing was measured; InputError or ResultsError
-    naming a stored problem that is damaged or another one than its name says."""
+    """Return the summary of a run. Errors: ResultsError if it has not finished or nothing was measured; InputError or
+    ResultsError naming a stored problem that is damaged or has another hash than its name."""
     manifest, settings = run.manifest, run.manifest["settings"]
     if not manifest.get("finished"):
         raise ResultsError(f"{run.folder}: the run has not finished; the same command continues it")
@@ -165,7 +165,7 @@ def summarise(run: Run) -> Summary:
 
 
 def _hashes(facts: pd.DataFrame, maps: list[MapCells]) -> dict[str, str]:
-    """The hash of each problem, by its place; of a map, with its hundreds of problems, that of all their hashes."""
+    """Return the hash of each problem by its origin. A map, which has hundreds of problems, has one hash of all these."""
     found, left = {}, facts
     for cells in maps:
         own = set(cells.rows["problem"]) - {""} if "problem" in cells.rows else set()
@@ -179,7 +179,7 @@ def _hashes(facts: pd.DataFrame, maps: list[MapCells]) -> dict[str, str]:
 
 
 def held(folder: Path, names: set[str]) -> tuple[bool, str]:
-    """Whether the folder stores each problem under the hash that names it; and in words. Errors: as of summarise."""
+    """Return whether the folder stores each problem under its hash, and an explanation. Errors: as for summarise."""
     there = {name: path for name in names if (path := folder / "problems" / f"{name}.npz").exists()}
     for name, path in there.items():
         if fb.load(path).hash != name:
@@ -205,7 +205,7 @@ def _checks(run: Run, facts: pd.DataFrame, version: str) -> list[list[Any]]:
 
 
 def _places(run: Run, by: RankBy, kind: Kind) -> list[dict[str, Any]]:
-    """A row for each solver compared on a kind of problem: at each target in the plane and in space, else the finest."""
+    """Return a row for each solver compared on a kind: at each target for the kinds of OVERALL, otherwise at the tightest."""
     shown = {target: one for target, one in kind.choices.items() if kind.name in run.overall or target == run.outer_targets[-1]}
     return [
         _plain(
@@ -218,7 +218,7 @@ def _places(run: Run, by: RankBy, kind: Kind) -> list[dict[str, Any]]:
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:
-    """A row as JSON has it: the solver first, numbers short, what is not finite null."""
+    """Return a row for JSON: the solver first, numbers rounded, null if not finite."""
     kept = {"solver": row["label"]} | {name: value for name, value in row.items() if name not in ("label", "written", "within")}
     return {name: value if isinstance(value, bool | str | int) else _short(float(value)) for name, value in kept.items()}
 
@@ -230,8 +230,8 @@ def _short(value: float) -> float | None:
 
 
 def _scenes(run: Run, maps: list[MapCells]) -> list[dict[str, Any]]:
-    """By scene and solver, how many cells at the tightest tolerance were solved, of those that ran; by map and solver, of those
-    at grid points where a solution is known."""
+    """Return by scene and solver how many of the cells that ran at the tightest tolerance were solved, and by map and solver
+    those at grid points with a known solution."""
     keys = {key for cells in maps for key in cells.rows["key"]}
     rest = run.tightest[~run.tightest["key"].isin(keys)]
     mapped, found = {f"map {cells.spec.name}": cells.rows[cells.rows["known"]] for cells in maps}, []

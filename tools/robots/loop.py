@@ -1,4 +1,4 @@
-"""Solvers in closed loop beside MuJoCo's own step of the same models.
+"""Solvers in closed loop, compared with MuJoCo's own step on the same models.
 
     python -m tools.robots.loop [SECONDS [MODEL ...]] > loop.tsv
 
@@ -21,22 +21,22 @@ import numpy as np
 import frictionbench as fb
 from tools.robots.models import MODELS, begin
 
-TOL, LIMIT, WARMED = 1e-8, 8.0, 20  # residual; s of the processor; steps before anything is measured, so that all is compiled
+TOL, LIMIT, WARMED = 1e-8, 8.0, 20  # residual; processor time, s; steps before measurements, in which kernels are compiled
 NAMES = ("humanoid", "quadruped", "dog", "fruit_fly", "stacker", "hand_block", "adroit_relocate", "fetch_pick")
 SOLVERS = ("hybrid", "interior_point", "nsgs", "proximal_newton", "mujoco")
 
 
 class Tally:
-    """What is measured along a motion."""
+    """Measurements along a motion."""
 
     def __init__(self) -> None:
         self.residual: list[float] = []
-        self.seconds: list[float] = []  # of whole steps
+        self.seconds: list[float] = []  # whole steps
         self.solving: list[float] = []
         self.defect = self.kinetic = self.depth = self.drift = 0.0
 
     def meet(self, model: Any, data: Any, seconds: float) -> None:
-        """After a step."""
+        """Add the measurements after a step."""
         active = data.efc_type >= int(mj.mjtConstraint.mjCNSTR_LIMIT_JOINT)
         self.depth = max(self.depth, float(-data.efc_pos[active].min(initial=0.0)))
         error = data.efc_pos[data.efc_type == mj.mjtConstraint.mjCNSTR_EQUALITY]
@@ -46,7 +46,7 @@ class Tally:
         self.kinetic = max(self.kinetic, float(data.energy[1]))
 
     def line(self) -> list[str]:
-        """The columns from steps on."""
+        """Return the columns from `steps` on."""
         ms = 1e3 * np.array(self.seconds)
         solved = f"{sum(size <= TOL for size in self.residual)} of {len(self.residual)}"
         times = [f"{1e3 * np.median(self.solving):.3g}" if self.solving else ""]
@@ -56,7 +56,7 @@ class Tally:
 
 
 def run(name: str, solver: str, seconds: float | None) -> Tally:
-    """One model by one solver; WARMED steps where no seconds are given."""
+    """Simulate one model with one solver, for WARMED steps if no seconds are given."""
     model = next(one for one in MODELS if one.name == name).load()
     data, drive = begin(model, "smooth", 0)
     tally, before, begun = Tally(), None, thread_time()

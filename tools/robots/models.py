@@ -1,13 +1,13 @@
-"""The models, and the behaviours by which their motions differ.
+"""The models of robots, and the behaviours that distinguish their motions.
 
-A behaviour sets controls and forces before each step; all are drawn from a seed:
+A behaviour sets controls and forces before each step. All are random with a fixed seed:
 
     settle    no control
-    fall      no control, thrown: from a height of half the model's size, with random velocities
-    smooth    sines of .5 to 3 Hz over the half of each control's range
-    harsh     every tenth step new controls from all of their ranges
-    hit       no control, every fiftieth step a random body is pushed for five steps, with up to five times the model's weight
-    grasp     controls that close within .3 s and tremble; bodies moved by hand (mocap) wander
+    fall      no control, thrown from a height of up to half the model's size with random velocities
+    smooth    sines of 0.5 to 3 Hz with half of each control's range as amplitude
+    harsh     new controls from their whole ranges in every tenth step
+    hit       no control; in every fiftieth step a random body is pushed for five steps, by up to five times the model's weight
+    grasp     controls that close within 0.3 s and oscillate; mocap bodies drift
 """
 
 from collections.abc import Callable
@@ -20,13 +20,13 @@ import numpy as np
 from frictionbench.problems import InputError
 
 Array = np.ndarray[Any, Any]
-Drive = Callable[[Any, int], None]  # of data and the number of the step
+Drive = Callable[[Any, int], None]  # arguments: data and the number of the step
 ALL = ("settle", "fall", "smooth", "harsh", "hit")
 
 
 class Model(NamedTuple):
-    """file: how its path in the package ends. bare: without a floor and fixed in the world: it gets a floor and is set free.
-    step: s, in place of the model's own."""
+    """file: the end of its path in the package. bare: whether it has no floor and is fixed to the world, so that it gets a
+    floor and a free joint. step: replaces the model's own, s."""
 
     name: str
     package: str
@@ -36,7 +36,7 @@ class Model(NamedTuple):
     step: float | None = None
 
     def load(self) -> Any:
-        """The mujoco.MjModel. Errors: InputError naming the package or the file that is missing."""
+        """Return the mujoco.MjModel. Errors: InputError naming the package or file that is missing."""
         return load(self.package, self.file, self.bare, self.step)
 
 
@@ -68,7 +68,7 @@ MODELS = (
 
 
 def load(package: str, file: str, bare: bool = False, step: float | None = None) -> Any:
-    """The mujoco.MjModel of a file in an installed package, whose path ends so. Errors: InputError naming it."""
+    """Return the mujoco.MjModel of the file of an installed package whose path ends with `file`. Errors: InputError."""
     try:
         files = metadata.files(package) or []
     except metadata.PackageNotFoundError:
@@ -80,7 +80,7 @@ def load(package: str, file: str, bare: bool = False, step: float | None = None)
 
 
 def compiled(spec: Any, bare: bool, step: float | None = None) -> Any:
-    """The mujoco.MjModel of a mujoco.MjSpec; see Model. Errors: ValueError of MuJoCo."""
+    """Return the mujoco.MjModel of a mujoco.MjSpec; see Model. Errors: ValueError from MuJoCo."""
     if bare:
         spec.worldbody.add_geom(type=mj.mjtGeom.mjGEOM_PLANE, size=[10, 10, 0.1])
         if not any(joint.type == mj.mjtJoint.mjJNT_FREE for joint in spec.joints):
@@ -94,7 +94,7 @@ def compiled(spec: Any, bare: bool, step: float | None = None) -> Any:
 
 
 def begin(model: Any, behaviour: str, seed: int) -> tuple[Any, Drive]:
-    """Data at the behaviour's start, and what to call before each step."""
+    """Return data at the behaviour's start, and the function to call before each step."""
     random, data = np.random.default_rng(seed), mj.MjData(model)
     if model.nkey:
         mj.mj_resetDataKeyframe(model, data, 0)

@@ -1,12 +1,12 @@
-"""How many steps of other people's models `hybrid` solves: of all models of MuJoCo below a folder.
+"""How many steps of other people's models `hybrid` solves, for all MuJoCo models below a folder.
 
     python -m tools.robots.others FOLDER [TEXT ...]     # of the files whose paths hold one of the texts, all by default
 
-A robot alone, the only body in its world, gets a floor and is set free; scenes stay as they are. In five behaviours
-(tools.robots.models) 20 steps are exact ones, in closed loop, and of 100 of MuJoCo's own each tenth is solved. A motion ends
-where a velocity exceeds FAST. A line a model: the velocities, the steps with contacts, limits or dry friction, how many of
-them are not verified to TOL, and the most rows of one. Files that MuJoCo does not compile by themselves, such as parts that
-others include, are named with its reason.
+A robot that is the only body in its world gets a floor and a free joint; scenes are not changed. For each of five behaviours
+(tools.robots.models), 20 steps are simulated in closed loop with exact solutions, and every tenth of 100 steps by MuJoCo is
+solved. A motion ends if a velocity exceeds FAST. A line per model has the number of velocities, of steps with contacts, limits
+or dry friction, of those not verified to TOL, and the largest number of rows. Files that MuJoCo does not compile by themselves,
+such as parts that others include, are listed with its reason.
 """
 
 import sys
@@ -20,17 +20,17 @@ import numpy as np
 import frictionbench as fb
 from tools.robots.models import ALL, begin, compiled
 
-TOL, FAST = 1e-8, 1e3  # residual; m/s and rad/s: controls without a limit of force drive some models beyond
+TOL, FAST = 1e-8, 1e3  # residual; m/s and rad/s: controls without a force limit accelerate some models beyond
 
 
 def load(path: Path) -> Any:
-    """The model of a file. Errors: ValueError of MuJoCo."""
+    """Return the model of a file. Errors: ValueError from MuJoCo."""
     spec = mj.MjSpec.from_file(str(path))
     return compiled(spec, bare=len(spec.worldbody.bodies) == 1)
 
 
 def steps(model: Any, behaviour: str, seed: int) -> Iterator[tuple[int, float]]:
-    """The rows and the residual of each step that is solved."""
+    """Yield the number of rows and the residual of each step that is solved."""
     data, drive = begin(model, behaviour, seed)
     for k in range(100):
         drive(data, k)

@@ -1,19 +1,19 @@
-"""The recorded steps of the suite `robots`: of many candidates few, chosen by what they are and not by how solvers fare.
+"""The recorded steps of the suite `robots`: a few of many candidates, chosen by their features and not by results of solvers.
 
-The bodies are moved by MuJoCo's own step, with elliptic cones, so that no solver compared here has a say in what is met; every
-EVERY-th step in which constraints act is a candidate. Of each model's candidates the features
+The bodies are moved by MuJoCo's own step, with elliptic cones, so that no solver compared here influences the motion. Every
+EVERY-th step in which constraints act is a candidate. The features of each model's candidates
 
     log(1 + .) of contacts, limits, dry friction, islands, redundant rows (loops of contacts, limits and equations);
     log10 of W's condition and of the ratio of effective masses; the share of loaded contacts that stick, by MuJoCo's forces
 
-are divided by their deviation over all models' candidates, and k-means (seed 0) makes CLUSTERS clusters of them. Of each
-cluster the nearest to its centre and the farthest from it are taken, the typical and the odd one, among those in which friction
-is at work: where the frictionless velocities satisfy Coulomb's law, the next one is. A model's share does not depend on how
-often it touches anything. What is kept is the problem that `frictionbench.mujoco.step` would solve there.
+are divided by their standard deviation over all models' candidates, and k-means (seed 0) divides them into CLUSTERS clusters.
+From each cluster the step nearest to the centre and the step farthest from it are taken, a typical and an unusual one. Steps
+that need no friction, because the frictionless velocities satisfy Coulomb's law, are passed over. A model's share does not
+depend on how often it has contacts. The problem stored is the one that `frictionbench.mujoco.step` would solve.
 
-The selection (robots.tsv) is written before any problem with friction is solved. Then each step is answered by METHODS, and the
-best answer is kept (robots.npz), beside the start that a simulation would have: the exact impulses of the step before, matched
-by geoms and joints.
+The selection (robots.tsv) is written before any problem with friction is solved. Then each step is solved by METHODS, and the
+best answer is stored (robots.npz), together with the start that a simulation would have: the exact impulses of the previous
+step, matched by geoms and joints.
 
     python -m tools.robots.record [select|answer]
 """
@@ -39,7 +39,7 @@ CLUSTERS, EVERY, STEPS = 4, 5, 500
 FOLDER = Path(fb.__file__).parent
 STORE = FOLDER / "problems" / "instances" / "steps" / "robots"
 TABLE, ANSWERS = (FOLDER / "harness" / "plans" / f"robots.{suffix}" for suffix in ("tsv", "npz"))
-# hybrid may use the steps of the other two: two methods agree independently where nsgs is one of them.
+# hybrid may use steps of the other two, so that agreement is independent only if nsgs is one of two methods.
 METHODS = ("hybrid", "nsgs", "proximal_newton")
 TOL, VERIFIED = 1e-10, 1e-8
 FEATURES = ("contacts", "limits", "dry_friction", "islands", "redundancy", "condition", "mass_ratio", "sticking")
@@ -50,8 +50,8 @@ ROWS = (AT.mjCNSTR_LIMIT_JOINT, AT.mjCNSTR_LIMIT_TENDON), (AT.mjCNSTR_FRICTION_D
 
 
 class Candidate(NamedTuple):
-    """A step of a motion. before, state: of MuJoCo, at the begin of the step before and of this one. facts: by the names of
-    COLUMNS."""
+    """A step of a motion. before, state: MuJoCo's states at the beginning of the previous step and of this one. facts: by the
+    names of COLUMNS."""
 
     before: Array
     state: Array
@@ -59,7 +59,7 @@ class Candidate(NamedTuple):
 
 
 def candidates(name: str, model: Any, behaviours: tuple[str, ...]) -> Iterator[Candidate]:
-    """Those of all behaviours of a model."""
+    """Yield the candidates of all behaviours of a model."""
     model.opt.cone = mj.mjtCone.mjCONE_ELLIPTIC
     for seed, behaviour in enumerate(behaviours):
         data, drive = begin(model, behaviour, seed)
@@ -79,7 +79,7 @@ def candidates(name: str, model: Any, behaviours: tuple[str, ...]) -> Iterator[C
 
 
 def _facts(model: Any, data: Any) -> dict[str, Any]:
-    """data: after MuJoCo's step, whose constraints and forces are those of the state before."""
+    """Return the facts of a step. data: after MuJoCo's step, when constraints and forces still belong to the state before."""
     kind = data.efc_type
     J = np.array(data.efc_J).reshape(data.nefc, model.nv) if not mj.mj_isSparse(model) else _dense(model, data)
     mass = np.zeros((model.nv, model.nv))
@@ -125,7 +125,7 @@ def _dense(model: Any, data: Any) -> Array:
 
 
 def chosen_of(model: Any, found: list[Candidate], deviation: Array) -> list[tuple[fb.FrictionProblem, Candidate]]:
-    """The nearest and the farthest of each cluster with friction at work."""
+    """Return the nearest and the farthest step of each cluster, among those that need friction."""
     points, data, chosen = _points(found) / deviation, mj.MjData(model), {}
     centres, label = kmeans2(points, CLUSTERS, minit="++", seed=0)
     distance = np.linalg.norm(points - centres[label], axis=1)
@@ -143,7 +143,7 @@ def chosen_of(model: Any, found: list[Candidate], deviation: Array) -> list[tupl
 
 
 def _start(model: Any, one: Candidate) -> Array:
-    """The exact impulses of the step before, given to the contacts of this one that it had too."""
+    """Return the exact impulses of the previous step, transferred to the contacts that this step shares with it."""
     data = mj.MjData(model)
     mj.mj_setState(model, data, one.before, WHOLE)
     before = fb.mujoco.step(model, data, "interior_point", tol=TOL)
@@ -189,8 +189,8 @@ def select() -> None:
 
 
 def answer() -> None:
-    """Answer the steps of the table by all METHODS, keep the best answer, and note in the table whose are verified and how far
-    apart their velocities are, as a share of the largest change of a velocity."""
+    """Solve the steps of the table by all METHODS and store the best answer. The table lists the methods whose answers are
+    verified, and the largest difference of their velocities over the largest change of a velocity."""
     with np.load(ANSWERS, allow_pickle=False) as arrays:
         kept = {name: arrays[name] for name in arrays if name.endswith(" start")}
     with TABLE.open(encoding="utf-8", newline="") as file:

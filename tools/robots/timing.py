@@ -1,12 +1,12 @@
-"""The part of docs/performance.md on steps of robots: hybrid beside MuJoCo's own constraint stage on the same steps.
+"""The section of docs/performance.md on steps of robots: hybrid compared with MuJoCo's constraint stage on the same steps.
 
 OPENBLAS_NUM_THREADS=1 python -m tools.robots.timing [MODEL ...]
 
-Models and behaviours are those of tools.robots.models, in closed loop by frictionbench.mujoco.step. Before each step both
-sides are given the same: MuJoCo its data after mj_forward, with the acceleration of the step before as a warm start, for
-mj_fwdConstraint; hybrid the assembled problem, cold or with the impulses of the step before. Needs MuJoCo and the packages of
-the models; Pinocchio's solver is timed where it is installed. Threads of BLAS would be timed with their waiting where the
-machine does other work.
+Models and behaviours are those of tools.robots.models, in closed loop by frictionbench.mujoco.step. Before each step both get
+the same input: MuJoCo's mj_fwdConstraint its data after mj_forward, with the acceleration of the previous step as a warm start;
+hybrid the assembled problem, cold or with the impulses of the previous step. Needs MuJoCo and the packages of the models.
+Pinocchio's solver is timed if it is installed. BLAS must have one thread, since several would wait for each other on a busy
+machine.
 """
 
 import sys
@@ -25,7 +25,7 @@ from tools.robots.models import MODELS, Model, begin
 
 WAYS = tuple((tol, warm) for tol in (1e-6, 1e-8) for warm in (False, True))
 OTHER = "pinocchio[method=admm,settings=tuned]"
-STEPS, APART, ROUNDS, LEAD = 30, 5, 5, 20  # steps timed of a motion, steps from one to the next, repeats, steps before
+STEPS, APART, ROUNDS, LEAD = 30, 5, 5, 20  # timed steps of a motion; distance between them; repeats; steps before the first
 HEAD = f"""## Steps of robots
 
 Made by `python -m tools.robots.timing`. *MuJoCo*: `mj_fwdConstraint`, which solves by its own soft and convex law. The other
@@ -40,7 +40,7 @@ that it solves, and their number where it is not all; a dash where it takes none
 
 
 class Timed(NamedTuple):
-    """One step. Times in µs; calls: the first and the median of each way; solved: whether each is within its tolerance."""
+    """One step. Times are in µs. calls: the first and the median of each of WAYS; solved: whether all are within tolerance."""
 
     contacts: int
     joints: int
@@ -48,11 +48,11 @@ class Timed(NamedTuple):
     made: float
     calls: tuple[tuple[float, float], ...]
     solved: bool
-    other: float  # NaN where it has no answer within the tolerance
+    other: float  # NaN without an answer within the tolerance
 
 
 def section(names: tuple[str, ...] = ()) -> str:
-    """The section in Markdown."""
+    """Return the section in Markdown."""
     titles = [f"{'warm' if warm else 'cold'} {tol:g}" for tol, warm in WAYS]
     lines = [
         HEAD,
@@ -92,7 +92,7 @@ def _line(model: Model, found: list[Timed], calls: Any, ratio: Any, worst: float
 
 
 def _told(found: list[Timed]) -> str:
-    """The times of OTHER on the steps that it solves, their ratio to MuJoCo's, and how many they are unless all."""
+    """Return the median time of OTHER on the steps that it solves, the ratio to MuJoCo's, and their number unless it is all."""
     answered = [(step.other, step.other / step.soft) for step in found if step.other > 0]
     if not answered:
         return "–"
@@ -101,7 +101,7 @@ def _told(found: list[Timed]) -> str:
 
 
 def _timed(model: Model, behaviour: str) -> Iterator[Timed]:
-    """Steps with contacts, limits or dry friction of one motion."""
+    """Time the steps with contacts, limits or dry friction of one motion."""
     compiled = model.load()
     data, drive = begin(compiled, behaviour, seed=1)
     engine, before = mj.MjData(compiled), None
@@ -139,7 +139,7 @@ def _step(model: Any, engine: Any, problem: FrictionProblem, start: Any) -> Time
 
 
 def _other(problem: FrictionProblem) -> float:
-    """The time of OTHER in µs; NaN where it is not installed, does not take the problem or has no answer within 1e-6."""
+    """Return the time of OTHER in µs; NaN if it is not installed, refuses the problem or has no answer within 1e-6."""
     call = partial(fb.solve, spec=OTHER, tol=1e-6, time_limit=1.0)
     try:
         solved = fb.residual(problem, call(problem.fresh()).impulse) <= 1e-6
@@ -149,7 +149,7 @@ def _other(problem: FrictionProblem) -> float:
 
 
 def _times(call: Callable[[Any], Any], given: Callable[[], Any] = lambda: None) -> tuple[float, float]:
-    """In µs the first call, and the median of ROUNDS after as many uncounted ones, each on what is given anew."""
+    """Return the time of the first call and the median of the last ROUNDS of 2 ROUNDS calls, µs, each on a new input."""
     times = []
     for _ in range(2 * ROUNDS):
         one = given()
