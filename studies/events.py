@@ -134,7 +134,7 @@ def summary(found: Tables) -> Summary:
 
 
 def _best(name: str, driven: pd.DataFrame, whole: pd.DataFrame) -> dict[str, Any]:
-    """The event-driven scheme at its middle accuracy and the most accurate time-stepping motion of a scene."""
+    """Return the event-driven scheme at its middle accuracy and the most accurate time-stepping motion of a scene."""
     own = driven[driven["scene"] == name].sort_values("setting")
     chosen, best = own.iloc[len(own) // 2], whole[whole["scene"] == name].sort_values("error").iloc[0]
     facts = {"scene": name.replace("_", " "), "error": chosen["error"], "work": int(chosen["work"])}

@@ -181,14 +181,14 @@ def summary(found: Tables) -> Summary:
 
 
 def _table(cells: pd.DataFrame) -> list[str]:
-    """The lines of a table in Markdown, a row for each way."""
+    """Return the lines of a Markdown table with a row for each way."""
     rows = [["", *cells.columns], *([way, *cells.loc[way]] for way in WAYS if way in cells.index)]
     lines = [f"| {' | '.join(row)} |" for row in rows]
     return [lines[0].replace("|  |", "| |"), f"|---|{'---|' * len(cells.columns)}", *lines[1:]]
 
 
 def _draw(ax: Axes, errors: pd.DataFrame) -> None:
-    """A dot for each model, a dash for the median."""
+    """Plot a dot for each model and a dash for the median."""
     found = errors.groupby("way")["error"].agg(list)
     ways = [way for way in WAYS if way in found]
     for x, way in enumerate(ways):

@@ -124,7 +124,7 @@ def summary(found: Tables) -> Summary:
     silent = pairs[pairs["none"]]
     told = [f"{case} ({_pairs(own)})" for case, own in parted.groupby("case")]
     jam = rows[(rows["case"] == JAM) & ~rows["none"]].drop_duplicates(["scheme", "solver"])
-    between = jam.groupby("scheme")["velocity"].agg(widest).max()  # solvers in one scheme
+    between = jam.groupby("scheme")["velocity"].agg(widest).max()  # between solvers with one scheme
     edge = rows[(rows["case"] == EDGE) & rows["parted"]]
     events = landings[landings["scheme"] == EVENTS].sort_values("spin")
     others = landings[landings["scheme"] != EVENTS]
@@ -154,7 +154,7 @@ def summary(found: Tables) -> Summary:
 
 
 def _pairs(own: pd.DataFrame) -> str:
-    """The schemes, each with its solvers."""
+    """Return the schemes, each with its solvers."""
     return ", ".join(f"{scheme} with {listing(list(part['solver']))}" for scheme, part in own.groupby("scheme"))
 
 

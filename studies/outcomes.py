@@ -125,7 +125,7 @@ def summary(tables: Tables) -> Summary:
     cold = known[known["start"] == "zero"].merge(several.reset_index()[PROBLEM])
     measured = ladder[(ladder["residual"] < 0.1) & (ladder["residual"] > 1e-11) & (ladder["error"] > 0)]
     gain = measured["error"] / measured["residual"]
-    other = measured["error"] > np.maximum(100 * measured["residual"], APART)  # far, although the residual is small
+    other = measured["error"] > np.maximum(100 * measured["residual"], APART)  # far away although the residual is small
     numbers = {
         "problems": len(problems),
         "several": len(several),
@@ -167,7 +167,7 @@ def summary(tables: Tables) -> Summary:
 
 
 def _agreements(cold: pd.DataFrame) -> dict[str, str]:
-    """For each pair of methods, from zero, on how many of the problems that both solve they find the same outcome."""
+    """Return for each pair of methods, started from zero, on how many problems that both solve their outcomes agree."""
     table = cold.pivot_table(index=PROBLEM, columns="method", values="outcome")
     found = {}
     for one, other in combinations(table.columns, 2):

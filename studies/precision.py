@@ -75,7 +75,7 @@ def summary(found: Tables) -> Summary:
 
 
 def _solved(least: pd.Series, target: float) -> str:
-    """How many steps each method brings within the target, in single and in double precision."""
+    """Return the number of steps that each method brings within the target, in single and in double precision."""
     count = (least <= target).groupby(["method", "precision"]).sum()
     return listing([f"{count[name, 'single']} and {count[name, 'double']} ({name})" for name in METHODS])
 

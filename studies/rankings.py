@@ -71,7 +71,7 @@ def summary(found: Tables) -> Summary:
 
 
 def _looks(rows: pd.DataFrame) -> dict[str, Look]:
-    """Of the methods for Coulomb's law."""
+    """Return the numbers on methods for Coulomb's law."""
     return looks(name for name in rows["name"].unique() if name not in RELAXED)
 
 
@@ -87,7 +87,7 @@ def _profile(ax: Axes, rows: pd.DataFrame, tol: float, looks: dict[str, Look]) -
 
 
 def needing(solves: pd.DataFrame) -> pd.DataFrame:
-    """Measured cells of problems in space that need friction, with their time, s; outside methods by their own name."""
+    """Return measured cells of problems in space that need friction, with their time, s, and outside methods' own names."""
     rows = solves[measured(solves) & (solves["dimension"] == 3) & ~solves["trivial"].eq(True) & ~solves["idle"].eq(True)]
     name = rows["variant"].str.extract(r"method=(\w+)")[0].fillna(rows["variant"])
     time = rows[["form_time", "setup_time", "solve_time"]].sum(axis=1)
@@ -95,13 +95,13 @@ def needing(solves: pd.DataFrame) -> pd.DataFrame:
 
 
 def _solved(rows: pd.DataFrame, tol: float, names: Sequence[str]) -> tuple[int, int]:
-    """How many cells of these methods are solved, and how many there are."""
+    """Return how many cells of these methods are solved, and how many there are."""
     own = rows[(rows["tol"] == tol) & rows["name"].isin(names)]
     return int(own["solved"].sum()), len(own)
 
 
 def _fastest(rows: pd.DataFrame, tol: float, kind: Sequence[str], among: Sequence[str]) -> tuple[int, int]:
-    """On how many problems a method of the kind is the fastest among these, and on how many one of these solves."""
+    """Return on how many problems a method of the kind is the fastest of these, and how many problems these solve."""
     own = rows[(rows["tol"] == tol) & rows["solved"] & rows["name"].isin(among)]
     first = own.loc[own.groupby("problem")["time"].idxmin(), "name"]
     return int(first.isin(kind).sum()), len(first)
@@ -153,7 +153,7 @@ def _relaxed(rows: pd.DataFrame) -> Shown:
 
 
 def _full_rank(rows: pd.DataFrame) -> Shown | None:
-    """None where Siconos is not installed. Whether they are solved more rarely without rank, by Fisher's exact test."""
+    """Test by Fisher's exact test whether rank-deficient problems are solved more rarely; None if Siconos is not installed."""
     theirs = rows[(rows["tol"] == TIGHT) & rows["name"].isin(NEWTON)]
     if theirs.empty:
         return None

@@ -1,11 +1,11 @@
-"""The tables of studies, computed in processes of their own, and the page made from them.
+"""The tables of studies, each computed in its own process, and the page made from them.
 
     OUT/NAME/TABLE.parquet   a computed table
     OUT/NAME/runs            the solver runs of a study, a results folder like any other
-    OUT/studies.md, studies/ the page of all studies that OUT holds, and its figures as SVG and PDF
+    OUT/studies.md, studies/ the page of all studies in OUT, and its figures as SVG and PDF
 
-A table is computed anew where the code that computes it has changed: that of the package and that of the study above its
-`summary`. An interrupted call is continued by the same command.
+A table is computed again if the code that computes it has changed: that of problems, solvers and motions.py, and that of the
+study above its `summary`. An interrupted call is resumed by the same command.
 """
 
 import os
@@ -49,16 +49,16 @@ def study(name: str) -> Study:
 
 
 def code(name: str) -> str:
-    """A hash of what computes a study's tables: the package, and the study's file above its summary."""
+    """Return a hash of the code that computes a study's tables, as above."""
     above = (HERE / f"{name}.py").read_text(encoding="utf-8").partition("\ndef summary(")[0]
     shared = (HERE / "motions.py").read_text(encoding="utf-8")
     return sha256((above + shared + content(("problems", "solvers"))).encode()).hexdigest()
 
 
 def compute(names: Sequence[str], out: Path, jobs: int) -> None:
-    """Compute what is missing. Errors: as of harness.run."""
+    """Compute the tables that are missing. Errors: as for harness.run."""
     missing = [(name, rows.__name__) for name in names for rows in study(name).rows if not _kept(out, name, rows.__name__)]
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # a core for each table
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # one core per table
     with ProcessPoolExecutor(jobs, get_context("spawn"), die_with_parent, (os.getpid(),)) as pool:
         for done in as_completed([pool.submit(write_rows, out, *table) for table in missing]):
             print(done.result(), file=sys.stderr)
@@ -68,7 +68,7 @@ def compute(names: Sequence[str], out: Path, jobs: int) -> None:
 
 
 def write_rows(out: Path, name: str, table: str, settings: Mapping[str, Any] | None = None) -> Path:
-    """Compute a table, with other settings than its defaults where they are given, and write it."""
+    """Compute a table and write it. settings: arguments of its generator that differ from the defaults."""
     rows = next(rows for rows in study(name).rows if rows.__name__ == table)
     found = pa.Table.from_pandas(pd.DataFrame(rows(**settings or {})), preserve_index=False)
     path = subfolder(out, name) / f"{table}.parquet"
@@ -83,7 +83,7 @@ def _kept(out: Path, name: str, table: str) -> bool:
 
 
 def read(out: Path, name: str) -> Tables | None:
-    """The tables of a study; None where one is missing."""
+    """Read the tables of a study; None if one is missing."""
     own, runs = study(name), out / name / "runs"
     paths = [out / name / f"{rows.__name__}.parquet" for rows in own.rows]
     if not all(path.exists() for path in paths) or (own.plan and not (runs / "solves.parquet").exists()):
@@ -93,7 +93,7 @@ def read(out: Path, name: str) -> Tables | None:
 
 
 def write_page(out: Path) -> Path:
-    """Write OUT/studies.md and its figures, of all studies that are complete in OUT."""
+    """Write OUT/studies.md and its figures, for all studies that are complete in OUT."""
     told = []
     for name in NAMES:
         tables = read(out, name)
@@ -108,7 +108,7 @@ def write_page(out: Path) -> Path:
 
 
 def text(name: str, summary: Summary) -> dict[str, str]:
-    """A study's question, answer and text in Markdown, with its numbers filled in."""
+    """Return a study's question, answer and text in Markdown, with its numbers filled in."""
 
     def figure(own: str, caption: str) -> str:
         return f"![{caption}]({FIGURES}/{name}_{own}.svg)\n\n{caption}"

@@ -1,9 +1,9 @@
-"""What a study is, and what studies share: numbers in sentences with their uncertainty, and curves.
+"""The definition of a study, and functions shared by studies: numbers as text with their uncertainty, and curves.
 
-A study is a file of this folder that ends in `STUDY = Study(...)`, with its prose in text/NAME.md. Above `def summary` stands
-what computes: generators of rows, each a table of its own name, whose arguments make it smaller for tests, and plans of solver
-runs, with the isolation, verification and columns of any run. Below it stands what reads the tables: `summary` gives the
-numbers that the prose quotes, formatted, and the panels of its figures.
+A study is a file in this folder that ends with `STUDY = Study(...)`, with its prose in text/NAME.md. The part above
+`def summary` computes: generators of rows, each for a table with its name, whose arguments make it smaller for tests, and plans
+of solver runs, which are isolated, verified and stored like any run. The part below reads the tables: `summary` returns the
+formatted numbers that the prose quotes, and the panels of its figures.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -31,11 +31,11 @@ _DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), "-", 
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]
-Tables = dict[str, pd.DataFrame]  # by name; that of solver runs is `solves`
+Tables = dict[str, pd.DataFrame]  # by name; the table of solver runs is `solves`
 
 
 class Summary(NamedTuple):
-    """What the prose says: its numbers by name, the panels of each figure, and the looks of lines named in a common legend."""
+    """The data of the prose: numbers by name, the panels of each figure, and the looks of lines named in a common legend."""
 
     numbers: Mapping[str, Any]
     figures: Mapping[str, Sequence[Panel]]
@@ -58,13 +58,13 @@ class Study(NamedTuple):
 
 
 def require(holds: object, claim: str) -> None:
-    """Errors: ResultsError with the claim, where the tables do not hold what the prose says."""
+    """Check a claim of the prose. Errors: ResultsError with the claim if the tables contradict it."""
     if not holds:
         raise ResultsError(f"the tables do not show what the text says: {claim}")
 
 
 def wilson(successes: int, trials: int) -> tuple[float, float]:
-    """The 95 % interval of a share (Wilson 1927)."""
+    """Return the 95 % interval of a share (Wilson 1927)."""
     p, n = successes / trials, trials
     middle = (p + Z**2 / (2 * n)) / (1 + Z**2 / n)
     half = Z / (1 + Z**2 / n) * np.sqrt(p * (1 - p) / n + Z**2 / (4 * n**2))
@@ -72,13 +72,13 @@ def wilson(successes: int, trials: int) -> tuple[float, float]:
 
 
 def share(successes: int, trials: int) -> str:
-    """A share with its 95 % interval: 6 of 150 (4 %, 95 % interval 1.8 to 8.5 %)."""
+    """Format a share with its 95 % interval: 6 of 150 (4 %, 95 % interval 1.8 to 8.5 %)."""
     low, high = (f"{100 * end:.{0 if end > 0.0995 else 1}f}" for end in wilson(int(successes), int(trials)))
     return f"{successes} of {trials} ({percent(successes / trials)}, 95 % interval {low} to {high} %)"
 
 
 class Slope(NamedTuple):
-    """The slope of log y over log x, and those of the halves with the smaller and the larger x, near it if it has settled."""
+    """The slope of log y over log x, and those of the halves with smaller and larger x, which agree if it has converged."""
 
     value: float
     small: float
@@ -89,14 +89,14 @@ class Slope(NamedTuple):
 
 
 def order(x: ArrayLike, y: ArrayLike) -> Slope:
-    """The order by least squares: y ~ x^slope; at least three points of positive x and y. A middle one is in both halves."""
+    """Fit y ~ x^slope by least squares to three or more points with positive x and y. A middle point is in both halves."""
     a, b = np.log(np.asarray(x, dtype=float)), np.log(np.asarray(y, dtype=float))
     ranks, half = np.argsort(a), (len(a) + 1) // 2
     return Slope(*(float(np.polyfit(a[own], b[own], 1)[0]) for own in (ranks, ranks[:half], ranks[-half:])))
 
 
 def middle(values: ArrayLike) -> str:
-    """The median of independent values, with an interval of 95 % and more between two of them; endless for fewer than six."""
+    """Format the median of independent values, with an interval of at least 95 % between two values; infinite below six."""
     kept = np.sort(np.asarray(values, dtype=float))
     k = int(binom.ppf(0.025, len(kept), 0.5))
     low, high = (kept[k - 1], kept[-k]) if k else (-np.inf, np.inf)
@@ -104,24 +104,24 @@ def middle(values: ArrayLike) -> str:
 
 
 def listing(items: Sequence[str], last: str = "and") -> str:
-    """a, b and c."""
+    """Return the items as "a, b and c"."""
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} {last} {items[-1]}" if items else "none"
 
 
 def widest(values: pd.Series) -> float:
-    """The largest distance between any two of the vectors."""
+    """Return the largest distance between any two of the vectors."""
     vectors = np.array([np.atleast_1d(value) for value in values], dtype=float)
     return float(np.linalg.norm(vectors[:, None] - vectors[None], axis=2).max())
 
 
 def curve(ax: Axes, k: int, x: ArrayLike, y: ArrayLike, label: str = "", **more: Any) -> None:
-    """The k-th curve of a panel."""
+    """Plot the k-th curve of a panel."""
     look = {"color": COLOURS[k % 8], "marker": _MARKERS[k % 8], "ls": _DASHES[k % 8], "ms": 3.5} | more
     ax.plot(x, y, label=plain(label) if label else "_", **look)
 
 
 def finish(ax: Axes, x: str, y: str, logarithmic: str = "", **more: Any) -> None:
-    """Labels, grid and legend; logarithmic: "x", "y", "xy" or none."""
+    """Add labels, grid and legend. logarithmic: "x", "y", "xy" or empty."""
     ax.set(xlabel=x, ylabel=y, **{f"{axis}scale": "log" for axis in logarithmic}, **more)
     for axis in (getattr(ax, f"{axis}axis") for axis in logarithmic):
         low, high = axis.get_view_interval()

@@ -102,12 +102,12 @@ def summary(found: Tables) -> Summary:
 
 
 def _count(variant: str, work: object) -> float:
-    """The method's own count; not a number where the cell has none, as after a time-out."""
+    """Return the method's own count; NaN if the cell has none, as after a timeout."""
     return float(json.loads(work).get(COUNTS[variant], np.nan)) if isinstance(work, str) else np.nan
 
 
 def _ratio(own: pd.DataFrame, start: str, methods: int, draws: int = 2000) -> tuple[float, float, float]:
-    """The ratio of the sums, with its interval by resampling the motions, of 95 % for so many methods together."""
+    """Return the ratio of the sums, with its 95 % interval for so many methods together, by resampling the motions."""
     pick = np.random.default_rng(1).integers(len(own), size=(draws, len(own)))
     above, below = (own[column].to_numpy(float) for column in (start, COLD))
     low, high = np.quantile(above[pick].sum(axis=1) / below[pick].sum(axis=1), (0.025 / methods, 1 - 0.025 / methods))

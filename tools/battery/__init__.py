@@ -1,1 +1,1 @@
-"""Phenomena with closed forms, on which engines are measured: `python -m tools.battery` writes the table of docs/battery.md."""
+"""Engines on phenomena with solutions in closed form; `python -m tools.battery` writes the tables of docs/battery.md."""

@@ -1,5 +1,5 @@
-"""Measure the installed engines, and write the tables of docs/battery.md: errors against the closed forms by steps, and
-the orders with which errors fall.
+"""Measure the installed engines, and write the tables of docs/battery.md: errors against the closed forms by step size, and the
+orders of convergence.
 
 python -m tools.battery
 """
@@ -17,8 +17,8 @@ from tools.battery.world import Make, Unsupported
 
 STEPS = (0.008, 0.004, 0.002, 0.001)  # s
 MOVING = tuple(f"| {name}" for name in ("stopping", "direction", "rebound, e = 0.5", "rebound, e = 1", "sliding", "box in"))
-ERRORS = re.compile(" / ".join([r"(-?[\d.]+e[-+]\d+)(?: ± (\S+))?"] * len(STEPS)))  # of a cell
-ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, and the engine
+ERRORS = re.compile(" / ".join([r"(-?[\d.]+e[-+]\d+)(?: ± (\S+))?"] * len(STEPS)))  # in a cell of the table
+ENGINES: dict[str, tuple[str, Make]] = {  # by name, the package needed and the engine
     "frictionbench": ("frictionbench", own.Exact),
     "MuJoCo": ("mujoco", mujoco.MuJoCo),
     "MuJoCo, stiff": ("mujoco", mujoco.stiff),
@@ -38,7 +38,7 @@ TABLE = re.compile(r"(?<=<!-- begin: python -m tools.battery -->\n).*?(?=<!-- en
 
 
 def table() -> str:
-    """The table in Markdown, and a line for each engine that is not installed."""
+    """Return the table in Markdown, and a line for each engine that is not installed."""
     usable, remarks = {}, []
     for name, (package, make) in ENGINES.items():
         try:
@@ -54,8 +54,8 @@ def table() -> str:
 
 
 def orders(made: str) -> str:
-    """The rows of MOVING in `made` with the slope of log error over log step by least squares, and those of the larger and the
-    smaller half of the steps; a dash if signs differ or bars reach 0."""
+    """Return the rows of MOVING in `made` with the least-squares slope of log error over log step, for all steps and for the
+    larger and the smaller half of them; a dash if signs differ or error bars reach 0."""
     kept = [line for line in made.splitlines() if line.startswith(("| phenomenon", "| ---", *MOVING))]
     return "\n" + "".join(f"{ERRORS.sub(_orders, line)}\n" for line in kept)
 
@@ -82,7 +82,7 @@ def _error(one: Phenomenon, make: Make, step: float) -> str:
             return f"{off.mean():.1e}" if len(off) == 1 else f"{off.mean():.1e} ± {np.ptp(off) / 2:.0e}"
         except Unsupported:
             return "–"
-        except (Exception, SystemExit) as error:  # whatever an engine raises is its cell
+        except (Exception, SystemExit) as error:  # whatever an engine raises is shown in its cell
             return f"failed: {type(error).__name__}"
 
 

@@ -1,4 +1,4 @@
-"""Bullet, through PyBullet: its sequential impulses as they are by default, and with many iterations."""
+"""Bullet, through PyBullet: sequential impulses with default settings, and with many iterations."""
 
 from importlib import import_module
 from typing import Any
@@ -9,8 +9,8 @@ from tools.battery.world import Array, Setting, gravity
 
 
 def stiff(setting: Setting, step: float) -> "Bullet":
-    """A thousand iterations, none left out because the residual is small; where there is restitution, contacts that are not
-    handled before bodies touch (contactProcessingThreshold)."""
+    """Use a thousand iterations, without stopping at a small residual; with restitution, handle contacts only once bodies touch
+    (contactProcessingThreshold)."""
     bullet = Bullet(setting, step, numSolverIterations=1000, solverResidualThreshold=0.0)
     if setting.restitution:
         bullet.only_touching()
@@ -18,9 +18,9 @@ def stiff(setting: Setting, step: float) -> "Bullet":
 
 
 class Bullet:
-    """A setting as planes and multibodies. Coefficients of two bodies are multiplied, so each has the root of the contact's.
+    """A setting as planes and multibodies. Bullet multiplies two bodies' coefficients, so each has the root of the contact's.
 
-    Bullet's own defaults but for the step, without the damping of every motion, and with rebounds at every speed.
+    Bullet's defaults apply, except for the step, without damping of motions, and with restitution at every speed.
     """
 
     def __init__(self, setting: Setting, step: float, **parameters: float) -> None:
@@ -51,7 +51,7 @@ class Bullet:
         return one
 
     def only_touching(self) -> None:
-        """Handle no contact before bodies touch."""
+        """Handle contacts only once bodies touch."""
         for one in range(self._bullet.getNumBodies(**self._own)):
             self._bullet.changeDynamics(one, -1, contactProcessingThreshold=0.0, **self._own)
 

@@ -1,4 +1,4 @@
-"""Drake: contacts by surfaces (hydroelastic), with the moduli and the margin that its documentation names."""
+"""Drake: hydroelastic contact surfaces, with the moduli and the margin named in its documentation."""
 
 from functools import partial
 from importlib import import_module
@@ -12,7 +12,7 @@ from tools.battery.world import Array, Setting, Unsupported, gravity
 class Drake:
     """A setting as a MultibodyPlant. modulus: Pa; margin: m; stiction: its tolerance, m/s; integrator: of a continuous plant.
 
-    Compliant bodies, which has to be asked for, with the default modulus on rigid half spaces; kLagged.
+    By default bodies are compliant, which has to be requested, with the default modulus, on rigid half spaces; kLagged.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Drake:
         self._simulator.AdvanceTo(self._simulator.get_context().get_time() + seconds)
 
     def tilt(self, slope: float) -> None:
-        """By forces at the centres: a plant's gravity is fixed."""
+        """Apply forces at the centres of mass, since a plant's gravity is fixed."""
         force = np.zeros((len(self._bodies), 6))
         for one, mass in zip(self._bodies, self._masses, strict=True):
             start = one.floating_velocities_start_in_v() // 6
@@ -83,9 +83,9 @@ class Drake:
         return np.array(velocity.translational())
 
 
-softer = partial(Drake, modulus=1e6)  # for which these light boxes are no longer nearly rigid at these steps
-sap = partial(Drake, approximation="kSap")  # convex, without an iteration that lags behind
-cenic = partial(Drake, integrator="cenic")  # by error control, steps at most as long as asked for
-margin = partial(Drake, margin=1e-4)  # which the documentation names: within it faces keep their contact
-# A modulus that is more than the documentation advises, with kSimilar and a smaller stiction tolerance.
+softer = partial(Drake, modulus=1e6)  # with it these light boxes are no longer nearly rigid at these steps
+sap = partial(Drake, approximation="kSap")  # convex, without lagged quantities
+cenic = partial(Drake, integrator="cenic")  # with error control and steps of at most the given length
+margin = partial(Drake, margin=1e-4)  # named in the documentation: faces within it keep their contact
+# A larger modulus than the documentation advises, with kSimilar and a smaller stiction tolerance.
 stiff = partial(Drake, modulus=1e9, approximation="kSimilar", stiction=1e-6)

@@ -1,4 +1,4 @@
-"""MuJoCo: as it is by default, and with the stiffest settings that its documentation names."""
+"""MuJoCo: with default settings, and with the stiffest settings that its documentation names."""
 
 from importlib import import_module
 from typing import Any
@@ -8,18 +8,18 @@ from scipy.optimize import brentq
 
 from tools.battery.world import Array, Setting, gravity
 
-# "Modeling", sections on solver parameters and on slip: elliptic cones and a large impratio against slip, then the noslip
-# iterations; solref's time constant at its least, twice the step; solimp's impedance close to 1.
+# From the chapter "Modeling", sections on solver parameters and on slip: elliptic cones, a large impratio and noslip iterations
+# against slip; the least time constant of solref, twice the step; the impedance of solimp close to 1.
 STIFF = 'cone="elliptic" impratio="100" noslip_iterations="20" tolerance="1e-12"'
 
 
 def stiff(setting: Setting, step: float) -> "MuJoCo":
-    """The stiffest documented settings."""
+    """Use the stiffest documented settings."""
     return MuJoCo(setting, step, STIFF, f'solref="{2 * step} 1" solimp=".99 .99 .001"')
 
 
 class MuJoCo:
-    """A setting as MJCF: planes and free bodies. MuJoCo's own defaults but for the step."""
+    """A setting as MJCF: planes and free bodies, with MuJoCo's defaults except for the step."""
 
     def __init__(self, setting: Setting, step: float, option: str = "", contact: str = "") -> None:
         contact = contact if setting.restitution is None else _bouncing(setting.restitution)
@@ -51,17 +51,17 @@ class MuJoCo:
 
 
 def _bouncing(e: float) -> str:
-    """The solref of a spring and damper that let go with e times the speed: with the default time constant of 20 ms and the
-    damping ratio for which they do, or without damping for e = 1, as soft as contacts of several steps need. A spring that
-    does not pull lets go at some speed however much it is damped, 0.24 % with a ratio of 10 for e = 0."""
+    """Return the solref for restitution e: the default time constant of 20 ms and the damping ratio with which a spring and
+    damper rebound at e times the speed, or no damping for e = 1, as soft as contacts over several steps need. A spring that
+    does not pull rebounds at some speed for any damping: at 0.24 % with a ratio of 10, which is used for e = 0."""
     if e in (0, 1):
         return 'solref="-5000 0"' if e else 'solref="0.02 10"'
     return f'solref="0.02 {brentq(lambda ratio: _rebound(ratio) - e, 1e-9, 0.7)}"'
 
 
 def _rebound(ratio: float) -> float:
-    """The speed at which a mass leaves a spring with this damping ratio, over that at which it came: where the force of both
-    vanishes, which is before the spring has its length again, since a contact does not pull."""
+    """Return the speed of a mass leaving a spring with this damping ratio over its speed of approach. It leaves when the total
+    force vanishes, before the spring has its rest length again, since a contact does not pull."""
     root = np.sqrt(1 - ratio**2)
     return float(np.exp(-ratio / root * (np.pi - np.arctan2(2 * ratio * root, 1 - 2 * ratio**2))))
 

@@ -1,4 +1,4 @@
-"""This project's own rigid contacts: a time-stepping scheme whose friction problems are solved exactly."""
+"""This project's rigid contacts: a time-stepping scheme whose friction problems are solved exactly."""
 
 from dataclasses import replace
 

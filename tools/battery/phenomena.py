@@ -1,6 +1,6 @@
-"""The phenomena: what is built, what is measured after some time, and its closed form.
+"""The phenomena: the bodies, the quantity measured after some time, and its closed form.
 
-Each is a problem of rigid bodies with Coulomb friction, in SI units; what an engine gives differs by its model and its step.
+Each is a problem of rigid bodies with Coulomb friction in SI units. An engine's result differs because of its model and step.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,15 +12,15 @@ import numpy as np
 
 from tools.battery.world import GRAVITY, Array, Body, Make, Setting
 
-CUBE, SETTLED = (0.1, 0.1, 0.1), 0.5  # half sizes, m; s until a body that is put down rests
-PHASES = np.arange(8) / 8  # of a step, by which a fall or a slide begins later
-GROOVE = GRAVITY * (0.5 - 0.2 * np.sqrt(1.5)) / 2  # m: the way down the groove in a second
-TILTING = 0.6  # s: 8 ms between two slopes, steps of any size in the table
+CUBE, SETTLED = (0.1, 0.1, 0.1), 0.5  # half sizes, m; time until a body at rest has settled, s
+PHASES = np.arange(8) / 8  # fractions of a step by which a fall or a slide begins later
+GROOVE = GRAVITY * (0.5 - 0.2 * np.sqrt(1.5)) / 2  # distance down the groove in one second, m
+TILTING = 0.6  # s: 8 ms between two slopes, a multiple of every step in the table
 
 
 class Phenomenon(NamedTuple):
-    """exact: the closed form, in unit. formula: the closed form in words. measure: (engine, step) to what is measured, one
-    number or, where it depends on when within a step the bodies meet or stop, one for each of PHASES."""
+    """exact: the value of the closed form in `unit`. formula: the closed form as text. measure: the function of engine and step
+    that returns the measured number, or one for each of PHASES if it depends on when within a step bodies meet or stop."""
 
     name: str
     formula: str
@@ -49,7 +49,7 @@ def direction(make: Make, step: float) -> list[float]:
 
 
 def _slides(make: Make, step: float, angle: float) -> Iterator[tuple[float, Array]]:
-    """2 m/s and the speeds that friction 0.5 leaves of them after each of PHASES, and the way (3,), m, of a box so thrown."""
+    """Yield for each of PHASES the speed left of 2 m/s by friction 0.5, and the displacement (3,) of a box thrown so, m."""
     for speed in 2.0 - 0.5 * GRAVITY * step * PHASES:
         velocity = speed * np.array([np.cos(angle), np.sin(angle), 0.0])
         world = make(Setting((Body(CUBE, 1.0, (0, 0, 0.1), velocity),), 0.5), step)
@@ -68,7 +68,7 @@ def rebound(make: Make, step: float, restitution: float = 0.0) -> list[float]:
     """The speed upwards after a ball with restitution e has fallen 0.2 m, the largest in the time that follows."""
     found = []
     for phase in PHASES:
-        begun = GRAVITY * phase * step  # the speed with which the ball starts, so much later on the same fall
+        begun = GRAVITY * phase * step  # initial speed of the ball, which starts later on the same trajectory
         ball = Body((0.1,), 1.0, (0, 0, 0.3 - begun**2 / (2 * GRAVITY)), (0, 0, -begun))
         world = make(Setting((ball,), 0.5, restitution=restitution), step)
         world.run(np.sqrt(0.4 / GRAVITY) - 0.01)
@@ -113,7 +113,7 @@ def cost(make: Make, step: float) -> float:
 def wedge(make: Make, step: float) -> list[float]:
     """The way of a box that slides on its edge in a right-angled groove, inclined by 30 degrees, friction 0.2, in a second."""
     quarter, found = np.pi / 4, []
-    for speed in 2 * GROOVE * step * PHASES:  # at which it starts, so much later on the same slide
+    for speed in 2 * GROOVE * step * PHASES:  # initial speed of the box, which starts later on the same slide
         box = Body(CUBE, 1.0, (0, 0, 0.1 * np.sqrt(2)), (speed, 0, 0), turn=quarter)
         world = make(Setting((box,), 0.2, slope=np.radians(30), floors=(quarter, -quarter)), step)
         world.run(1.0)

@@ -1,4 +1,4 @@
-"""Rapier, through its Python package: as it is by default, and with more substeps and stiffer contacts."""
+"""Rapier, through its Python package: with default settings, and with more substeps and stiffer contacts."""
 
 from importlib import import_module
 from typing import Any
@@ -9,7 +9,7 @@ from tools.battery.world import Array, Setting, gravity
 
 
 def stiff(setting: Setting, step: float) -> "Rapier":
-    """20 substeps in place of 4, and contacts of 300 Hz, ten and five times as fast as by default."""
+    """Use 20 substeps instead of 4, and contacts of 300 Hz, ten and five times as fast as by default."""
     world = Rapier(setting, step)
     parameters = world.world.integration_parameters
     parameters.num_solver_iterations = 20
@@ -19,9 +19,9 @@ def stiff(setting: Setting, step: float) -> "Rapier":
 
 
 class Rapier:
-    """A setting as half spaces and rigid bodies; all in single precision. Two bodies' coefficients are averaged.
+    """A setting as half spaces and rigid bodies in single precision. Rapier averages two bodies' coefficients.
 
-    Rapier's own defaults but for the step, and bodies that do not go to sleep.
+    Rapier's defaults apply, except for the step, and bodies do not go to sleep.
     """
 
     def __init__(self, setting: Setting, step: float) -> None:

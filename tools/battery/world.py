@@ -1,4 +1,4 @@
-"""What a phenomenon needs of an engine."""
+"""The interface between phenomena and engines."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
@@ -11,7 +11,7 @@ GRAVITY = 9.81  # m/s^2
 
 
 def gravity(slope: float) -> Array:
-    """Gravity (3,), m/s^2, turned by an angle from -z towards x."""
+    """Return gravity (3,), m/s^2, turned by an angle from -z towards x."""
     return GRAVITY * np.array([np.sin(slope), 0.0, -np.cos(slope)])
 
 
@@ -30,9 +30,9 @@ class Body(NamedTuple):
 
 
 class Setting(NamedTuple):
-    """What the engines build: bodies on half spaces through the origin with these turns about the x axis.
+    """What the engines build: bodies, on half spaces through the origin with these rotations about the x axis.
 
-    friction, restitution: of every contact; no restitution where the phenomenon does not depend on it. slope: angle by which
+    friction, restitution: of every contact; no restitution if the phenomenon does not depend on it. slope: angle by which
     gravity is turned from -z towards x, which tilts the whole scene.
     """
 
@@ -49,7 +49,7 @@ class Setting(NamedTuple):
 
     @property
     def volume_inertia(self) -> tuple[Array, ...]:
-        """The principal moments of inertia (3,) of each body, of uniform density, kg m^2."""
+        """Return the principal moments of inertia (3,) of each body for uniform density, kg m^2."""
         return tuple(
             0.4 * body.mass * body.size[0] ** 2 * np.ones(3)
             if len(body.size) == 1
@@ -58,15 +58,15 @@ class Setting(NamedTuple):
         )
 
 
-class Unsupported(Exception):  # noqa: N818  # a finding about an engine, not an error
-    """The engine has no such property; the message says which."""
+class Unsupported(Exception):  # noqa: N818  # no error but a result about an engine
+    """The engine lacks a property, which the message names."""
 
 
 class World(Protocol):
     """A running simulation."""
 
     def run(self, seconds: float) -> None:
-        """Take as many steps as last so long."""
+        """Take steps for this duration."""
 
     def tilt(self, slope: float) -> None:
         """Turn gravity to this slope from now on."""
@@ -78,5 +78,5 @@ class World(Protocol):
         """The velocity of the centre (3,), m/s."""
 
 
-# An engine with its settings, by a setting and the step, s. Errors: ImportError where it is not installed, Unsupported.
+# Makes an engine from a setting and the step, s. Errors: ImportError if it is not installed, Unsupported.
 Make = Callable[[Setting, float], World]

@@ -1,1 +1,1 @@
-"""Outside libraries called by hand, and the page of how each is treated; through the package's public face only."""
+"""Outside libraries called by hand, and the page on how each is treated. Only the package's public face is used."""

@@ -1,12 +1,12 @@
-"""What an adapter is charged over a call of its library by hand: form + setup + solve over the wall time of tools.direct.calls.
+"""The time charged to an adapter, form + setup + solve, over the wall time of calling its library by hand (tools.direct.calls).
 
     python -m tools.direct [SOLVER ...] [--data DIR]      tables in Markdown, of all libraries or of the solvers named
 
 The samples are pushed stacks and random bodies of 2 to 300 contacts at 1e-8 and, with --data, a folder's recorded problems.
-Each adapter and its call are timed in turn, one call after the other, least of REPEATS or of as many as take SECONDS: what
-else the machine does falls on both. Of a library in another process, setup and solve are its own clock there, on both sides.
-Where the ratio is above FAIR, the adapter's docstring says why, under Charged. A verdict other than solved or relaxed follows
-the times: of the adapter's answer, and of the one by hand.
+Each adapter and its call by hand are timed alternately, so that other load affects both; the least of REPEATS calls counts, or
+of as many as take SECONDS. For a library in another process, setup and solve are measured by its own clock on both sides. If
+the ratio is above FAIR, the adapter's docstring says why, under Charged. Verdicts other than solved or relaxed are shown after
+the times, for the adapter's answer and for the one by hand.
 """
 
 import argparse
@@ -25,12 +25,12 @@ from tools.direct.calls import CALLS
 from tools.direct.given import arrays
 from tools.direct.page import facts
 
-BLOCKS, BODIES = (1, 10, 50, 150), (20, 100, 300)  # stacks in the plane, of two contacts a block; contacts in space
+BLOCKS, BODIES = (1, 10, 50, 150), (20, 100, 300)  # blocks in planar stacks, with two contacts each; contacts in space
 TOL, REPEATS, SECONDS, FAIR = 1e-8, 15, 3.0, 1.3
 
 
 class Charged(NamedTuple):
-    """Seconds by hand and of the adapter, and of these by the library's own clock, if it has one; the verdicts on both."""
+    """Seconds by hand and with the adapter, both by the library's own clock too, if it has one; the verdicts on both."""
 
     by_hand: float
     adapter: float
@@ -48,16 +48,16 @@ class Charged(NamedTuple):
 
     @property
     def good(self) -> tuple[bool, bool]:
-        """Whether the adapter's answer and the one by hand are solved or relaxed."""
+        """Return whether the adapter's answer and the one by hand are solved or relaxed."""
         one, other = (verdict in ("solved", "relaxed") for verdict in self.verdicts)
         return one, other
 
 
 def charged_tables(solvers: list[str]) -> Iterator[str]:
-    """The lines of the tables in the plane and in space, a row for each library, or for those named; one that is not installed
-    has its reason.
+    """Yield the lines of the tables in the plane and in space, a row for each library or named solver. One that is not
+    installed has the reason.
 
-    Errors: InputError where a named solver has no call by hand.
+    Errors: InputError if a named solver has no call by hand.
     """
     specs = chosen(solvers)
     stacks = [fb.scene("stack", blocks=blocks, push=1.0).problem() for blocks in BLOCKS]
@@ -84,9 +84,9 @@ def _table(specs: list[str], problems: list[FrictionProblem]) -> Iterator[str]:
 
 
 def recorded_table(solvers: list[str], folder: Path) -> Iterator[str]:
-    """The lines of the table on the recorded problems of a folder: calls that take a problem by its W and q.
+    """Yield the lines of the table on the recorded problems of a folder, for calls that accept problems given by W and q.
 
-    Errors: InputError as of charged_tables, or where the folder has no friction problem.
+    Errors: InputError as for charged_tables, or if the folder has no friction problem.
     """
     problems = {path.name: fb.load(path) for path in sorted(folder.iterdir()) if path.is_file()}
     ordinary = {name: p for name, p in problems.items() if isinstance(p, FrictionProblem) and not p.friction_bias.any()}
@@ -118,7 +118,7 @@ def _row(*cells: str) -> str:
 
 
 def chosen(solvers: list[str]) -> list[str]:
-    """The calls by hand of the named solvers, all if none is named. Errors: InputError where a named one has none."""
+    """Return the calls by hand of the named solvers, all if none is named. Errors: InputError if a named one has none."""
     known = {name for spec in CALLS for name in (spec, spec.partition("[")[0])}
     if unknown := [name for name in solvers if name not in known]:
         raise fb.InputError(f"solver: {unknown[0]!r} has no call by hand; there are {', '.join(CALLS)}")
@@ -126,10 +126,10 @@ def chosen(solvers: list[str]) -> list[str]:
 
 
 def charged(spec: str, problem: FrictionProblem) -> Charged:
-    """Time a call by hand and the adapter in turn."""
+    """Time a call by hand and the adapter alternately."""
     _, solver = find(spec)
     given, by_hand, adapter, clock = arrays(problem), float("inf"), float("inf"), None
-    CALLS[spec].function(given, TOL)  # the first calls load and compile
+    CALLS[spec].function(given, TOL)  # the first calls include loading and compiling
     solver.solve(solver.prepare(problem.fresh()), TOL, None)
     until = perf_counter() + SECONDS
     for _ in range(REPEATS):

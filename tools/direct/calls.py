@@ -1,6 +1,6 @@
 """Calls of outside libraries as a user would write them by hand, with which the adapters of frictionbench are compared.
 
-They know nothing of the adapters: each forms what its library takes with numpy and scipy from a problem's arrays, unscaled, and
+They do not use the adapters. Each forms its library's input with numpy and scipy from a problem's arrays, without scaling, and
 returns the contact impulses and whether the library reports success (tools.direct.given).
 """
 
@@ -96,7 +96,7 @@ def quadprog(given: Arrays, tol: float) -> Called:
 
 
 def _dual(given: Arrays, definite: float) -> tuple[np.ndarray, np.ndarray]:
-    """H and g of the relaxation's dual min z'Hz/2 + g'z, z >= 0, with a larger diagonal."""
+    """Return H and g of the relaxation's dual min z'Hz/2 + g'z, z >= 0, with an increased diagonal."""
     _, _, G, h = program(given)
     H, g = dense(G @ given.inverse @ G.T), h - G @ given.v
     H[np.diag_indices(len(g))] *= 1 + definite
@@ -134,7 +134,7 @@ def casadi_qrqp(given: Arrays, tol: float) -> Called:
 
 @cache
 def _qrqp(n: int) -> Any:
-    """CasADi's solver object, which is for a sparsity."""
+    """Return CasADi's solver object, which is made for one sparsity pattern."""
     library: Any = import_module("casadi")
     silent = {"print_iter": False, "print_header": False, "print_info": False, "error_on_fail": False}
     return library.conic("solver", "qrqp", {"h": library.Sparsity.dense(n, n), "a": library.Sparsity(0, n)}, silent)
@@ -176,7 +176,7 @@ def path(given: Arrays, tol: float) -> Called:
 
 @cache
 def _gams_model(n: int) -> tuple[Any, tuple[Any, Any], Any]:
-    """GAMSPy's model of an LCP of n unknowns, the parameters M and q, and z."""
+    """Return GAMSPy's model of an LCP of n unknowns, the parameters M and q, and z."""
     gp: Any = import_module("gamspy")
     gp.set_options({"ALLOW_AMBIGUOUS_EQUATIONS": "yes"})
     made = gp.Container()
@@ -237,7 +237,7 @@ def mujoco(given: Arrays, tol: float) -> Called:
 
 @cache
 def _soft_contacts(nv: int, nc: int) -> tuple[Any, Any]:
-    """A MuJoCo model of nv bodies of unit mass on slides and nc contacts, whose rows are then overwritten."""
+    """Make a MuJoCo model of nv bodies of unit mass on slides and nc contacts, whose rows are then overwritten."""
     library: Any = import_module("mujoco")
     spheres = "".join(f'<geom type="sphere" size=".1" pos="{j} 0 .0999" contype="1" conaffinity="0"/>' for j in range(nc))
     slide = '<joint type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
@@ -253,7 +253,7 @@ def _soft_contacts(nv: int, nc: int) -> tuple[Any, Any]:
 
 
 def siconos(given: Arrays, tol: float, method: str) -> Called:
-    """By a child of the system's Python, for which Debian builds Siconos."""
+    """Call Siconos in a child process with the system's Python, for which Debian builds it."""
     begun = perf_counter()
     W, q = delassus(given)
     forming = perf_counter() - begun
@@ -267,8 +267,8 @@ def siconos(given: Arrays, tol: float, method: str) -> Called:
 
 
 class Call(NamedTuple):
-    """A call by hand; d: the dimensions that it takes, most: the contacts above which it takes minutes, by_matrix: whether it
-    takes problems that are known by W and q alone."""
+    """A call by hand. d: the dimensions that it accepts; most: the number of contacts above which it takes minutes; by_matrix:
+    whether it accepts problems given only by W and q."""
 
     function: Callable[[Arrays, float], Called]
     d: tuple[int, ...] = (2,)
@@ -276,7 +276,7 @@ class Call(NamedTuple):
     by_matrix: bool = False
 
 
-# The variant of an adapter, and the call by hand that makes the same choices.
+# The variant of each adapter, and the call by hand with the same choices.
 CALLS: dict[str, Call] = {
     "clarabel[settings=default]": Call(clarabel, (2, 3)),
     "osqp": Call(osqp),

@@ -1,8 +1,8 @@
-"""What calls by hand are given and return, and what they form of it with numpy and scipy, unscaled.
+"""The inputs and results of calls by hand, and the forms that they make with numpy and scipy, without scaling.
 
-A problem of nc contacts of dimension d is the arrays M and M^-1 (nv, nv), J (nc*d, nv), a contact's normal row first, v*
-(nv,), b (nc*d,) and mu (nc,), which a user of a library has at hand: dense for few contacts, and scipy's sparse arrays above.
-A problem that is known by W and q alone has no mechanics. The friction LCP in the plane is
+A problem of nc contacts of dimension d consists of the arrays M and M^-1 (nv, nv), J (nc*d, nv), with a contact's normal row
+first, v* (nv,), b (nc*d,) and mu (nc,), which a library's user would have: dense up to DENSE contacts, otherwise scipy's sparse
+arrays. A problem given only by W and q has no mechanics. The friction LCP in the plane is
 
     z = (c, beta+, beta-, lambda),      w = [W G + e lambda; mu c - beta+ - beta-] + q,
 
@@ -19,11 +19,11 @@ from scipy import sparse
 from frictionbench.problems import FrictionProblem
 
 Array = NDArray[np.float64]
-DENSE = 60  # contacts up to which dense arrays are the faster ones
+DENSE = 60  # contacts up to which dense arrays are faster
 
 
 class Arrays(NamedTuple):
-    """A problem without joints and friction bias; W and q where it is known by them alone, and no mechanics then."""
+    """A problem without joints and friction bias, by its mechanics, or by W and q if only these are known."""
 
     d: int
     mu: Array
@@ -37,8 +37,8 @@ class Arrays(NamedTuple):
 
 
 class Called(NamedTuple):
-    """What a call returns: impulse (nc, d), N s; whether the library claims success; its own time where it needs a child, s;
-    the compliance (nc, d) of its contacts where they are soft, 1/kg."""
+    """The result of a call: impulse (nc, d), N s; whether the library claims success; its own time if it needs a child process,
+    s; the compliance (nc, d) of its contacts if they are soft, 1/kg."""
 
     impulse: Array
     claimed: bool
@@ -47,7 +47,7 @@ class Called(NamedTuple):
 
 
 def arrays(problem: FrictionProblem) -> Arrays:
-    """The arrays of a problem."""
+    """Return the arrays of a problem."""
     nc, d = problem.contacts, problem.dimension
     kept = (lambda matrix: matrix.toarray()) if nc <= DENSE else sparse.csr_array
     if not problem.mechanical:
@@ -60,7 +60,7 @@ def arrays(problem: FrictionProblem) -> Arrays:
 
 
 def program(given: Arrays) -> tuple[Any, Array, Any, Array]:
-    """The relaxation's P, q, G and h, with h - G v in the cone."""
+    """Return the relaxation's P, q, G and h, with h - G v in the cone."""
     S, nc, d = _edges(given), len(given.mu), given.d
     h = np.einsum("iab,ib->ia", S, given.b.reshape(nc, d)).ravel()
     if sparse.issparse(given.J):
@@ -71,12 +71,12 @@ def program(given: Arrays) -> tuple[Any, Array, Any, Array]:
 
 
 def of_multipliers(given: Arrays, z: Array) -> Array:
-    """The impulses of the relaxation's multipliers."""
+    """Return the impulses for the relaxation's multipliers."""
     return np.einsum("iab,ia->ib", _edges(given), z.reshape(-1, given.d))
 
 
 def _edges(given: Arrays) -> Array:
-    """S (nc, d, d)."""
+    """Return S (nc, d, d)."""
     mu = given.mu
     S = np.zeros((len(mu), given.d, given.d))
     S[:, 0, 0] = 1.0
@@ -88,19 +88,19 @@ def _edges(given: Arrays) -> Array:
 
 
 def delassus(given: Arrays) -> tuple[Any, Array]:
-    """W and q, a contact's normal row first."""
+    """Return W and q, with a contact's normal row first."""
     if given.W is not None:
         return given.W, given.q
     return given.J @ given.inverse @ given.J.T, given.J @ given.v + given.b
 
 
 def dense(matrix: Any) -> Array:
-    """A matrix as a numpy array."""
+    """Return a matrix as a numpy array."""
     return matrix.toarray() if sparse.issparse(matrix) else matrix
 
 
 def lcp(given: Arrays) -> tuple[Array, Array]:
-    """The friction LCP's M and q, in the plane."""
+    """Return M and q of the friction LCP in the plane."""
     W, q = delassus(given)
     nc = len(given.mu)
     D = np.zeros((2 * nc, 3 * nc))
@@ -114,6 +114,6 @@ def lcp(given: Arrays) -> tuple[Array, Array]:
 
 
 def of_lcp(z: Array) -> Array:
-    """The impulses of the friction LCP's solution."""
+    """Return the impulses for a solution of the friction LCP."""
     nc = len(z) // 4
     return np.column_stack([z[:nc], z[nc : 2 * nc] - z[2 * nc : 3 * nc]])

@@ -1,9 +1,9 @@
-"""The sections of docs/fairness.md, made from the registry: how each outside solver is called.
+"""Make the sections of docs/fairness.md on how each outside solver is called, from the registry.
 
     python -m tools.direct.page      writes them into the page, after BEGIN
 
-The docstring of an outside solver, or that of its file, has the facts under the names of FIELDS, with a colon after each;
-Charged, why an adapter is charged more than a call by hand (tools.direct), stands only where it is. The law of solvers of the
+The docstring of an outside solver, or of its file, states the facts under the names of FIELDS, each followed by a colon.
+Charged, why an adapter is charged more than a call by hand (tools.direct), is only present if it is. The law of solvers of the
 relaxation is added here. The results of the contract and the licences of the packages are in docs/outside.tsv.
 """
 
@@ -23,7 +23,7 @@ BEGIN = "<!-- begin: python -m tools.direct.page -->\n"
 
 
 def page() -> str:
-    """The page with its sections as they are now: one for every outside solver, and our solvers in a table."""
+    """Return the page with current sections: one for every outside solver, and a table of our solvers."""
     known = sorted(available().items())
     ours = [
         f"| `{name}` | {info.model} | {_numbers(info.dimension)} | {'yes' if info.warm_start else 'no'} | {info.summary} |"
@@ -38,13 +38,13 @@ def page() -> str:
 
 
 def outcomes() -> dict[str, dict[str, str]]:
-    """The recorded line of each variant."""
+    """Return the line of docs/outside.tsv for each variant."""
     with (DOCS / "outside.tsv").open(encoding="utf-8", newline="") as file:
         return {line["variant"]: line for line in csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE)}
 
 
 def facts(info: SolverInfo) -> dict[str, str]:
-    """The text under each of FIELDS in the docstring of a solver, or else in that of its file."""
+    """Return the text under each of FIELDS in the docstring of a solver, or otherwise of its file."""
     found: dict[str, str] = {}
     for text in (sys.modules[info.make.__module__].__doc__ or "", inspect.getdoc(info.make) or ""):
         entries = re.findall(rf"^({'|'.join(FIELDS)}): (.*?)(?=^\w+: |\Z|^$)", text, flags=re.MULTILINE | re.DOTALL)
@@ -77,7 +77,7 @@ def _section(info: SolverInfo, results: dict[str, dict[str, str]]) -> str:
 
 
 def _contract(specs: tuple[str, ...], results: dict[str, dict[str, str]]) -> list[str]:
-    """The licences and the results of the contract, variants with the same result together."""
+    """Return the licences and the results of the contract, with variants of the same result merged."""
     known = [results[spec] for spec in specs if spec in results]
     if not known:
         return []
@@ -92,7 +92,7 @@ def _contract(specs: tuple[str, ...], results: dict[str, dict[str, str]]) -> lis
 
 
 def _each(lines: list[dict[str, str]], column: str, between: str) -> str:
-    """The parts of a column, each once."""
+    """Return the distinct parts of a column."""
     return between.join(dict.fromkeys(part for line in lines for part in line[column].split(between)))
 
 

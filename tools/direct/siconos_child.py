@@ -1,7 +1,7 @@
-"""The call of Siconos by hand, in the system's Python: a driver for a given W, dense and sparse, and the faster one's time.
+"""The call of Siconos by hand, in the system's Python: a driver for a given W, dense and sparse; the faster one's time counts.
 
-W's entries (row, column, value), q, mu and the driver are read from standard input as JSON; the answer is the line of the
-output that is an object, as Siconos prints too.
+W's entries (row, column, value), q, mu and the driver are read as JSON from standard input. The answer is the line of the
+output that is an object, since Siconos prints as well.
 """
 
 import json
@@ -14,7 +14,7 @@ import siconos.numerics as sn
 
 
 def answer(entries: Any, q: Any, mu: Any, tol: float, method: str) -> dict[str, Any]:
-    """The impulses, normal first, the driver's return code and its seconds."""
+    """Return the impulses, normal first, the driver's return code and its seconds."""
     n, d = len(q), 2 if "2D" in method else 3
     dense, sparse = np.zeros((n, n)), sn.NM_create(sn.NM_SPARSE, n, n)
     sn.NM_triplet_alloc(sparse, len(entries))
