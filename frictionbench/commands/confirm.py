@@ -75,10 +75,9 @@ def confirmed(
             require(made.get(variant) in (None, plugin.content), "DIR", OTHER.format(current.path, plugin.source))
     given = named if variants & comparison.sources.keys() else []
     outside = [plugins.absolute(spec) if plugins.defines_all(spec) else spec for spec in given]
-    with tempfile.TemporaryDirectory() as name:
-        scratch = Path(name)
+    with tempfile.TemporaryDirectory() as scratch:
         now = Code([sys.executable, "-P", "-c", START, str(PACKAGE.parent)], outside)
-        before = baseline_code(code, outside, scratch) if code else None
+        before = baseline_code(code, outside, Path(scratch)) if code else None
         if before and before.command == now.command:  # only its plug-ins may differ
             variants &= comparison.sources.keys()
             require(bool(variants), "code", f"{code} holds no frictionbench, of which all these solvers are; {GIVE}")
@@ -94,7 +93,7 @@ def confirmed(
             left = f", about {(time.monotonic() - begun) / i * (most - i) / 60:.1f} min left" if i else ""
             tell(f"confirm: {i} of {most} pairs of runs are done{left}")
             found = {
-                id(side): _cells(side, options, scratch / f"{i}-{sides.index(side)}", limits.rank_by)
+                id(side): _cells(side, options, Path(tempfile.mkdtemp(dir=scratch)), limits.rank_by)
                 for side in sides[:: (-1) ** i]
             }
             base = found[id(before)] if before else stored
@@ -136,13 +135,13 @@ def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Ce
     own: files and folders of the version under test, except for the environment there.
     """
     for variant, names in other_loads(stored, before).items():
-        known, then, now = (side.loaded.get(variant, {}) for side in (stored, before, after))
+        known, then = (side.loaded.get(variant, {}) for side in (stored, before))
         for name in names:
-            then_from, path = (Path(side.places.get(variant, {}).get(name, "")) for side in (before, after))
+            path = Path(before.places.get(variant, {}).get(name, ""))
             tested = any(map(path.resolve().is_relative_to, own)) and not path.resolve().is_relative_to(ENVIRONMENT)
             if name not in then:
                 return f"{variant} loads no {name} there, as for the baseline; {GIVE}"
-            if name in known and then[name] == now.get(name) and then_from == path and path.is_absolute() and tested:
+            if name in known and str(path) in after.places.get(variant, {}).values() and path.is_absolute() and tested:
                 return f"both versions run the current {name}, not the baseline's; {GIVE}, or --no-times"
     return ""
 

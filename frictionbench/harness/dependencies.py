@@ -1,19 +1,19 @@
 """The dependencies of a run's results besides this package: the files of its problems and all that its plug-ins load.
 
-The main process hashes them, and a run is resumed only if no hash has changed. The hashes in a baseline show whether a package
-that both versions of a plug-in load has changed.
-
-After each task, a plug-in's worker reports what was loaded or read since it began: modules, shared libraries, files that Python
-or a forked child opened for reading, and programs that it started. The suite's own libraries are reported by version. The
-standard library, system folders, temporary and compiled files, and what the worker had loaded before are left out.
+The main process hashes them. A run is resumed only if no hash has changed; those in a baseline show whether what both versions
+of a plug-in load has. After each task, a plug-in's worker reports modules, shared libraries, files that Python or a forked
+child opened for reading, and programs that it started. The suite's own libraries are reported by version. The standard library,
+system folders, temporary and compiled files, and what the worker had loaded before are left out.
 """
 
+import json
 import os
 import shlex
 import shutil
 import sys
 import tempfile
 from contextlib import suppress
+from importlib.machinery import SourceFileLoader
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ from frictionbench.solvers import executable, plugins
 SYSTEM = tuple(map(Path, ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/bin", "/bin", "/etc", "/proc", "/sys", "/dev")))
 MOST = 20_000  # files read that are recorded for a plug-in: several times what large frameworks read
 STARTED = ("subprocess.Popen", "os.posix_spawn", "os.exec", "os.system")  # audit events whose first argument is a program
+MOST_TEXT = store.LARGEST_MANIFEST // 2  # characters of names, places and hashes in a manifest
 MOST_FILES, LARGEST = 50_000, 16 * 2**30  # files and bytes of a package that is hashed: more than any has, and takes a minute
 COMPILED = (".pyc", ".nbi", ".nbc")  # suffixes of files compiled from modules
 VERSION = "version "  # prefix of the version of a library, given in place of a path
@@ -42,15 +43,16 @@ class _Watch:
         self.before, self.libraries = set(sys.modules), set(_mapped())
         self.read: set[str] = set()
         self.written: set[str] = set()
+        self.told: set[str] = set()  # of what was read
         self.worker, self.forked = os.getpid(), os.memfd_create("opened by forked children")
         self.identity = os.fstat(self.forked)
         sys.addaudithook(self._heard)
 
     def _heard(self, event: str, arguments: tuple[Any, ...]) -> None:
-        if event == "open" and isinstance(arguments[0], str | bytes) and len(self.read) < MOST:
+        if event == "open" and isinstance(arguments[0], str | bytes | os.PathLike) and len(self.read) < MOST:
             flags = arguments[2] if isinstance(arguments[2], int) else 0
             path = os.path.abspath(os.fsdecode(arguments[0]))
-            fresh = flags & os.O_RDWR and flags & (os.O_CREAT | os.O_TRUNC)  # without these flags, O_RDWR counts as reading
+            fresh = flags & os.O_TRUNC or (flags & os.O_CREAT and not os.path.exists(path))  # nothing in it can be read
             self._add(path, self.written if flags & os.O_WRONLY or fresh else self.read)
         elif event in STARTED and (program := _program(event, arguments)):
             self._add(program, self.read)
@@ -75,11 +77,22 @@ _watch: _Watch | None = None
 def watch(folder: Path) -> None:
     """Begin to watch what this process, a worker of the run in folder, loads and reads."""
     global _watch  # noqa: PLW0603  # one per process: an audit hook cannot be removed
+    SourceFileLoader.path_stats = _stats  # type: ignore[method-assign]
     _watch = _watch or _Watch(folder)
 
 
+_own_stats = SourceFileLoader.path_stats
+
+
+def _stats(self: SourceFileLoader, path: str) -> Any:
+    """Find no compiled file of a module that is not installed: it may be of another source of the same size and second."""
+    if path.startswith(os.path.dirname(os.__file__)) or "-packages" in path:
+        return _own_stats(self, path)
+    raise OSError
+
+
 def loaded() -> Loaded:
-    """Return what this process has loaded and read since `watch`, under names that are the same on other machines."""
+    """Return what this process has loaded since `watch`, and read since the last call."""
     if _watch is None:
         return {}
     found: Loaded = {}
@@ -95,16 +108,16 @@ def loaded() -> Loaded:
             if place:  # a namespace package has several
                 folder = Path(place).name if name.startswith(plugins.MODULE) else top
                 found[f"{folder} {part}" if part > 1 else folder] = os.path.abspath(place)  # not resolved: a link may change
-    places = [Path(place).resolve() for place in found.values()]
-    places += [_watch.folder, *_left_out()]
     _watch.add_forked()
-    read = {*_mapped(), *_watch.read} - _watch.libraries - _watch.written
+    read = {*_mapped(), *_watch.read} - _watch.libraries - _watch.written - _watch.told
+    _watch.told |= read
+    places = {_watch.folder, *(Path(place).resolve() for place in found.values()), *_left_out()}
     ours = [module for name, module in list(sys.modules.items()) if name.partition(".")[0] in _watch.known]
     known = {Path(file).resolve() for module in ours if (file := getattr(module, "__file__", None))}
-    for path in sorted(_source(Path(path)) for path in read):
+    for path in map(_source, map(Path, read)):
         real, metadata = path.resolve(), path.parent.suffix in (".dist-info", ".egg-info")
         if real.is_file() and path.suffix not in COMPILED and not metadata and real not in known:
-            found |= {} if any(map(real.is_relative_to, places)) else {_named(path): str(path)}
+            found |= {str(path): str(path)} if places.isdisjoint((real, *real.parents)) else {}
     return found
 
 
@@ -141,12 +154,6 @@ def _left_out() -> list[Path]:
     return [place.resolve() for place in places]
 
 
-def _named(path: Path) -> str:
-    """Return the path relative to the first entry of sys.path that contains it, or the whole path."""
-    homes = [home for place in sys.path if place for home in (Path(place).absolute(), Path(place).resolve())]
-    return next((str(path.relative_to(home)) for home in homes if path.is_relative_to(home)), str(path))
-
-
 def differing(plan: Plan, recorded: dict[str, str]) -> list[str]:
     """Return the places in `recorded`, the `content` of a manifest, whose hash is different now."""
     now = cleaned(begun(plan)["content"])  # in the form in which they are stored in the manifest
@@ -170,7 +177,8 @@ class Record:
         manifest = store.read_manifest(self._folder)
         manifest["loaded"].setdefault(source, {}).update({name: place for _, name, place in new})
         manifest["content"] |= {place: hashed(place) for *_, place in new if place not in manifest["content"]}
-        store.write_manifest(self._folder, manifest)
+        if len(json.dumps([manifest["loaded"], manifest["content"]])) <= MOST_TEXT:
+            store.write_manifest(self._folder, manifest)
 
 
 def begun(plan: Plan) -> dict[str, Any]:

@@ -39,7 +39,8 @@ def versions() -> dict[str, str]:
 @cache
 def revision() -> str:
     """Return the commit, with a hash of the code if it was changed; outside a checkout, the version with that hash."""
-    git = ["git", "--no-optional-locks", "-C", str(PACKAGE.parent)]  # a lock would remain if this process were killed
+    unset = ("-uGIT_DIR", "-uGIT_WORK_TREE", "-uGIT_INDEX_FILE")  # set in git's hooks, where they name another repository
+    git = ["env", *unset, "git", "--no-optional-locks", "-C", str(PACKAGE.parent)]  # a lock would remain after a kill
     try:
         if not (PACKAGE.parent / ".git").exists():  # the environment may lie in another repository
             raise FileNotFoundError

@@ -8,8 +8,8 @@ import ctypes
 import os
 import signal
 import socket
+import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -171,9 +171,10 @@ def close_all_but(*kept: int) -> None:
                 os.close(int(name))
 
 
-def use_temporary(folder: Path) -> None:
-    """Have this process and its children create temporary files in this folder."""
-    os.environ["TMPDIR"] = tempfile.tempdir = str(folder)
+def remove_folder(folder: Path) -> None:
+    """Remove a folder, however deep it is, which shutil.rmtree cannot, and whatever the permissions in it are."""
+    for command in (["chmod", "-R", "u+rwx"], ["rm", "-rf"]):
+        subprocess.run([*command, "--", str(folder)], stderr=subprocess.DEVNULL, check=False)
 
 
 @contextmanager

@@ -36,7 +36,7 @@ LARGEST_LINE = 64 * 2**20  # bytes; a longer line is not a row
 LARGEST_SHARD = 2**28  # bytes
 LARGEST_TABLE = 2**30  # bytes after decompression
 MOST_VALUES = 2 * 10**7  # values in all columns of a table together
-LARGEST_MANIFEST = 8 * 2**20  # bytes
+LARGEST_MANIFEST = 32 * 2**20  # bytes
 LONGEST_TEXT = 20_000  # characters of a text value; a longer text, such as an exception that prints an array, is cut
 
 

@@ -68,10 +68,12 @@ def content(source: str) -> str:
 
 def content_of(path: Path) -> str:
     """The SHA-256 of a file, or of the names and contents of all files in a folder except compiled ones. Errors: OSError."""
+    digest = sha256()
     if not path.is_dir():
+        if not path.stat().st_size:  # as of files in /proc, a read of which may not end
+            return digest.hexdigest()
         with path.open("rb") as opened:
             return file_digest(opened, "sha256").hexdigest()
-    digest = sha256()
     for file in sorted(each for each in path.rglob("*") if each.is_file() and "__pycache__" not in each.parts):
         digest.update(f"{file.relative_to(path)}\0".encode() + bytes.fromhex(content_of(file)))
     return digest.hexdigest()

@@ -1,8 +1,11 @@
 """What the gate for CI promises, as docs/ci.md tells it in a table: each line of it names a test, most of which are here."""
 
 import json
+import os
+import py_compile
 import re
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,6 +20,7 @@ from frictionbench.harness import dependencies
 from frictionbench.harness.cells import batch, timing
 from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.plans.plan import BatchCell, Source
+from frictionbench.harness.workers import supervisor
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
@@ -176,11 +180,12 @@ def test_what_ends_each_cell_is_known(place: str, verdict: str, tmp_path: Path) 
 
 WRAPPER = """
 import sys
-sys.path[:0] = [{home!r}, {home!r} + '/one', {home!r} + '/two']
+sys.path[:0] = [{home!r} + '/one', {home!r} + '/two', {home!r}]
 import wrapped, spread.first, spread.second
 """
 READS = (
-    "import sched, numpy, runpy; numpy.load({home!r} + '/a.npy'); runpy.run_path({home!r} + '/run.py'); "
+    "import sched, numpy, runpy; runpy.run_path({home!r} + '/run.py'); "
+    "[numpy.load({home!r} + place) for place in ('/a.npy', '/two/a.npy')]; "
     "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close(); import os, subprocess; "
     "subprocess.run([{home!r} + '/run.sh']); subprocess.run({home!r} + '/sh.sh', shell=True); "
     "os.system({home!r} + '/by_os.sh 1'); import multiprocessing; fork = multiprocessing.get_context('fork'); "
@@ -188,7 +193,8 @@ READS = (
     "children = [fork.Process(target=call, args=({home!r} + '/' + name, *mode)) for call, name, *mode in opened]; "
     "[child.start() or child.join() for child in children]"
 )
-READ = ("a.npy", "child.npy", "wrapped/to/one.py", "run.py", "named.txt", "both.txt", "run.sh", "sh.sh", "by_os.sh", "sched.py")
+ARRAYS = ("a.npy", "two/a.npy", "child.npy")
+READ = (*ARRAYS, "wrapped/to/one.py", "run.py", "named.txt", "both.txt", "run.sh", "sh.sh", "by_os.sh", "sched.py")
 OTHERS = ("two/spread/second.py", *READ[1:], "problem.npz")
 SPREAD = {"spread": "one/spread", "spread 2": "two/spread"}  # a package of two folders
 
@@ -205,9 +211,9 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     (tmp_path / "wrapped" / "to").symlink_to(tmp_path / "two")
     (tmp_path / "wrapped" / "__init__.py").write_text("import wrapped.core, wrapped.to.one", encoding="utf-8")
     (tmp_path / "wrapped" / "core.py").write_text("GAIN = 1.0", encoding="utf-8")
-    np.save(tmp_path / "a.npy", np.ones(3))
-    np.save(tmp_path / "child.npy", np.ones(3))
-    for name in READ[2:]:
+    for name in ARRAYS:
+        np.save(tmp_path / name, np.ones(3))
+    for name in READ[len(ARRAYS) :]:
         (tmp_path / name).write_text("#!/bin/sh" if name.endswith(".sh") else "1", encoding="utf-8")
         (tmp_path / name).chmod(0o755)
     save(block(), tmp_path / "problem.npz")
@@ -221,9 +227,8 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     again()
     loaded = store.read_manifest(tmp_path / "run")["loaded"][str(plugin)]
     found = {name: place for name, place in loaded.items() if not place.startswith(dependencies.VERSION)}
-    assert found == {"guest.py": str(plugin), "wrapped": str(tmp_path / "wrapped")} | {
-        name: str(tmp_path / place) for name, place in {**SPREAD, **dict(zip(READ, READ, strict=True))}.items()
-    }
+    named = {name: str(tmp_path / place) for name, place in SPREAD.items()} | {"wrapped": str(tmp_path / "wrapped")}
+    assert found == {"guest.py": str(plugin)} | named | {str(tmp_path / place): str(tmp_path / place) for place in READ}
     again()
     (tmp_path / changed).write_bytes((tmp_path / changed).read_bytes() + b" ")
     place = changed if changed in (*READ, "problem.npz") else changed.rpartition("/")[0]
@@ -233,11 +238,22 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
 
 def test_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
     paths = {"/x/a/a.npy": "1", "/x/b/a.npy": "2", "/y/wrapper.py": "3"}
-    loaded = {"wrapper.py": {dependencies._named(Path(path)): path for path in paths} | {"wrapper.py": "/x/a/a.npy"}}
+    loaded = {"wrapper.py": {path: path for path in paths} | {"wrapper.py": "/x/a/a.npy"}}
     plugins = [{"source": "wrapper.py", "solvers": {"a": {}}}]
     made = write_folder(tmp_path, [], settings=SETTINGS | {"plugins": plugins}, loaded=loaded, content=paths)
     wanted = {"a/a.npy": "1", "b/a.npy": "2", "y/wrapper.py": "3", "wrapper.py": "1"}
     assert cells.read(made).loaded["a"] == wanted
+
+
+def test_what_a_worker_reports_is_bounded(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """It may name a file at which a read never ends, more than a manifest can hold, or lists that fill the memory."""
+    assert dependencies.hashed("/proc/self/status") == sha256().hexdigest()
+    record = dependencies.Record(write_folder(tmp_path, [], loaded={}, content={}))
+    monkeypatch.setattr(dependencies, "MOST_TEXT", 1000)
+    for number in (1, 100):
+        record.add("guest.py", {f"{k}": f"{dependencies.VERSION}1" for k in range(number)})
+        assert len(store.read_manifest(tmp_path)["loaded"]["guest.py"]) == 1
+    assert b"malformed reply" in supervisor._checked(b'{"value": [' + b"[], " * supervisor.MOST_LISTS + b"1]}\n")[0]
 
 
 def test_a_run_does_not_finish_with_inputs_that_changed(tmp_path: Path) -> None:
@@ -369,6 +385,10 @@ places = [Path.home(), Path(os.environ["XDG_CACHE_HOME"]), Path(tempfile.gettemp
 known = [(place / "answers").exists() for place in places]
 for place in places:
     (place / "answers").write_bytes(bytes(1000))
+    os.chdir(place)
+for _ in range(1100):  # deeper than Python's own functions remove
+    os.mkdir("deep")
+    os.chdir("deep")
 Path({log!r}).open("a").write(f"{{known}} {{places[0]}}\\n")
 """
 
@@ -387,14 +407,17 @@ def test_workers_have_folders_of_their_own(tmp_path: Path) -> None:
 
 
 def test_kernels_of_a_plugin_are_compiled_anew(tmp_path: Path) -> None:
-    """A kernel that another one calls is changed: numba's cache would keep the caller as it was. Nothing is left behind."""
+    """A kernel that another one calls is changed: numba's cache would keep the caller as it was, and Python the module, whose
+    source has the same size and second, as where a link leads elsewhere. Nothing is left behind."""
     calls = "from numba import config, njit\nfrom helper import count\n@njit(cache=True)\ndef counted():\n    return count()"
     keeps = f"Path({str(tmp_path)!r}, 'log').write_text(config.CACHE_DIR); "
     body = f"{keeps} return Answer(np.zeros((problem.contacts, 2)), Status.STALLED, {{'count': counted()}})"
     plugin = write(tmp_path / "guest.py", first=f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{calls}", body=body)
-    for count in (1, 20):
+    for count in (1, 2):
         helper = f"from numba import njit\n@njit(cache=True)\ndef count():\n    return {count}"
         (tmp_path / "helper.py").write_text(helper, encoding="utf-8")
+        os.utime(tmp_path / "helper.py", (1e9, 1e9))
+        py_compile.compile(str(tmp_path / "helper.py")) if count == 1 else None
         assert list(run_of(tmp_path / f"run-{count}", plugin)["work"].map(json.loads)) == [{"count": count}]
         kept = Path((tmp_path / "log").read_text(encoding="utf-8"))
         assert any(kept.rglob("*.nbi"))

@@ -63,8 +63,8 @@ def test_readme_is_one_screen() -> None:
 
 def test_security_limits() -> None:
     text = " ".join((ROOT / "SECURITY.md").read_text(encoding="utf-8").split())
-    assert (store.LARGEST_TABLE, store.LARGEST_MANIFEST) == (2**30, 8 * 2**20)
-    assert "unpack to more than 1 GiB; so are manifests above 8 MiB" in text
+    assert (store.LARGEST_TABLE, store.LARGEST_MANIFEST) == (2**30, 2**25)
+    assert "unpack to more than 1 GiB; so are manifests above 32 MiB" in text
     assert (archive.MAX_BYTES, fclib.MAX_BYTES, siconos.MAX_BYTES, fclib.MAX_SECONDS) == (4 * 2**30, 2**29, 2**29, 120.0)
     assert "(4 GiB for `.npz`, 512 MiB for HDF5 and text)" in text
     assert "ended after 120 s" in text

@@ -25,8 +25,8 @@ from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.files import ResultsError, cleaned
 
-# In bytes: bounds the memory of the main process. The longest row, which has a simulation's curves, is far shorter.
-LONGEST_REPLY = 256 * 2**20
+# Bytes, and lists and objects in them: bound the memory of the main process. The longest row, with curves, is far shorter.
+LONGEST_REPLY, MOST_LISTS = 32 * 2**20, 2**20
 
 
 @dataclass(frozen=True)
@@ -175,13 +175,13 @@ class _Slot:
         if "unusable" in message:
             raise InputError(message["unusable"])
         if message.keys() == {"loaded"}:
-            self._loaded = message["loaded"]
+            self._loaded |= message["loaded"]
             return None
         if message.get("retry") and self._tries < TRIES:
             self.send(self.task)
             return None
         failure = Verdict[message["failure"]] if "failure" in message else None
-        message = {"loaded": self._loaded} | message
+        message["loaded"] = self._loaded | message.get("loaded", {})
         told = {name: message[name] for name in ("value", "reason", "refused", "loaded") if name in message}
         outcome = Outcome(self.task, failure=failure, **told)
         self.task, self._tries, self._loaded = None, 0, {}

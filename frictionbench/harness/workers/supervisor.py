@@ -9,7 +9,6 @@ server what that worker had started. A worker of a plug-in (Task.owner) is sandb
 
 import json
 import os
-import shutil
 import signal
 import socket
 import tempfile
@@ -27,7 +26,7 @@ from frictionbench.harness import dependencies, machine, process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.workers import sandbox
-from frictionbench.harness.workers.pool import LONGEST_REPLY, Settings, Task
+from frictionbench.harness.workers.pool import LONGEST_REPLY, MOST_LISTS, Settings, Task
 from frictionbench.problems import InputError
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.solvers import plugins
@@ -66,6 +65,7 @@ def serve(control_fd: int) -> None:
             os.close(fds[0])
             supervisors.add(pid)
         process.end_descendants()
+        process.remove_folder(Path(scratch))
 
 
 def _signalled(number: signal.Signals) -> int:
@@ -121,10 +121,7 @@ def _end(child: "_Worker | None") -> None:
     """End the worker with all that it started, and remove its folder."""
     process.end_descendants()
     if child is not None:
-        for folder, _, _ in os.walk(child.scratch):
-            with suppress(OSError):
-                os.chmod(folder, 0o700)
-        shutil.rmtree(child.scratch, ignore_errors=True)
+        process.remove_folder(child.scratch)
 
 
 class _Worker:
@@ -228,7 +225,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
             sandbox.confine(confined, folder, plugin_files, kernels, child.scratch)
             sandbox.use_scratch(child.scratch, kernels)
             dependencies.watch(folder)
-        process.use_temporary(child.scratch)
+        os.environ["TMPDIR"] = tempfile.tempdir = str(child.scratch)
         worker.start(child.deadline, core, settings, lambda: _write(replies, loaded=dependencies.loaded()))
     except (OSError, ValueError) as error:
         _write(replies, reason=str(error) if isinstance(error, InputError) else f"workers: {error}")
@@ -265,7 +262,8 @@ def _write(replies: int, **fields: Any) -> None:
 def _checked(line: bytes) -> tuple[bytes, bool]:
     """Return the reply to forward, and whether its worker can be reused. A solver may have written anything to the pipe."""
     with suppress(ValueError, RecursionError):
-        reply = json.loads(line) if line.count(b"\n") == 1 else None
+        simple = line.count(b"\n") == 1 and line.count(b"[") + line.count(b"{") <= MOST_LISTS
+        reply = json.loads(line) if simple else None
         if (
             isinstance(reply, dict)
             and reply.keys() <= {"value", "failure", "reason", "refused", "helpers", "loaded"}

@@ -134,6 +134,8 @@ def test_revision(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(machine, "content", machine.content.__wrapped__)
     installed = revision(tmp_path / "site-packages")  # a plain install in somebody's repository
     clean = revision(tmp_path)
+    monkeypatch.setenv("GIT_DIR", str(tmp_path / "elsewhere"))  # as in a hook of another repository
+    assert revision(tmp_path) == clean
     code.write_text("x = 2", encoding="utf-8")
     dirty = revision(tmp_path)
     code.write_text("x = 3", encoding="utf-8")
