@@ -45,10 +45,10 @@ def errors(
     counts: Iterable[int] = (50, 100, 200, 400, 800),
     accuracies: Iterable[float] = (1e-5, 1e-7, 1e-9),
 ) -> Iterator[Row]:
-    """Motions by every scheme that takes the scene, compared at ten times with the finest event-driven one of the same law.
+    """Compare motions by every scheme that accepts the scene at ten times with the finest event-driven one with the same law.
 
-    setting: step, s; of the event-driven scheme the integrator's relative accuracy; error: the largest error of a
-    coordinate, m or rad; none where the scheme has no solution; work: friction problems and evaluations of forces.
+    setting: step, s, or for the event-driven scheme the integrator's relative accuracy; error: the largest error of a
+    coordinate, m or rad, or none if the scheme has no solution; work: friction problems and evaluations of forces.
     """
     for name in names:
         place, settings, duration = CASES[name]
@@ -67,11 +67,11 @@ def errors(
 
 
 def ends(cases: Iterable[tuple[str, dict[str, Any], float]] = ENDS) -> Iterator[Row]:
-    """How far the event-driven scheme comes, and why no farther.
+    """How far the event-driven scheme gets, and why it ends.
 
-    parameters: its settings, JSON; duration: planned, s; reached: the last of ten times that was reached, s; impacts:
-    located impacts; accumulations: accumulation points that were continued past; events: all located events; reason: why it
-    ended before, if it did.
+    parameters: its settings, JSON; duration: planned, s; reached: the last of ten times that was reached, s; impacts: located
+    impacts; accumulations: accumulation points that the motion was continued past; events: all located events; reason: why it
+    ended early, if it did.
     """
     for name, settings, duration in cases:
         made, reason = fb.scene(name, **settings, step=duration / SAMPLES), ""
@@ -88,7 +88,7 @@ def ends(cases: Iterable[tuple[str, dict[str, Any], float]] = ENDS) -> Iterator[
 
 
 def compared(path: Array, known: Array, work: int) -> Row:
-    """The largest error of a coordinate; none where the motion is not whole."""
+    """Return the largest error of a coordinate; none if the motion is incomplete."""
     whole = len(path) == len(known)
     return {"error": float(np.abs(path - known).max()) if whole else None, "work": work}
 

@@ -16,7 +16,7 @@ from studies.study import Row, Slope, Study, Summary, Tables, curve, finish, lis
 
 ROUNDING = 1e-10  # m: errors and drifts below it have no order
 HIGHER = "trapezoid"
-APART = 0.5  # slopes of the halves further apart, or from the whole: an order that has not settled
+APART = 0.5  # largest difference between the slopes of the halves and the whole if the order has converged
 MOTIONS: dict[str, tuple[str, dict[str, Any], float]] = {
     # kind: scene, settings and duration; no event falls on a step of all grids
     "pendulum": ("pendulum", {}, 0.4),
@@ -24,7 +24,7 @@ MOTIONS: dict[str, tuple[str, dict[str, Any], float]] = {
     "stick-slip": ("bowl", {"friction": 0.3}, 1.2),
     "impacts": ("bouncing_ball", {"height": 0.3}, 0.8),
 }
-FRACTIONS = (20, 28, 40, 56, 80, 112, 160, 224)  # steps in 0.4 s: eight step lengths, each 0.7 times the one before
+FRACTIONS = (20, 28, 40, 56, 80, 112, 160, 224)  # steps in 0.4 s: eight step sizes, each about 0.7 times the previous one
 
 
 def trapezoid(scene: Scene, now: Step, solve: Solve) -> Step:
@@ -66,7 +66,7 @@ COMPARED: dict[str, Scheme] = {
 def errors(
     schemes: Iterable[str] = tuple(COMPARED), fractions: Iterable[int] = FRACTIONS, kinds: Iterable[str] = tuple(MOTIONS)
 ) -> Iterator[Row]:
-    """The position at the end of each motion beside that of the event-driven scheme, and the worst drift on the way."""
+    """The final position of each motion compared with the event-driven scheme's, and the largest drift during the motion."""
     for kind in kinds:
         name, settings, duration = MOTIONS[kind]
         whole = fb.scene(name, **settings, step=duration, duration=duration)

@@ -28,15 +28,15 @@ SMALL = tuple(
     if source.scene != "packed_spheres"
 )
 LARGER = families.halves(families.SPACE_LARGE)
-NEAR = 2.0  # times the fastest that a universal method would be within
-CHANCE = 0.05  # the probability up to which a difference of shares is no chance
-VERDICTS = {True: "confirmed", None: "in part", False: "contradicted"}  # by whether what the problems show agrees
+NEAR = 2.0  # a universal method would be within this factor of the fastest time
+CHANCE = 0.05  # significance level for differences of shares
+VERDICTS = {True: "confirmed", None: "in part", False: "contradicted"}  # by whether the result agrees
 
-Shown = tuple[str, bool | None]  # what the problems show, and whether that agrees
+Shown = tuple[str, bool | None]  # the result as text, and whether it agrees
 
 
 def plan() -> Plan:
-    """Problems in space with times, by the kinds of method of the published comparisons."""
+    """Return the plan: problems in space with times, for the kinds of method in the published comparisons."""
     theirs = (f"siconos[method={name}]" if name.startswith("friction") else name for name in THEIRS)
     return Plan(
         suite="study rankings",
@@ -71,7 +71,7 @@ def summary(found: Tables) -> Summary:
 
 
 def _looks(rows: pd.DataFrame) -> dict[str, Look]:
-    """Return the numbers on methods for Coulomb's law."""
+    """Return the looks of the methods for Coulomb's law."""
     return looks(name for name in rows["name"].unique() if name not in RELAXED)
 
 
@@ -149,7 +149,7 @@ def _relaxed(rows: pd.DataFrame) -> Shown:
     off = done[done["verdict"] == Verdict.RELAXED]
     median = f", by a median residual of {off['residual'].median():.1g}" if len(off) else ""
     text = f"{len(off)} of {len(done)} answers of relaxation_ip break Coulomb's law{median}; its cost: see relaxation"
-    return text, None if len(off) > len(done) / 2 else False  # of reality the problems tell nothing
+    return text, None if len(off) > len(done) / 2 else False  # these problems show nothing about real ones
 
 
 def _full_rank(rows: pd.DataFrame) -> Shown | None:

@@ -27,12 +27,12 @@ FRICTIONS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.2, 1.6)
 STEPS = (1e-4, 1e-3, 1e-2)
 GAPS = "stewart_trinkle"
 SUDDEN, SMOOTH = "sudden", "smooth"
-ANY = 1e-3  # s: pushed by 10 m/s^2, the first problem and its answer are in proportion to the step
-SAME = 1e-10  # errors below it are those of the answers
+ANY = 1e-3  # s, an arbitrary step: with a push of 10 m/s^2 the first problem and its answer are proportional to it
+SAME = 1e-10  # smaller errors may be due to the answers' own
 
 
 def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEPS) -> Iterator[Row]:
-    """First problems of pushed piles: the relaxation beside Coulomb's law, and two iterations towards the law.
+    """First problems of pushed piles: the relaxation compared with Coulomb's law, and two iterations that converge to the law.
 
     anitescu_hart: relaxations until 1e-8; null if not reached; staggered: rounds of staggered projections until 1e-8; null
     if not reached.

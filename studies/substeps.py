@@ -19,7 +19,7 @@ from studies.motions import coulomb
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require, share, wilson
 
 STEP, DURATION = 0.01, 0.5  # s
-FINER = 2  # the reference has steps so many times smaller than the smallest substep
+FINER = 2  # ratio of the smallest substep to the reference's step
 SCENES: dict[str, tuple[str, dict[str, Any]]] = {
     "pushed stack": ("stack", {"blocks": 5, "push": 1.0, "friction": 0.3}),
     "heavy on light": ("stack", {"blocks": 5, "push": 1.0, "friction": 0.3, "mass_ratio": 100.0}),
@@ -35,7 +35,7 @@ GAPS = "stewart_trinkle"
 def errors(
     scenes: Iterable[str] = tuple(SCENES), budgets: Iterable[int] = BUDGETS, substeps: Iterable[int] = SUBSTEPS
 ) -> Iterator[Row]:
-    """Motions by nsgs with so many sweeps in each substep, started from the substep before, and by an exact solver."""
+    """Motions by nsgs with a number of sweeps in each substep, started from the previous substep, and by an exact solver."""
     parts = tuple(substeps)
     for name in scenes:
         known = motion(begin(name, max(parts) * FINER), coulomb)
@@ -53,19 +53,19 @@ def errors(
 
 
 def begin(name: str, parts: int) -> Scene:
-    """A scene in substeps."""
+    """Return a scene with a step of STEP / parts."""
     scene, settings = SCENES[name]
     return replace(fb.scene(scene, **settings, step=STEP / parts), duration=DURATION)
 
 
 def motion(stage: Scene, answer: Any) -> Array:
-    """The bodies' centres at the end, m."""
+    """Return the bodies' final centres, m."""
     *_, last = simulation(stage, answer, SCHEMES[GAPS])
     return stage.geometry.centres(last.q)
 
 
 class Sweeps:
-    """So many sweeps of nsgs, from the impulses of the problem before where it has as many contacts."""
+    """A fixed number of sweeps of nsgs, from the previous problem's impulses if it has as many contacts."""
 
     def __init__(self, limit: int) -> None:
         self.limit, self.before = limit, np.zeros((0, 2))
