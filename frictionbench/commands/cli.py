@@ -237,8 +237,9 @@ def compare(
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits, accept as accept_run, compare as compare_runs
 
+    alone = "--history, --accept, and --confirm with --out are three uses of compare; give one of them"
+    require(history + accept + (confirm or out is not None) < 2, "history" if history else "accept", alone)
     if history:
-        require(not (out or accept or confirm), "history", "shows runs over time; it takes no --out, --accept or --confirm")
         typer.echo(over_time(lines(runs)))
         return
     require(len(runs) == 2, "DIR", "give a baseline and one results folder, or --history for a table of many")
@@ -251,7 +252,7 @@ def compare(
             typer.echo(markdown(before))
         typer.echo(accepted)
         return
-    require(code is None or confirm, "code", "names the code that --confirm runs; give --confirm as well")
+    require(confirm or not (code or solver), "confirm", "--code and --solver say what --confirm runs; give it as well")
     limits = Limits(slowdown, times=not no_times, rank_by=rank_by)
     comparison = compare_runs(baseline, folder, limits)
     if confirm:

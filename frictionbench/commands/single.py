@@ -108,9 +108,9 @@ def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
         if other is not best and _seconds(other, rank_by.other) < _seconds(best, rank_by.other):
             told += f"; {rank_by.other.words} {other['variant']} is faster: {_time(_seconds(other, rank_by.other))}"
         return told
-    answered = [row for row in rows if row.get("residual") is not None]
+    answered = [row for row in rows if row.get("residual") is not None and row["residual"] < np.inf]
     if not answered:
-        return "no solver returned an answer"
+        return "no solver returned an answer that can be judged"
     nearest = min(answered, key=lambda row: row["residual"])
     return f"no solver solves it; the smallest residual is {nearest['residual']:.1e}, by {nearest['variant']}"
 
