@@ -459,7 +459,7 @@ def rerun(
     ] = False,
 ) -> None:
     """Run one cell again, or reduce its problem."""
-    if not shrink:
+    if not shrink or not row:
         from frictionbench.commands.single import show_rerun
 
         show_rerun(folder, row, solver or [])
@@ -467,8 +467,7 @@ def rerun(
     from frictionbench.commands.shrink import shrink as shrink_row
 
     path, problem, trials, command = shrink_row(folder, row, solver or [], lambda line: typer.echo(line, err=True))
-    size = f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities"
-    typer.echo(f"reduced to {size} in {trials} trials: {path}\nsolve it: {command}")
+    typer.echo(f"reduced to {problem.contacts} contacts in {trials} trials: {path}\nsolve it: {command}")
 
 
 def _jobs(jobs: int | None, progress: "Progress") -> int:
