@@ -237,15 +237,14 @@ def compare(
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits, accept as accept_run, compare as compare_runs
 
-    alone = "--history, --accept, and --confirm with --out are three uses of compare; give one of them"
-    require(history + accept + (confirm or out is not None) < 2, "history" if history else "accept", alone)
+    only = "--history, --accept and --confirm with --out exclude each other"
+    require(history + accept + (confirm or out is not None) < 2, "history" if history else "accept", only)
     if history:
         typer.echo(over_time(lines(runs)))
         return
     require(len(runs) == 2, "DIR", "give a baseline and one results folder, or --history for a table of many")
     baseline, folder = runs
-    of_run = f"{folder} is a file; the second is the folder of a run, which a baseline's file cannot replace"
-    require(not folder.is_file(), "DIR", of_run)
+    require(not folder.is_file(), "DIR", f"{folder} is a file; the second DIR is the results folder of a run")
     if accept:
         before, accepted = accept_run(folder, baseline)
         if before is not None:
