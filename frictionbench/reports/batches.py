@@ -18,7 +18,7 @@ from frictionbench.results.store import read_manifest, read_table
 
 HEADER = ("solver", "way", "start", "problems a second", "ratio")
 METHOD = (  # how the figures were measured, in words for reports
-    "The rate is in problems per second of processor time on one core, in the fastest round. Each problem of a batch has its own "
+    "The rate is in problems per second of processor time on one core, in the fastest round. Each problem has its own "
     + ", ".join(f"{name.replace('_', ' ')} ({low:g} to {high:g})" for name, (low, high) in DRAWN.items())
     + ". The ratio is the rate over that of single calls of the solver that is named. These are timed again in turn with "
     "each row, so that the ratio differs by some percent from the quotient of two rates of the table.",

@@ -31,8 +31,8 @@ HEAD = f"""## Steps of robots
 This table is made by `python -m tools.robots.timing`. *MuJoCo* is `mj_fwdConstraint`, with MuJoCo's soft and convex law. The
 next columns are calls of `fb.solve(problem, "hybrid")` from Python on the exact problems of the same steps, with form, setup
 and residual: the median time over the steps in µs, and the median ratio to MuJoCo. Cold starts are from zero impulses, warm
-ones from those of the step before, as in MuJoCo. Each time is the median of {ROUNDS} calls on one problem after {ROUNDS} that are not
-counted. *first* is the first of these, cold at 1e-06, as in a simulation, which solves each problem once. *worst* is the 99th
+ones from those of the step before, as in MuJoCo. Each time is the median of {ROUNDS} calls after {ROUNDS} uncounted ones.
+*first* is the first of these, cold at 1e-06, as in a simulation, which solves each problem once. *worst* is the 99th
 percentile of the cold call at 1e-08 over its median. *problem* is the time to make the FrictionProblem from dense arrays.
 *pinocchio* is `{OTHER}`, with Coulomb's law, cold at 1e-06, over the steps that it
 solves, and their number unless it is all. A dash means that it takes none, because it has no form for dry friction of joints.
