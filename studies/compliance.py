@@ -62,7 +62,7 @@ def indentations(shares: Iterable[float] = (0.0, 0.5, 0.9, 1.1, 1.5, 3.0), stiff
         yield {"share": share, "spin": float(found.v[-1, 2])}
 
 
-def inconsistent(values: Iterable[float] = (1e4, 1e6, 1e8), speed: float = -1.0) -> Iterator[Row]:
+def inconsistent(values: Iterable[float] = (1e6, 1e7, 1e8), speed: float = -1.0) -> Iterator[Row]:
     """Painlevé's rod without a solution in forces: the impulse of the springs up to the end of their contact."""
     made = fb.scene("painleve_rod", tip_velocity=speed)
     angle, weight = float(made.q0[2]), float(made.weights[0])
@@ -101,6 +101,7 @@ def summary(found: Tables) -> Summary:
     less, more = pressed[pressed["share"] < 1], pressed[pressed["share"] > 1]
     require(((less["spin"] - 4).abs() < 0.5).all(), "springs pressed less than the closed solution's let the rod lift")
     require(((more["spin"] - 4).abs() > 0.5).all(), "springs pressed more than that throw the rod")
+    require((stuck["impulse"] > 0).all(), "the springs stop the tip")
     off = (stuck["impulse"] / stuck["rigid"] - 1).abs()
     last = stuck.iloc[-1]
     told = ", ".join(
@@ -118,6 +119,7 @@ def summary(found: Tables) -> Summary:
         "stiffness": f"{last['stiffness']:.0e}",
         "impulse": f"{last['impulse']:.3f}",
         "rigid": f"{last['rigid']:.3f}",
+        "first_stiffness": f"{stuck['stiffness'].iloc[0]:.0e}",
         "off_first": f"{100 * off.iloc[0]:.1g}",
         "off_last": f"{100 * off.iloc[-1]:.1g}",
         "total": f"{last['total']:.3f}",

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 import frictionbench as fb
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, middle, require, share
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, middle, require
 
 REFERENCE, TWIN, OTHER, MUJOCO, RELAXED = "reference", "twin", "interior point", "MuJoCo", "relaxation"
 TOLERANCES, SWEEPS = (1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10), (1, 4, 10, 50)
@@ -170,7 +170,7 @@ def summary(found: Tables) -> Summary:
         "rows": _table(cells.rename(columns="after {:g} s".format).map(str)),
         "last": f"{last:g}",
         "ends": cells[last].to_dict(),
-        "falling": share(int(falling.sum()), falling.size),
+        "falling": f"{falling.sum()} of {falling.size}",
         "slip": f"{moved.loc[REFERENCE, 'grasp']:.1f}",
         "tasks": _table(moved.drop(TWIN).map("{:.1e}".format)),
         "loosest": listing([f"{task} {way}" for task, way in loosest.items()]),

@@ -85,16 +85,14 @@ def summary(found: Tables) -> Summary:
     usual = errors[errors["friction"].between(0.1, 0.8)]
     by_step = usual[usual["push"] == SUDDEN].groupby("step")["error"].median()
     require(by_step.iloc[0] >= by_step.iloc[-1], "smaller steps do not lessen the error of sudden pushes")
-    smooth_errors = usual[usual["push"] == SMOOTH]["error"]
+    smooth_errors = usual[usual["push"] == SMOOTH].set_index(["scene", "friction"])["error"]
     by_pile = usual.groupby(["push", "scene"])["error"].agg(["median", "max"])
     counts = errors.groupby("friction")[["anitescu_hart", "staggered"]].agg(["count", "median"])
     low, high = counts.index.min(), counts.index[counts["anitescu_hart"]["count"] > 0].max()
     numbers = {
         **{f"most_{push}": _percent(error) for push, error in by_pile["max"].groupby("push").max().items()},
-        "rows": [
-            (name, *(_percent(by_pile.loc[(push, name), how]) for push in (SUDDEN, SMOOTH) for how in ("median", "max")))
-            for name in PILES
-        ],
+        "rows": [(name, *map(_percent, [*by_pile.loc[(SUDDEN, name)], *smooth_errors[name].sort_index()])) for name in PILES],
+        "frictions": [f"{mu:g}" for mu in sorted(smooth_errors.index.unique("friction"))],
         "same": int((smooth_errors < SAME).sum()),
         "pairs": len(smooth_errors),
         "least": _percent(smooth_errors[smooth_errors >= SAME].min()),
