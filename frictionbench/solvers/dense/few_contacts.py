@@ -32,11 +32,12 @@ SWEEPS, MORE_SWEEPS, MOST_SWEEPS = 5, 50, 100  # before the first step, before t
 # Steps of each kind, full and careful. Of 241 steps of robots that six full ones leave unsolved, careful ones solve 240, in 6
 # in the median.
 PLAIN, CAREFUL = 6, 54
+FREE = 20  # of both, for bodies that move by themselves: six full ones alone take 1.4 times as long where W is singular
 FULL = 0.9  # of the residual, above which a step is shortened
 PATIENCE, BETTER = 16, 0.9  # steps in which the residual must fall to this share
 SHIFT, SOFT = 1e-3, 0.05  # of full steps and of careful ones, times the residual
 SOFTER = 3.0  # factor of that where careful ones stall
-LEAST = 1e-9  # shift, for what is redundant at a residual of rounding's size
+LEAST = 1e-12  # shift, for what is redundant at a residual of rounding's size
 MARGIN = 0.5  # of tol: the residual computed from W, and that from velocities, differ by rounding
 
 NO_GUESS = np.zeros((0, 3))
@@ -59,7 +60,7 @@ def most_steps(rows, nv, entries, nj):  # type: ignore[no-untyped-def]
         return 0
     if nj > 0 or entries > COUPLED * nv:
         return PLAIN + CAREFUL
-    return PLAIN if rows <= SINGULAR or rows <= HYPERSTATIC * nv else 0
+    return FREE if rows <= SINGULAR or rows <= HYPERSTATIC * nv else 0
 
 
 def few_contacts(
@@ -124,22 +125,36 @@ def _each(packed, most, r, tol):  # type: ignore[no-untyped-def]
 
 @part
 def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[no-untyped-def]
-    """Overwrite r by the impulses: residual, its floor, sweeps and steps."""
+    """Overwrite r by the impulses: residual, its floor, sweeps and steps.
+
+    V, a difference of what joints take from J M^-1 J', may have lost digits: where the velocities themselves have another
+    residual, a few steps are left to go on from those.
+    """
     inverse = joint_inverse(joints[0], joints[1], joints[2], bodies[3], bodies[4], bodies[5])
     rows = dense_rows(bodies, joints, inverse, free, bias, mu, b_f)
     for i in range(len(r)):
         for a in range(3):
             if rows.row[i, a] < 0:
                 r[i, a] = 0.0
-    sweeps, steps = _iterate(rows, r, MARGIN * tol, turns)
-    worst, floor = _residual(bodies, joints, inverse, free, bias, rows, r)
+    work, sweeps, steps, worst, floor = new_work(len(rows.V), len(r)), 0, 0, 0.0, 0.0
+    for most in (turns - PLAIN if len(joints[3]) and turns > PLAIN else turns, turns):
+        swept, stepped = _iterate(rows, r, work, MARGIN * tol, most - steps)
+        sweeps, steps = sweeps + swept, steps + stepped
+        worst, floor, u = _residual(bodies, joints, inverse, free, bias, rows, r)
+        if worst <= tol or steps == turns:
+            break
+        measure(rows, r, work)
+        for i in range(len(r)):
+            for a in range(3):
+                if rows.row[i, a] >= 0:
+                    rows.rest[rows.row[i, a]] += u[i, a] - work.w[rows.row[i, a]]
     return worst, floor, sweeps, steps
 
 
 @part
-def _iterate(rows, r, tol, turns):  # type: ignore[no-untyped-def]
+def _iterate(rows, r, work, tol, turns):  # type: ignore[no-untyped-def]
     """Overwrite r by the best impulses found: sweeps and steps."""
-    work, best, old = new_work(len(rows.V), len(r)), r.copy(), r.copy()
+    best, old = r.copy(), r.copy()
     found = least = measure(rows, r, work)
     sweeps = steps = stalled = 0
     shift = SHIFT
@@ -174,7 +189,7 @@ def _iterate(rows, r, tol, turns):  # type: ignore[no-untyped-def]
 
 @part
 def _residual(bodies, joints, inverse, free, bias, rows, r):  # type: ignore[no-untyped-def]
-    """The residual and its floor as problems.residual has them: from velocities, without W."""
+    """The residual and its floor as problems.residual has them, from velocities, without W; and these (nc, 3)."""
     start, column, J = bodies[:3]
     f_start, f_column, F, b_F = joints
     v, terms = _moved(bodies, free, r)
@@ -192,7 +207,8 @@ def _residual(bodies, joints, inverse, free, bias, rows, r):  # type: ignore[no-
         for a in range(3):
             if rows.locked[i, a]:
                 u[i, a] = rows.q[i, a]
-    return largest_with_floor(r, u, size, rows.scale, rows.friction, rows.friction_bias, rows.units)
+    worst, floor = largest_with_floor(r, u, size, rows.scale, rows.friction, rows.friction_bias, rows.units)
+    return worst, floor, u
 
 
 @part
