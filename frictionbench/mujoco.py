@@ -263,7 +263,9 @@ def _correction(model: Any, data: Any, stage: _Stage, velocity: Array) -> Array:
     rows, wanted = np.vstack([normal[deep], F, -F]), SHARE * np.concatenate([depth[deep], -error, error])
     moved = cho_solve(cho_factor(stage.mass), rows.T)
     W = rows @ moved
-    root = cholesky(W + np.diag(SOFT * np.maximum(np.diag(W), np.finfo(float).tiny)))
+    size = np.diag(W)
+    # Nothing moves a wheel aside from its own car: of such rows only rounding acts, and they ask for nothing.
+    root = cholesky(W + np.diag(np.where(size > np.finfo(float).eps * size.max(), SOFT * size, 1.0)))
     x, _ = nnls(root, solve_triangular(root, wanted, trans="T"))
     return moved @ x
 
@@ -287,7 +289,7 @@ def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> 
         force = np.zeros(dim)
         force[:3] = impulse[i, : min(dim, 3)]
         if dim > 1:
-            force[2] *= friction[1] / friction[0]
+            force[1:3] *= friction[:2] / friction[:2].max()
         if dim > 1 and data.efc_type[first] == pyramid:
             along = force[1:] / friction[: dim - 1]  # edges may pull: the cone is wider than the pyramid
             force = np.stack([force[0] / (dim - 1) + along, force[0] / (dim - 1) - along], axis=1).ravel() / 2
