@@ -151,7 +151,7 @@ def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple
     best = scaled_residual(M, q, unit, best_y, state.v)
     ended = COMPLEMENTARY if best <= tol else INACCURATE
     trial = first = -1 if len(guess) else 0
-    goal, reach = tol, 0.0  # the residual to reach; the largest basic variable at the end of a path
+    goal, reach = tol, 0.0  # the residual to reach; the largest basic variable so far
     while best > goal and work[0] < most and trial <= restarts and not late(until):
         size, precision = PERTURBATION, USUAL
         if trial > 0:

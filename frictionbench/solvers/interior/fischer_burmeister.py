@@ -48,7 +48,7 @@ def fischer_burmeister(
     step, defect, target = work.step, work.defect, work.target
     derivative, trial, merits = new_point(system), new_point(system), np.zeros(MEMORY)
     none = np.zeros((len(point.x), 4))
-    exact, along = Point(none, none, defect.joint), Point(step.x, none, step.joint)  # s is no unknown: it follows from x
+    exact, along = Point(none, none, defect.joint), Point(step.x, none, step.joint)  # s is not an unknown: it follows from x
     work.softness[0] = FIRST
     for i in range(len(point.s)):
         for k in range(4):

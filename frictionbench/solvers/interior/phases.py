@@ -55,7 +55,7 @@ def first_point(system: System) -> Point:
 
 
 def one_start(problem: FrictionProblem, tol: float, limit: int, patience: int) -> Answer:
-    """Mehrotra's predictor-corrector on Coulomb's law from the first start, and nothing after it."""
+    """Mehrotra's predictor-corrector on Coulomb's law, from the first start only."""
     prepared = Phased().setup(problem)
     return run(prepared, [(predictor_corrector, first_point(prepared[1]), limit)], tol, limit, patience, residual)
 
@@ -76,7 +76,7 @@ def run(
     polish: refines the best impulses (nc, d) of a phase where their residual is at most POLISHABLE.
     """
     problem, system = prepared
-    sharp = tol / problem.spread  # of the largest unit, in which the system measures all contacts
+    sharp = tol / problem.spread  # relative to the largest unit, in which the system measures all contacts
     nothing = np.zeros_like(system.offset)
     if not _closing(problem, tol) and measure(problem, nothing) <= tol:  # contacts that do not move converge slowly
         return Answer(nothing, Status.SOLVED, {"iterations": 0, "factorisations": 0})

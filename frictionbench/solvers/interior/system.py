@@ -42,7 +42,7 @@ class Elements(NamedTuple):
 class System(NamedTuple):
     """A friction problem in units `speed`, the largest of its contacts, and `impulse`, with variables in order of elimination.
 
-    slot, constant: where M + F'F/delta adds to the fronts, and what. inverse, indices, indptr: M^-1 by rows.
+    slot, constant: the places in the fronts and the values of M + F'F/delta. inverse, indices, indptr: M^-1 by rows.
     shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual.
     pairs: number of products of a contact (solvers.interior.point): 4 in the plane, 2 in space, 1 without any friction.
     pushes: whether a contact's normal impulse acts on anything; that of a joint's dry friction does not.
@@ -246,7 +246,7 @@ def _find_fronts(contacts, joined, m_start, m_column):  # type: ignore[no-untype
 
 @part
 def _constants(fronts, place, joined, m_start, m_column, m_value, unit, ratio):  # type: ignore[no-untyped-def]
-    """Where the mass matrix and the joints add to the fronts, and what: slots and constants."""
+    """The contributions of the mass matrix and the joints to the fronts: slots and constants."""
     entries, at = len(m_column), 0
     for j in range(len(joined.front)):
         entries += (joined.start[j + 1] - joined.start[j]) ** 2

@@ -27,8 +27,8 @@ ACCURACY = 1e-12  # relative defect above which a transformed column is refined:
 FINEST = 4e-16  # relative defect that refinement can reach: twice the unit of rounding
 # The smallest pivot and the accuracy of columns: usually, and in restarts.
 USUAL, FULL = (PIVOT, ACCURACY), (1e-13, FINEST)
-CERTIFICATE = ACCURACY  # largest defect of a ray, relative to its size: that of entering columns
-LOSS = 1e-9  # relative defect after refinement above which the inverse is computed anew
+CERTIFICATE = ACCURACY  # largest defect of a ray, relative to its size: as accurate as entering columns
+LOSS = 1e-9  # relative defect after refinement above which the inverse is recomputed
 
 
 class LemkeState(NamedTuple):
@@ -51,7 +51,7 @@ class LemkeState(NamedTuple):
 
 @part
 def lemke_state(M: Matrix, n: int) -> LemkeState:
-    """The slack basis of M, of up to n unknowns, with d = 0."""
+    """The state at the slack basis of M, with d = 0, for up to n unknowns."""
     vectors, blocking = np.zeros((5, n + 1)), np.ones(n + 1, np.bool_)
     x, a, q, y, v = vectors[0], vectors[1], vectors[2, :n], vectors[3, :n], vectors[4, :n]
     return LemkeState(slack_basis(M, n), q, x, a, blocking, y, v, np.zeros(2, np.int64))
@@ -96,7 +96,7 @@ def basic_values(basis: InverseBasis, q: Array, x: Array, accuracy: float) -> fl
 
 @lean
 def entering_column(state: LemkeState, p: int, z_enters: bool, accuracy: float) -> tuple[float, float]:
-    """a = the column of z_p (z0 where p = n) or w_p as it enters; the relative defect and the size, as in transform."""
+    """a = the column of z_p (z0 if p = n) or w_p as it enters; returns the relative defect and the size, as transform does."""
     basis, rhs = state.basis, state.basis.work[3]
     M, n = basis.M, len(basis.d)
     if p == n:
@@ -114,7 +114,7 @@ def entering_column(state: LemkeState, p: int, z_enters: bool, accuracy: float) 
 
 @lean
 def exchange(state: LemkeState, p: int, z_enters: bool, s: int, t: float) -> None:
-    """Exchange the basic member of pair s for z_p or w_p, which rises to t."""
+    """Exchange the basic member of pair s for z_p or w_p, which increases to t."""
     exchange_pair(state.basis, state.a, p, z_enters, s)
     for i in range(len(state.x)):
         state.x[i] -= t * state.a[i]

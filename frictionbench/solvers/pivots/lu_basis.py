@@ -46,7 +46,7 @@ class Factor(NamedTuple):
 
 
 class LUBasis(NamedTuple):
-    """head (n,): the variable that stands at position i. The rest is its factorisation, internal to this file."""
+    """head (n,): the variable at position i. The rest is the factorisation, which is internal to this file."""
 
     head: Index64
     size: Index64  # number of core columns; of updates; 1 if the factorisation was not finished, else 0

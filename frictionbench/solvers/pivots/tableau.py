@@ -42,7 +42,7 @@ def new_tableau(n: int) -> Tableau:
 def follow_in_tableau(state: LemkeState, tableau: Tableau, slack: float, limit: int) -> int:
     """Follow Lemke's path from the slack basis, and return how it ended, as follow_lemke_path; a ray is INACCURATE.
 
-    At a complementary basis y is the solution for the right side v, which is overwritten, in place of q, cut off at 0.
+    At a complementary basis y is the solution for the right-hand side v in place of q, cut off at 0. v is overwritten.
     """
     T, at, x, exact, q, d = tableau.T, tableau.at, state.x, state.v, state.q, state.basis.d
     n = len(q)

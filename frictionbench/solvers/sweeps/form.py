@@ -50,7 +50,7 @@ class ContactForm(NamedTuple):
 
 
 def contact_form(problem: FrictionProblem, relaxed: bool = False, precision: str = "double") -> ContactForm:
-    """The form of a problem, or of its convex relaxation. The state holds velocities if it is mechanical and without joints.
+    """The form of a problem or of its convex relaxation; the state holds velocities if the problem has masses and no joints.
 
     precision: of the numbers, double or single.
     """

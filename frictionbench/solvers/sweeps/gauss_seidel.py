@@ -40,7 +40,7 @@ def planar_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def
 
 @part
 def spatial_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def]
-    """The same over spatial contacts, r (nc, 3)."""
+    """The same as planar_sweeps for spatial contacts, r (nc, 3)."""
     u, change = np.empty(3, r.dtype), np.empty(3, r.dtype)
     for _ in range(count):
         for i in range(len(r)):
