@@ -404,15 +404,9 @@ def pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, 
 
 
 @kernel
-<<<<<<< HEAD
 def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f, mu):  # type: ignore[no-untyped-def]
-    """Without joints: the free contact velocities (nc*d,), the mean diagonal (nc,) of each contact's own block, max_i |q_i|,
-    the units (nc,) and their spread; with mu (nc,) the units of the convex relaxation, with none those of Coulomb's law."""
-=======
-def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f):  # type: ignore[no-untyped-def]
     """For a problem without joints: q (nc*d,), the mean diagonal (nc,) of each contact's own block of W, max_i |q_i|, the units
-    (nc,) and their spread."""
->>>>>>> 62673b61 (Prose: docstrings and comments of the kernels of problems)
+    (nc,) and their spread. With mu (nc,) the units are those of the convex relaxation, with empty mu those of Coulomb's law."""
     nc, d = len(bias), J.shape[1]
     q = contact_velocity(start, column, J, free, bias).reshape(nc * d)
     own = np.zeros((nc, d))

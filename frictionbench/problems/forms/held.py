@@ -55,8 +55,7 @@ def generalised_inverse(G):  # type: ignore[no-untyped-def]
             left[j] -= column[j] * column[j]
         column[p] = pivot
         rank += 1
-<<<<<<< HEAD
-    root, X = np.zeros((rank, rank)), np.zeros((nj, nj))  # the inverse of the taken rows' factor
+    root, X = np.zeros((rank, rank)), np.zeros((nj, nj))  # the inverse of the selected rows' factor
     for i in range(rank):
         root[i, i] = 1.0
         for k in range(i):
@@ -71,16 +70,6 @@ def generalised_inverse(G):  # type: ignore[no-untyped-def]
             factor = root[k, a]
             for b in range(a + 1):
                 inner[a, b] += factor * root[k, b]
-=======
-    root = np.zeros((rank, rank))  # the inverse of the selected rows' factor
-    for c in range(rank):
-        for i in range(c, rank):
-            entry = 1.0 if i == c else 0.0
-            for k in range(c, i):
-                entry -= L[order[i], k] * root[k, c]
-            root[i, c] = entry / L[order[i], i]
-    X = np.zeros((nj, nj))
->>>>>>> 62673b61 (Prose: docstrings and comments of the kernels of problems)
     for a in range(rank):
         for b in range(rank):
             X[order[a], order[b]] = unit[order[a]] * inner[max(a, b), min(a, b)] * unit[order[b]]
