@@ -34,7 +34,7 @@ from frictionbench.problems.schemes.events.forces import accelerations, rates
 from frictionbench.problems.schemes.events.mode import Mode, project
 from frictionbench.problems.schemes.events.path import fly, typical_speed
 from frictionbench.problems.schemes.impact import impact
-from frictionbench.problems.schemes.stepping import Event, NoSolution, Scheme, Solve, Solved, Step, respond, scheme
+from frictionbench.problems.schemes.stepping import Event, NoSolution, Solve, Solved, Step, respond, scheme
 
 ACCURACY = 1e-10  # relative tolerance of the integrator
 CLOSED = 1e-9  # relative to the largest body: contacts with smaller gaps are closed; far above the error of a located event
@@ -53,17 +53,7 @@ def newton(scene: Scene, q: Array, v: Array, contacts: Contacts, solve: Solve) -
     return [solved], v
 
 
-def event_driven_scheme(name: str, law: Impact, accuracy: float = ACCURACY) -> Scheme:
-    """The scheme with this law of impact and accuracy of the integrator, registered under `name`."""
-
-    @scheme(name, events=True)
-    def advance(scene: Scene, now: Step, solve: Solve) -> Step:
-        return follow(scene, now, solve, law, accuracy)
-
-    return advance
-
-
-def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float) -> Step:
+def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float = ACCURACY) -> Step:
     """One step of length scene.step. Errors: NoSolution."""
     time, end, q, v = now.time, now.time + scene.step, now.q, now.v
     solved: list[Solved] = []
@@ -125,5 +115,11 @@ def _impact(
     return [inelastic], after, "accumulation", time + float(2 * rebound[0] / (-back[0] * (1 - e[0])))
 
 
-event_driven = event_driven_scheme("event_driven", impact)
-event_driven_newton = event_driven_scheme("event_driven_newton", newton)
+@scheme("event_driven", events=True)
+def event_driven(scene: Scene, now: Step, solve: Solve) -> Step:
+    return follow(scene, now, solve, impact)
+
+
+@scheme("event_driven_newton", events=True)
+def event_driven_newton(scene: Scene, now: Step, solve: Solve) -> Step:
+    return follow(scene, now, solve, newton)
