@@ -227,7 +227,7 @@ _SETTINGS: dict[str, Any] = {"tolerances": list[float], "plugins": list[_Plugin]
 def write_manifest(folder: Path, manifest: Row) -> None:
     """Write DIR/manifest.json atomically."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_text(folder / "manifest.json", json.dumps({"schema": SCHEMA_VERSION} | manifest, indent=2) + "\n")
+    write_text(folder / "manifest.json", json.dumps({"schema": SCHEMA_VERSION} | cleaned(manifest), indent=2) + "\n")
 
 
 def read_manifest(folder: Path) -> Row:
