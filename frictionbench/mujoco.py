@@ -91,8 +91,7 @@ class _Kinds(NamedTuple):
     equal: Array
 
 
-@dataclass(frozen=True, eq=False)
-class _Stage:
+class _Stage(NamedTuple):
     """What MuJoCo computes before the problem is solved: rows, v* as `free`, A as `full`, its symmetric part as `mass`."""
 
     contacts: Contacts
@@ -127,8 +126,7 @@ def step(
 
     If the solver fails, `status` says so, and its impulses are used nevertheless, or zero if they are not finite.
     Errors: InputError naming data where the simulation has diverged, contact where its surface moves, dof_dampingpoly where
-    Euler is given damping that is not linear, integrator where the mass of implicit is not positive definite, or what `solve`
-    refuses.
+    Euler is given nonlinear damping, integrator where implicit's mass is indefinite, or what `solve` refuses.
     """
     import mujoco as mj
 
@@ -178,8 +176,7 @@ def steps(model: Any, data: Any, count: int, solver: str = "hybrid", tol: float 
 
 def _stage(mj: Any, model: Any, data: Any) -> _Stage:
     implicit = model.opt.integrator in engine.known(mj)[1:]
-    linear = not np.any(model.dof_dampingpoly)
-    require(implicit or linear, "dof_dampingpoly", "Euler takes damping as linear; use implicitfast")
+    require(implicit or not model.dof_dampingpoly.any(), "dof_dampingpoly", "Euler takes damping as linear; use implicitfast")
     usable = np.abs(np.concatenate([data.qpos, data.qvel])) <= mj.mjMAXVAL
     require(bool(usable.all()), "data", "MuJoCo would reset it: the simulation has diverged")
     mj.mj_step1(model, data)
@@ -297,7 +294,6 @@ def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> 
     middle = len(touching) + stage.kinds.limit.sum()
     result[stage.kinds.limit], result[stage.kinds.dry] = impulse[len(touching) : middle, 0], impulse[middle:, 1]
     if stage.kinds.equal.any():
-        result[stage.kinds.equal] = np.linalg.lstsq(
-            stage.J[stage.kinds.equal].T, total - stage.contacts.rows.T @ impulse.ravel(), rcond=None
-        )[0]
+        rest = total - stage.contacts.rows.T @ impulse.ravel()
+        result[stage.kinds.equal] = np.linalg.lstsq(stage.J[stage.kinds.equal].T, rest, rcond=None)[0]
     return result

@@ -69,10 +69,7 @@ def known(mj: Any) -> tuple[Any, ...]:
 
 
 def mass_of(mj: Any, model: Any, data: Any) -> Array:
-    """A (nv, nv), the mass matrix with which impulses act in the integrator. data: after the step.
-
-    Errors: InputError naming data or integrator where it is not finite, or implicit's is not positive definite.
-    """
+    """A (nv, nv), the mass matrix with which impulses act in the integrator. data: after the step."""
     mass, h = np.zeros((model.nv, model.nv)), model.opt.timestep
     mj.mj_fullM(model, data, mass)
     if model.opt.integrator not in known(mj)[1:]:
