@@ -74,7 +74,7 @@ def errors(
     for kind in kinds:
         name, settings, duration = MOTIONS[kind]
         whole = fb.scene(name, **settings, step=SAMPLE, duration=duration)
-        # Each time is reached in one step: a bead that is stopped and followed anew may leave the bowl by rounding.
+        # Each time is reached in one step, so that errors of the reference do not add up.
         ahead = [replace(whole, step=k * SAMPLE) for k in range(1, whole.steps + 1)]
         known = places(whole, [start(whole), *(driven(one, start(one), exact) for one in ahead)])
         for scheme in schemes:

@@ -59,7 +59,7 @@ def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float =
     solved: list[Solved] = []
     smooth, events = [], []
     while True:
-        contacts, speed = _closed(scene, q), typical_speed(scene, q, v, time)
+        contacts, speed = scene.contacts(q, CLOSED * scene.reach), typical_speed(scene, q, v, time)
         still = AT_REST * speed
         meeting = contacts.only(contacts.normal @ v <= still)
         if (meeting.normal @ v < -still).any():
@@ -82,15 +82,13 @@ def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float =
         flight = fly(scene, q, v, time, end, mode, solve, found.size, speed, accuracy)
         smooth.append(flight.smooth)
         time, q, v = flight.time, flight.q, flight.v
+        if flight.event in ("", "slip", "turn"):  # its contacts are closed up to there, to the integrator's accuracy
+            q, v = project(scene, q, v, mode)
         if flight.event not in ("", "touch"):  # a touch causes an impact or does not change the motion
             events.append(Event(time, flight.event, v, v))
         if len(smooth) > MOST:
             raise NoSolution(f"{MOST} events by t = {time:.9g} s: the events accumulate, and their limit is not known")
-    return Step(end, q, v, _closed(scene, q), tuple(solved), tuple(smooth), tuple(events))
-
-
-def _closed(scene: Scene, q: Array) -> Contacts:
-    return scene.contacts(q, CLOSED * scene.reach)
+    return Step(end, q, v, scene.contacts(q, CLOSED * scene.reach), tuple(solved), tuple(smooth), tuple(events))
 
 
 def _signs(values: Array, least: float) -> NDArray[np.int64]:
