@@ -243,7 +243,7 @@ def test_substeps_help_while_each_converges() -> None:
     assert errors[0].is_monotonic_decreasing, "of exact steps"
     assert errors[64, 16] < 0.5 * errors[64, 1]
     assert errors[16, 16] > errors[16, 4], "one sweep in a substep"
-    assert text("substeps", found).answer.startswith("It depends on the scene")
+    assert text("substeps", found).answer.startswith("Substeps: in 2 of 2 cases")
 
 
 @pytest.mark.slow  # its claims on computed tables
