@@ -7,7 +7,7 @@ import pytest
 
 from frictionbench import instance
 from frictionbench.problems import InputError
-from frictionbench.problems.catalogue import scene
+from frictionbench.problems.catalogue import problem_of, scene
 from frictionbench.solvers import available, find, solve
 from tests.helpers.paths import ROOT
 from tools.direct.__main__ import BLOCKS, BODIES, FAIR, TOL, charged_tables, recorded_table
@@ -20,6 +20,8 @@ SAMPLES = {
     "plane": scene("stack", blocks=5, push=1.0).problem(),
     "sparse": scene("stack", blocks=40, push=1.0).problem(),
     "space": instance("random_bodies", contacts=10, seed=2),
+    "joints": scene("chain", links=5, fall=1).problem(),
+    "joints in space": problem_of("rod_chain", links=5, fall=1),
 }
 
 
@@ -30,7 +32,8 @@ def test_a_call_by_hand_gives_the_adapters_answer(spec, sample) -> None:
     problem = SAMPLES[sample]
     if info.missing:
         pytest.skip(info.missing)
-    if problem.dimension not in CALLS[spec].d or problem.contacts > CALLS[spec].most or (spec, sample) in UNABLE:
+    unmade = len(problem.joint_bias) and (CALLS[spec].by_matrix or not CALLS[spec].joints or info.refuses(problem))
+    if problem.dimension not in CALLS[spec].d or problem.contacts > CALLS[spec].most or (spec, sample) in UNABLE or unmade:
         return
     by_hand, answer = CALLS[spec].function(arrays(problem), TOL), solve(problem, spec, tol=TOL)
     assert problem.velocity(by_hand.impulse) == pytest.approx(problem.velocity(answer.impulse), abs=1e-6)
@@ -51,16 +54,17 @@ def test_the_documents_say_why_an_adapter_is_charged_more() -> None:
 
 
 def test_every_library_has_a_call_by_hand() -> None:
-    """But CVXPY's models, whose solver is clarabel's, and Kamino, whose dual problem can only be overwritten as here."""
-    called = {spec.partition("[")[0] for spec in CALLS} | {"ccp_cone", "kamino"}
+    """But CVXPY's models, whose solver is clarabel's, Kamino, whose dual problem can only be overwritten as here, and PATH."""
+    called = {spec.partition("[")[0] for spec in CALLS} | {"ccp_cone", "kamino", "path"}
     assert {name for name, info in available().items() if info.needs and info.ours} == called
 
 
 def test_the_tables_have_a_row_for_each_solver_named(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr("tools.direct.__main__.BLOCKS", (1, 5))
     monkeypatch.setattr("tools.direct.__main__.BODIES", (4,))
+    monkeypatch.setattr("tools.direct.__main__.LINKS", {"chain": (3,)})
     lines = list(charged_tables(["osqp", "clarabel"]))
-    assert len(lines) == 8
+    assert len(lines) == 13
     assert re.fullmatch(r"\| osqp (\| \d+, \d+, \d+; [\d.]+ ){2}\|.*\|", lines[3])
     assert re.fullmatch(r"\| clarabel\S* \| \d+, \d+, \d+; [\d.]+ .*\|.*\|", lines[7])
     with pytest.raises(InputError, match="'lemke' has no call by hand"):

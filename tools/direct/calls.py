@@ -4,9 +4,7 @@ They do not use the adapters. Each forms its library's input with numpy and scip
 returns the contact impulses and whether the library reports success (tools.direct.given).
 """
 
-import io
 import json
-import re
 import subprocess
 from collections.abc import Callable
 from functools import cache, partial
@@ -18,34 +16,37 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import sparse
 
-from tools.direct.given import Arrays, Called, delassus, dense, lcp, of_lcp, of_multipliers, program
+from tools.direct.given import Arrays, Called, delassus, dense, lcp, of_lcp, of_multipliers, program, with_joints
 
 
 def clarabel(given: Arrays, tol: float) -> Called:
     library: Any = import_module("clarabel")
     P, q, G, h = program(given)
-    settings, n = library.DefaultSettings(), len(h)
+    (C, c, joints), settings, n = with_joints(given, G, h), library.DefaultSettings(), len(h)
     settings.verbose, settings.tol_feas, settings.tol_gap_abs, settings.tol_gap_rel = False, tol, 1e-15, 1e-15
     cones = [library.NonnegativeConeT(n)] if given.d == 2 else [library.SecondOrderConeT(3)] * (n // 3)
-    found = library.DefaultSolver(_upper(P), q, sparse.csc_matrix(G), h, cones, settings).solve()
+    cones = [*cones, library.ZeroConeT(joints)] if joints else cones
+    found = library.DefaultSolver(_upper(P), q, sparse.csc_matrix(C), c, cones, settings).solve()
     return Called(of_multipliers(given, np.array(found.z)), found.status == library.SolverStatus.Solved)
 
 
-def scs(given: Arrays, tol: float) -> Called:
+def scs(given: Arrays, tol: float, **chosen: float) -> Called:
     library: Any = import_module("scs")
     P, q, G, h = program(given)
-    cone = {"l": len(h)} if given.d == 2 else {"q": [3] * (len(h) // 3)}
-    data = {"P": _upper(P), "A": sparse.csc_matrix(G), "b": h, "c": q}
-    found = library.SCS(data, cone, verbose=False, eps_abs=tol / 10, eps_rel=0.0, max_iters=100_000).solve()
-    return Called(of_multipliers(given, found["y"]), found["info"]["status_val"] == 1)
+    C, c, joints = with_joints(given, G, h, first=True)
+    cone = {"z": joints} | ({"l": len(h)} if given.d == 2 else {"q": [3] * (len(h) // 3)})
+    data = {"P": _upper(P), "A": sparse.csc_matrix(C), "b": c, "c": q}
+    found = library.SCS(data, cone, verbose=False, eps_abs=tol / 10, eps_rel=0.0, max_iters=100_000, **chosen).solve()
+    return Called(of_multipliers(given, found["y"][joints:]), found["info"]["status_val"] == 1)
 
 
 def osqp(given: Arrays, tol: float) -> Called:
     library: Any = import_module("osqp")
     P, q, G, h = program(given)
     made = library.OSQP()
-    lower, settings = np.full(len(h), -np.inf), {"verbose": False, "max_iter": 100_000}
-    made.setup(_upper(P), q, sparse.csc_matrix(G), lower, h, eps_abs=tol / 10, eps_rel=0.0, **settings)
+    (C, c, _), settings = with_joints(given, G, h), {"verbose": False, "max_iter": 100_000}
+    lower = np.concatenate([np.full(len(h), -np.inf), c[len(h) :]])
+    made.setup(_upper(P), q, sparse.csc_matrix(C), lower, c, eps_abs=tol / 10, eps_rel=0.0, **settings)
     found = made.solve(raise_error=False)
     return Called(of_multipliers(given, found.y), found.info.status_val == 1)
 
@@ -57,12 +58,13 @@ def _upper(P: Any) -> Any:
 def proxsuite(given: Arrays, tol: float) -> Called:
     library: Any = import_module("proxsuite").proxqp
     P, q, G, h = program(given)
-    qp = library.sparse.QP(len(q), 0, len(h))
+    qp = library.sparse.QP(len(q), len(given.f), len(h))
+    joints = (sparse.csc_matrix(given.F), given.f) if len(given.f) else (None, None)
     settings = qp.settings
     settings.eps_abs, settings.eps_rel, settings.check_duality_gap = tol, 0.0, True
     settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-14, 0.0
     settings.initial_guess = library.InitialGuess.NO_INITIAL_GUESS
-    qp.init(sparse.csc_matrix(P), q, None, None, sparse.csc_matrix(G), np.full(len(h), -1e20), h)
+    qp.init(sparse.csc_matrix(P), q, *joints, sparse.csc_matrix(G), np.full(len(h), -1e20), h)
     qp.solve()
     solved = qp.results.info.status == library.QPSolverOutput.PROXQP_SOLVED
     return Called(of_multipliers(given, np.array(qp.results.z)), solved)
@@ -75,7 +77,8 @@ def piqp(given: Arrays, tol: float, matrices: str = "sparse") -> Called:
     settings = made.settings
     settings.eps_abs, settings.eps_rel = tol, 0.0
     settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-15, 0.0
-    made.setup(kept(P), q, None, None, kept(G), None, h)
+    joints = (kept(given.F), given.f) if len(given.f) else (None, None)
+    made.setup(kept(P), q, *joints, kept(G), None, h)
     found = made.solve()
     return Called(of_multipliers(given, np.array(made.result.z_u)), found == library.PIQP_SOLVED)
 
@@ -83,8 +86,10 @@ def piqp(given: Arrays, tol: float, matrices: str = "sparse") -> Called:
 def daqp(given: Arrays, tol: float) -> Called:
     library: Any = import_module("daqp")
     P, q, G, h = program(given)
-    sense = np.zeros(len(h), dtype=np.int32)
-    rows = dense(P), q, dense(G), h, np.full(len(h), -1e30), sense
+    C, c, _ = with_joints(given, G, h)
+    sense, lower = np.zeros(len(c), dtype=np.int32), np.full(len(c), -1e30)
+    sense[len(h) :], lower[len(h) :] = 5, c[len(h) :]  # DAQP's mark of an equation
+    rows = dense(P), q, dense(C), c, lower, sense
     _, _, flag, info = library.solve(*rows, primal_tol=tol / 10, dual_tol=tol / 10, iter_limit=10_000)
     return Called(of_multipliers(given, np.array(info["lam"])), flag > 0)
 
@@ -92,13 +97,19 @@ def daqp(given: Arrays, tol: float) -> Called:
 def quadprog(given: Arrays, tol: float) -> Called:
     library: Any = import_module("quadprog")
     P, q, G, h = program(given)
-    return Called(of_multipliers(given, library.solve_qp(dense(P), -q, -dense(G).T, -h)[4]), True)
+    C, c, joints = with_joints(given, G, h, first=True)
+    return Called(of_multipliers(given, library.solve_qp(dense(P), -q, -dense(C).T, -c, joints)[4][joints:]), True)
 
 
 def _dual(given: Arrays, definite: float) -> tuple[np.ndarray, np.ndarray]:
     """Return H and g of the relaxation's dual min z'Hz/2 + g'z, z >= 0, with an increased diagonal."""
     _, _, G, h = program(given)
-    H, g = dense(G @ given.inverse @ G.T), h - G @ given.v
+    inverse, v = given.inverse, given.v
+    if len(given.f):  # on the velocities that the joints leave
+        response = dense(inverse @ given.F.T)
+        held = np.linalg.solve(given.F @ response, np.column_stack([response.T, given.F @ v - given.f]))
+        inverse, v = inverse - response @ held[:, :-1], v - response @ held[:, -1]
+    H, g = dense(G @ inverse @ G.T), h - G @ v
     H[np.diag_indices(len(g))] *= 1 + definite
     return H, g
 
@@ -114,14 +125,11 @@ def mujoco_boxqp(given: Arrays, tol: float) -> Called:
 
 def highs(given: Arrays, tol: float, **settings: float) -> Called:
     feasible = dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(tol / 10, 1e-10))
-    return _by_qpsolvers(given, "highs", **feasible, **settings)
-
-
-def _by_qpsolvers(given: Arrays, backend: str, **settings: float) -> Called:
     library: Any = import_module("qpsolvers")
     P, q, G, h = program(given)
-    asked = library.Problem(sparse.csc_matrix(P), q, sparse.csc_matrix(G), h)
-    found = library.solve_problem(asked, backend, **settings)
+    joints = (sparse.csc_matrix(given.F), given.f) if len(given.f) else (None, None)
+    asked = library.Problem(sparse.csc_matrix(P), q, sparse.csc_matrix(G), h, *joints)
+    found = library.solve_problem(asked, "highs", **feasible, **settings)
     return Called(of_multipliers(given, np.zeros(len(h)) if found.z is None else found.z), found.found)
 
 
@@ -155,37 +163,6 @@ def drake(given: Arrays, tol: float) -> Called:
     program.AddLinearComplementarityConstraint(M, q, z)
     found = library.UnrevisedLemkeSolver().Solve(program, None, None)
     return Called(of_lcp(found.GetSolution(z)), found.is_success())
-
-
-def path(given: Arrays, tol: float) -> Called:
-    gp: Any = import_module("gamspy")
-    begun = perf_counter()
-    M, q = lcp(given)
-    forming = perf_counter() - begun
-    model, parameters, z = _gams_model(len(q))
-    for symbol, values in zip(parameters, (M, q), strict=True):
-        symbol.setRecords(values)
-    z.setRecords(np.zeros(len(q)))
-    log = io.StringIO()
-    options = {"convergence_tolerance": tol / 10}
-    model.solve(solver="path", solver_options=options, output=log, options=gp.Options(solve_link_type="memory"))
-    clock = re.search(r"Total Time[. ]*([\d.]+)", log.getvalue())
-    claimed = model.status.name in ("OptimalGlobal", "OptimalLocal")
-    return Called(of_lcp(z.records["level"].to_numpy()), claimed, forming + float(clock[1]) if clock else None)
-
-
-@cache
-def _gams_model(n: int) -> tuple[Any, tuple[Any, Any], Any]:
-    """Return GAMSPy's model of an LCP of n unknowns, the parameters M and q, and z."""
-    gp: Any = import_module("gamspy")
-    gp.set_options({"ALLOW_AMBIGUOUS_EQUATIONS": "yes"})
-    made = gp.Container()
-    i = gp.Set(made, "i", records=[str(k) for k in range(n)])
-    j = gp.Alias(made, "j", alias_with=i)
-    M, q = gp.Parameter(made, "M", domain=[i, j]), gp.Parameter(made, "q", domain=[i])
-    z, w = gp.Variable(made, "z", type="positive", domain=[i]), gp.Equation(made, "w", domain=[i])
-    w[i] = gp.Sum(j, M[i, j] * z[j]) + q[i] >= 0
-    return gp.Model(made, "lcp", problem="MCP", matches={w: z}), (M, q), z
 
 
 def pinocchio(given: Arrays, tol: float, **chosen: float) -> Called:
@@ -268,37 +245,38 @@ def siconos(given: Arrays, tol: float, method: str) -> Called:
 
 class Call(NamedTuple):
     """A call by hand. d: the dimensions that it accepts; most: the number of contacts above which it takes minutes; by_matrix:
-    whether it accepts problems given only by W and q."""
+    whether it accepts problems given only by W and q; joints: whether it ends on problems with joint equations."""
 
     function: Callable[[Arrays, float], Called]
     d: tuple[int, ...] = (2,)
     most: int = 300
     by_matrix: bool = False
+    joints: bool = True
 
 
 # The variant of each adapter, and the call by hand with the same choices.
 CALLS: dict[str, Call] = {
     "clarabel[settings=default]": Call(clarabel, (2, 3)),
     "osqp": Call(osqp),
-    "scs": Call(scs, (2, 3)),
+    "scs[settings=default]": Call(scs, (2, 3)),
+    "scs[settings=tuned]": Call(partial(scs, scale=1.0), (2, 3)),
     "proxsuite[matrices=sparse]": Call(proxsuite),
     "piqp[matrices=sparse]": Call(piqp),
     "piqp[matrices=dense]": Call(partial(piqp, matrices="dense"), most=100),
     "daqp": Call(daqp, most=100),
     "quadprog": Call(quadprog, most=100),
-    "ccp[backend=highs]": Call(highs),
-    "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0)),
-    "casadi[method=qrqp]": Call(casadi_qrqp, most=20),
+    "ccp[backend=highs]": Call(highs, joints=False),
+    "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0), joints=False),
+    "casadi[method=qrqp]": Call(casadi_qrqp, most=20, joints=False),
     "mujoco_boxqp[settings=default]": Call(mujoco_boxqp, most=100),
     "quantecon[settings=default]": Call(quantecon, most=100, by_matrix=True),
     "drake[method=unrevised]": Call(drake, most=20, by_matrix=True),
-    "path[settings=default]": Call(path, most=20, by_matrix=True),
     "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100, by_matrix=True),
     "pinocchio[method=admm,settings=tuned]": Call(
         partial(pinocchio, anderson_capacity=8, lanczos_size=10), (2, 3), by_matrix=True
     ),
     "mujoco[method=newton]": Call(mujoco, (2, 3), 100),
-    "siconos[method=friction_2d_nsgs]": Call(partial(siconos, method="FRICTION_2D_NSGS"), by_matrix=True),
+    "siconos[method=friction_2d_nsgs]": Call(partial(siconos, method="FRICTION_2D_NSGS"), most=20, by_matrix=True),
     "siconos[method=friction_3d_nsgs]": Call(partial(siconos, method="FRICTION_3D_NSGS"), (3,), by_matrix=True),
     "siconos[method=friction_3d_prox]": Call(partial(siconos, method="FRICTION_3D_PROX"), (3,), by_matrix=True),
 }

@@ -1,8 +1,9 @@
 """The inputs and results of calls by hand, and the forms that they make with numpy and scipy, without scaling.
 
 A problem of nc contacts of dimension d consists of the arrays M and M^-1 (nv, nv), J (nc*d, nv), with a contact's normal row
-first, v* (nv,), b (nc*d,) and mu (nc,), which a library's user would have: dense up to DENSE contacts, otherwise scipy's sparse
-arrays. A problem given only by W and q has no mechanics. The friction LCP in the plane is
+first, v* (nv,), b (nc*d,), mu (nc,) and the joint equations F v = f, F (nj, nv), which a library's user would have: dense up to
+DENSE contacts, otherwise scipy's sparse arrays. A problem given only by W and q has no mechanics. The friction LCP in the plane
+is
 
     z = (c, beta+, beta-, lambda),      w = [W G + e lambda; mu c - beta+ - beta-] + q,
 
@@ -23,7 +24,7 @@ DENSE = 60  # contacts up to which dense arrays are faster
 
 
 class Arrays(NamedTuple):
-    """A problem without joints and friction bias, by its mechanics, or by W and q if only these are known."""
+    """A problem without friction bias, by its mechanics, or by W and q if only these are known."""
 
     d: int
     mu: Array
@@ -32,6 +33,8 @@ class Arrays(NamedTuple):
     J: Any = None
     v: Any = None
     b: Any = None
+    F: Any = None
+    f: Any = None
     W: Any = None
     q: Any = None
 
@@ -56,7 +59,8 @@ def arrays(problem: FrictionProblem) -> Arrays:
     b[:, 0] = problem.bias
     M = sparse.csc_matrix(problem.mass)
     parts = kept(M), kept(sparse.csr_array(sparse.linalg.inv(M))), kept(problem.jacobian)
-    return Arrays(d, problem.friction.copy(), *parts, problem.free_velocity.copy(), b.ravel())
+    motion = problem.free_velocity.copy(), b.ravel(), kept(problem.joints), -problem.joint_bias
+    return Arrays(d, problem.friction.copy(), *parts, *motion)
 
 
 def program(given: Arrays) -> tuple[Any, Array, Any, Array]:
@@ -70,9 +74,18 @@ def program(given: Arrays) -> tuple[Any, Array, Any, Array]:
     return given.M, -given.M @ given.v, G, h
 
 
+def with_joints(given: Arrays, G: Any, h: Array, first: bool = False) -> tuple[Any, Array, int]:
+    """Return G above F, or F above G, the same of h and f, and the number of joint equations."""
+    if not len(given.f):
+        return G, h, 0
+    rows, right = ((given.F, G), (given.f, h)) if first else ((G, given.F), (h, given.f))
+    stacked = sparse.vstack(rows, format="csc") if sparse.issparse(G) else np.vstack(rows)
+    return stacked, np.concatenate(right), len(given.f)
+
+
 def of_multipliers(given: Arrays, z: Array) -> Array:
-    """Return the impulses for the relaxation's multipliers."""
-    return np.einsum("iab,ia->ib", _edges(given), z.reshape(-1, given.d))
+    """Return the impulses for the relaxation's multipliers, of which the first belong to G."""
+    return np.einsum("iab,ia->ib", _edges(given), z[: given.d * len(given.mu)].reshape(-1, given.d))
 
 
 def _edges(given: Arrays) -> Array:

@@ -52,7 +52,7 @@ class CCP:
 
     Licence: qpsolvers LGPL-3.0; HiGHS MIT, ECOS GPL-3.0, QPALM LGPL-3.0-or-later.
     Form: the dimensionless QP (solvers.outside.scaled_program), dense for ECOS; HiGHS is given the unknowns in reversed order,
-        in which it solves 82 of 87 planar problems instead of 74. Setup: qpsolvers' problem. Solve: qpsolvers' call.
+        for docs/fairness.md shows a wrong answer in the natural one. Setup: qpsolvers' problem. Solve: qpsolvers' call.
     Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
     Settings: for highs qp_regularization_value is 1e-7 by default; tuned is 0.
     Tolerance: eps is tol in the units of the scaled program. highs both feasibilities eps/10, no less than 1e-10. qpalm eps_abs

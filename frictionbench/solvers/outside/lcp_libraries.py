@@ -39,8 +39,7 @@ class Drake:
         solver object, as a reused one starts from its last basis, and its Solve.
     Clock: none.
     Settings: its defaults; there are no options. With perturbation=1e-10 the LCP is given q + 1e-10 rand, as its ratio test has
-        no rule for ties; our lemke perturbs, too. Of 27 problems it solves 19 as given, 24 in units in which ties are exact in
-        floating point, and 25 perturbed, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
+        no rule for ties; our lemke perturbs, too, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
         'drake[method=unrevised]' --solver 'drake[method=unrevised,perturbation=1e-10]'`.
     Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
     Flaws: with large mass ratios UnrevisedLemke fails and MobyLcp, whose retries solve with M + lambda I, lambda up to 1e-4 at
@@ -92,10 +91,9 @@ class Path:
         once for each size. Solve: GAMSPy's call from 0, with GAMS' compilation of the model and its processes.
     Clock: the total time in PATH's own log, including GAMS' evaluation of M z + q. PATH is compared by it, as GAMS is another
         process: the column solve_time is this clock, and call_time the records and GAMSPy's call.
-    Settings: by default a crash method finds a first basis; tuned is crash_method none, 1.4 times as fast in the mean of 28
-        problems but slower on some, `frictionbench solve 'house_of_cards[storeys=5]' --solver path --solver
-        'path[settings=tuned]'`; velocities is tuned with the mixed problem, 2 to 6 times as fast as both on walls and pyramids
-        of 162 to 200 contacts. GAMSPy's freeze, for problems of one M, is of no use in a suite.
+    Settings: by default a crash method finds a first basis; tuned is crash_method none, `frictionbench solve
+        'house_of_cards[storeys=5]' --solver path --solver 'path[settings=tuned]'`; velocities is tuned with the mixed problem.
+        GAMSPy's freeze, for problems of one M, is of no use in a suite.
     Tolerance: convergence_tolerance = eps/10, on PATH's residual of the scaled LCP; eps as in solvers.pivots.dense_lcp.
     Flaws: beyond the licence's 1000 rows GAMS does not call PATH; the answer is `unsolved`, which says nothing about PATH.
     Reference: Dirkse and Ferris 1995; Ferris and Munson 1999.
@@ -191,8 +189,7 @@ class QuantEcon:
     Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
     Clock: none.
     Settings: tol_ratio_diff, within which two ratios are a tie, is 1e-13 by default; tuned is 1e-10, `frictionbench solve
-        'stack[blocks=50,friction=0.05,push=1]' --solver 'quantecon' --solver 'quantecon[settings=tuned]'`. A random covering
-        vector takes 0.8 times as long on 34 problems and claims more wrong answers.
+        'stack[blocks=50,friction=0.05,push=1]' --solver 'quantecon' --solver 'quantecon[settings=tuned]'`.
     Tolerance: it takes none; the solution of a basis is exact up to rounding.
     Flaws: its status is unreliable in both directions: it reports a ray for problems that it has solved, `frictionbench solve
         'pyramid[rows=7,push=1]' --solver quantecon`, and success for inaccurate answers, `frictionbench solve

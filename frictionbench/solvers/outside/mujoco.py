@@ -18,7 +18,7 @@ Licence: Apache-2.0.
 Form: dimensionless contact rows, three a contact, on velocities of unit mass, compressed. Setup: MuJoCo's template, once per
     size. Solve: the transfer of the rows into it, and mj_fwdConstraint.
 Clock: around mj_fwdConstraint.
-Charged: some 50 µs more than a call by hand at 2 contacts: the dimensionless form.
+Charged: some 40 µs more than a call by hand at 2 contacts: the dimensionless form.
 Settings: island discovery and warm start off, as above; elliptic cones. The line search's defaults are ls_tolerance = 0.01 and
     ls_iterations = 50; tuned are 1e-8 and 100.
 Tolerance: R as above, and MuJoCo's tolerance 0: it iterates until it makes no progress, and its gradient decides the status.
@@ -146,7 +146,7 @@ class BoxQP:
     Licence: Apache-2.0.
     Form: that program, dense and dimensionless. Setup: none. Solve: mju_boxQP from z = 0.
     Clock: around mju_boxQP.
-    Charged: some 30 µs more than a call by hand, 1.9 times at 2 contacts: the dimensionless form.
+    Charged: some 20 µs more than a call by hand at 2 contacts: the dimensionless form; W with joints, and what they lock.
     Settings: mju_boxQP stops after 100 iterations without saying so. default is one call; tuned calls it again from its own
         answer until that no longer changes, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
         'mujoco_boxqp' --solver 'mujoco_boxqp[settings=tuned]'`.
