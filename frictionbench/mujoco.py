@@ -91,8 +91,7 @@ class _Kinds(NamedTuple):
     equal: Array
 
 
-@dataclass(frozen=True, eq=False)
-class _Stage:
+class _Stage(NamedTuple):
     """What MuJoCo computes before the problem is solved: rows, v* as `free`, A as `full`, its symmetric part as `mass`."""
 
     contacts: Contacts
@@ -127,8 +126,7 @@ def step(
 
     If the solver fails, `status` says so, and its impulses are used nevertheless, or zero if they are not finite.
     Errors: InputError naming data where the simulation has diverged, contact where its surface moves, dof_dampingpoly where
-    Euler is given damping that is not linear, integrator where the mass of implicit is not positive definite, or what `solve`
-    refuses.
+    Euler is given nonlinear damping, integrator where implicit's mass is indefinite, or what `solve` refuses.
     """
     import mujoco as mj
 
@@ -178,8 +176,7 @@ def steps(model: Any, data: Any, count: int, solver: str = "hybrid", tol: float 
 
 def _stage(mj: Any, model: Any, data: Any) -> _Stage:
     implicit = model.opt.integrator in engine.known(mj)[1:]
-    linear = not np.any(model.dof_dampingpoly)
-    require(implicit or linear, "dof_dampingpoly", "Euler takes damping as linear; use implicitfast")
+    require(implicit or not model.dof_dampingpoly.any(), "dof_dampingpoly", "Euler takes damping as linear; use implicitfast")
     usable = np.abs(np.concatenate([data.qpos, data.qvel])) <= mj.mjMAXVAL
     require(bool(usable.all()), "data", "MuJoCo would reset it: the simulation has diverged")
     mj.mj_step1(model, data)
@@ -263,7 +260,9 @@ def _correction(model: Any, data: Any, stage: _Stage, velocity: Array) -> Array:
     rows, wanted = np.vstack([normal[deep], F, -F]), SHARE * np.concatenate([depth[deep], -error, error])
     moved = cho_solve(cho_factor(stage.mass), rows.T)
     W = rows @ moved
-    root = cholesky(W + np.diag(SOFT * np.maximum(np.diag(W), np.finfo(float).tiny)))
+    size = np.diag(W)
+    # Nothing moves a wheel aside from its own car: of such rows only rounding acts, and they ask for nothing.
+    root = cholesky(W + np.diag(np.where(size > np.finfo(float).eps * size.max(), SOFT * size, 1.0)))
     x, _ = nnls(root, solve_triangular(root, wanted, trans="T"))
     return moved @ x
 
@@ -287,7 +286,7 @@ def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> 
         force = np.zeros(dim)
         force[:3] = impulse[i, : min(dim, 3)]
         if dim > 1:
-            force[2] *= friction[1] / friction[0]
+            force[1:3] *= friction[:2] / friction[:2].max()
         if dim > 1 and data.efc_type[first] == pyramid:
             along = force[1:] / friction[: dim - 1]  # edges may pull: the cone is wider than the pyramid
             force = np.stack([force[0] / (dim - 1) + along, force[0] / (dim - 1) - along], axis=1).ravel() / 2
@@ -295,7 +294,6 @@ def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> 
     middle = len(touching) + stage.kinds.limit.sum()
     result[stage.kinds.limit], result[stage.kinds.dry] = impulse[len(touching) : middle, 0], impulse[middle:, 1]
     if stage.kinds.equal.any():
-        result[stage.kinds.equal] = np.linalg.lstsq(
-            stage.J[stage.kinds.equal].T, total - stage.contacts.rows.T @ impulse.ravel(), rcond=None
-        )[0]
+        rest = total - stage.contacts.rows.T @ impulse.ravel()
+        result[stage.kinds.equal] = np.linalg.lstsq(stage.J[stage.kinds.equal].T, rest, rcond=None)[0]
     return result

@@ -1,4 +1,4 @@
-"""Compliant or rigid? Errors and work against stiffness, and what springs say where the rigid model says two things."""
+"""Compliant or rigid? Errors and work against stiffness, and the results of springs where the rigid model has two solutions."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -23,7 +23,7 @@ CASES: dict[str, tuple[dict[str, Any], float]] = {
     "painleve_rod": ({"friction": 0.5}, 0.9),
     "rocking_block": ({"tilt": 0.05}, 0.4),
 }
-SLIP = 1e-4  # m/s, at the stiffness 1e4 N/m; it falls as the indentation does
+SLIP = 1e-4  # m/s, at the stiffness 1e4 N/m; it decreases like the indentation
 
 
 def stiffnesses(
@@ -31,7 +31,7 @@ def stiffnesses(
     values: Iterable[float] = (1e4, 1e5, 1e6, 1e7),
     methods: Iterable[str] = ("Radau", "BDF"),
 ) -> Iterator[Row]:
-    """Compliant motions compared at ten times with the rigid one by events."""
+    """Compare compliant motions at ten times with the rigid motion by the event-driven scheme."""
     for name in names:
         settings, duration = CASES[name]
         made = fb.scene(name, **settings, step=duration / SAMPLES, duration=duration)
@@ -51,7 +51,7 @@ def stiffnesses(
 
 
 def indentations(shares: Iterable[float] = (0.0, 0.5, 0.9, 1.1, 1.5, 3.0), stiffness: float = 1e8) -> Iterator[Row]:
-    """Painlevé's rod with p < 0 < K, where open and closed are solutions; it starts with a share of the closed one's force.
+    """Painlevé's rod with p < 0 < K, where an open and a closed contact are solutions; it starts with part of the closed force.
 
     share: the spring's force at the start over that of the closed solution; spin: after 2 ms, rad/s; 4 at the start.
     """
@@ -62,8 +62,8 @@ def indentations(shares: Iterable[float] = (0.0, 0.5, 0.9, 1.1, 1.5, 3.0), stiff
         yield {"share": share, "spin": float(found.v[-1, 2])}
 
 
-def inconsistent(values: Iterable[float] = (1e4, 1e6, 1e8), speed: float = -1.0) -> Iterator[Row]:
-    """Painlevé's rod where no force is a solution: the impulse of the springs up to the end of their contact."""
+def inconsistent(values: Iterable[float] = (1e6, 1e7, 1e8), speed: float = -1.0) -> Iterator[Row]:
+    """Painlevé's rod without a solution in forces: the impulse of the springs up to the end of their contact."""
     made = fb.scene("painleve_rod", tip_velocity=speed)
     angle, weight = float(made.q0[2]), float(made.weights[0])
     least = weight * 0.75 * np.sin(angle) * np.cos(angle) * -speed
@@ -75,7 +75,7 @@ def inconsistent(values: Iterable[float] = (1e4, 1e6, 1e8), speed: float = -1.0)
         impulse = weight * (found.v[:, 1] + 9.81 * times)  # vertical, of the contact alone
         closing = found.v[:, 1] - found.v[:, 2] * np.cos(found.q[:, 2])
         fastest = int(closing.argmin())
-        after = fastest + int(np.argmax(closing[fastest:] >= 0))  # the springs are pressed most just before
+        after = fastest + int(np.argmax(closing[fastest:] >= 0))  # the largest compression is just before
         share = closing[after] / (closing[after] - closing[after - 1])
         yield {
             "stiffness": stiffness,  # k, N/m
@@ -88,7 +88,7 @@ def inconsistent(values: Iterable[float] = (1e4, 1e6, 1e8), speed: float = -1.0)
 
 
 def _index(angle: float, friction: float) -> float:
-    """p of the rod of 1 kg and half length 1 m that slides to the left."""
+    """Return p of the rod of 1 kg and half length 1 m that slides to the left."""
     return 1 + 3 * np.cos(angle) ** 2 - 3 * friction * abs(np.sin(angle) * np.cos(angle))
 
 
@@ -101,6 +101,7 @@ def summary(found: Tables) -> Summary:
     less, more = pressed[pressed["share"] < 1], pressed[pressed["share"] > 1]
     require(((less["spin"] - 4).abs() < 0.5).all(), "springs pressed less than the closed solution's let the rod lift")
     require(((more["spin"] - 4).abs() > 0.5).all(), "springs pressed more than that throw the rod")
+    require((stuck["impulse"] > 0).all(), "the springs stop the tip")
     off = (stuck["impulse"] / stuck["rigid"] - 1).abs()
     last = stuck.iloc[-1]
     told = ", ".join(
@@ -118,6 +119,7 @@ def summary(found: Tables) -> Summary:
         "stiffness": f"{last['stiffness']:.0e}",
         "impulse": f"{last['impulse']:.3f}",
         "rigid": f"{last['rigid']:.3f}",
+        "first_stiffness": f"{stuck['stiffness'].iloc[0]:.0e}",
         "off_first": f"{100 * off.iloc[0]:.1g}",
         "off_last": f"{100 * off.iloc[-1]:.1g}",
         "total": f"{last['total']:.3f}",

@@ -19,7 +19,7 @@ from studies.motions import apart
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require
 
 KINK = 1e-9  # errors below it are rounding
-DISTINCT = 1e-4  # solutions further apart are two, and not one to a few digits
+DISTINCT = 1e-4  # solutions further apart count as two
 CONE, TOL = "interior_point", 1e-10
 SLIDING = 0.236  # s, until the ball rolls
 FACETS = (4, 6, 8, 12, 16, 24, 32, 64)
@@ -36,7 +36,7 @@ SPACE = (
 
 
 def turned(problem: FrictionProblem, angle: float, spec: str, tol: float) -> Array:
-    """The impulses (nc, 3) by a solver whose polygon has its first corner at this angle from the first tangent."""
+    """Return the impulses (nc, 3) by a solver whose polygon has its first corner at this angle from the first tangent."""
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     rows = problem.tangent.toarray().reshape(problem.contacts, 2, -1)
     frame = problem.replace(tangent=np.einsum("ab,ibv->iav", turn, rows).reshape(2 * problem.contacts, -1))
@@ -45,12 +45,12 @@ def turned(problem: FrictionProblem, angle: float, spec: str, tol: float) -> Arr
 
 
 def orientations(facets: int, turns: int) -> Array:
-    """Angles of a polygon's first corner, evenly over the angle of a facet; one for the cone."""
+    """Return angles of a polygon's first corner, evenly spaced over the angle of a facet; one for the cone."""
     return 2 * np.pi / facets * np.arange(turns) / turns if facets else np.zeros(1)
 
 
 def ball(facets: Iterable[int] = (0, *FACETS), step: float = 0.004, turns: int = TURNS) -> Iterator[Row]:
-    """A sliding ball with a side spin: the distances of its path from the parabola and from that with the cone, 0 facets."""
+    """A sliding ball with side spin: the distances of its path from the parabola and from the path with the cone (0 facets)."""
     stage = fb.scene("sliding_ball", step=step, duration=SLIDING)
     assert stage.path is not None
     parabola = np.vstack([stage.path(k * step) for k in range(stage.steps + 1)])
@@ -123,13 +123,13 @@ def interior(facets: Iterable[int] = (0, *FACETS), sources: Iterable[Source] = S
 
 
 def predictor_corrector(problem: FrictionProblem, facets: int, tol: float = 1e-8) -> tuple[Array, int]:
-    """Mehrotra's method on Coulomb's law, mu > 0, with the cone or a polygon; impulses and iterations, LIMIT if it fails.
+    """Mehrotra's method on Coulomb's law, mu > 0, with the cone or a polygon. Return impulses and iterations, LIMIT on failure.
 
-    At each contact 0 <= r_n, u_n >= 0 with r_n u_n = 0, and for k generators A_i of friction, (mu r_n, r_t) = sum A_i'x_i and
-    y_i = A_i (lambda, u_t) with x_i o y_i = 0: of a polygon A_i = (1, d_i) and x_i, y_i >= 0, which is its LCP with the slack
-    mu r_n - sum x_i at 0; of the cone A = I, x and y are in the second-order cone and o is its Jordan product, linearised as it
-    stands. All but the velocities and the joints' impulses are eliminated contact by contact. tol: of the products' mean,
-    in SI units; the equations, which rounding limits, are satisfied to a hundred times that.
+    At each contact r_n >= 0, u_n >= 0 and r_n u_n = 0. With k generators A_i of friction, (mu r_n, r_t) = sum A_i'x_i and
+    y_i = A_i (lambda, u_t) with x_i o y_i = 0. For a polygon A_i = (1, d_i) and x_i, y_i >= 0, which is its LCP with the slack
+    mu r_n - sum x_i at 0. For the cone A = I, x and y are in the second-order cone, and o is its Jordan product, linearised
+    without scaling. Only the velocities and the joints' impulses are not eliminated contact by contact. tol: for the mean of
+    the products, SI units; the equations are satisfied to a hundred times that, because of rounding.
     """
     nc, (nj, nv), mu = problem.contacts, problem.joints.shape, problem.friction[:, None]
     angle = 2 * np.pi / max(facets, 1) * np.arange(facets)
@@ -179,20 +179,20 @@ def predictor_corrector(problem: FrictionProblem, facets: int, tol: float = 1e-8
 
 
 def _times(x: Array, y: Array) -> Array:
-    """The Jordan product of second-order cones in the last axis, of numbers where it has one entry."""
+    """Return the Jordan product of second-order cones in the last axis, or the product of numbers if it has one entry."""
     x, y = np.broadcast_arrays(x, y)
     return np.concatenate([(x * y).sum(-1, keepdims=True), x[..., :1] * y[..., 1:] + y[..., :1] * x[..., 1:]], axis=-1)
 
 
 def _divided(z: Array, y: Array) -> Array:
-    """x with x o y = z."""
+    """Return x with x o y = z."""
     first = y[..., :1] * z[..., :1] - (y[..., 1:] * z[..., 1:]).sum(-1, keepdims=True)
     first = first / (y[..., :1] ** 2 - (y[..., 1:] ** 2).sum(-1, keepdims=True))
     return np.concatenate([first, (z[..., 1:] - y[..., 1:] * first) / y[..., :1]], axis=-1)
 
 
 def _shrinkage(x: Array, dx: Array) -> float:
-    """1/t for the t by which x + t dx comes .995 of the way to the boundary of the cones."""
+    """Return 1/t for the t with which x + t dx goes 0.995 of the way to the boundary of the cones."""
     size = np.sqrt(x[..., :1] ** 2 - (x[..., 1:] ** 2).sum(-1, keepdims=True))
     along = (x[..., :1] * dx[..., :1] - (x[..., 1:] * dx[..., 1:]).sum(-1, keepdims=True)) / size
     rest = dx[..., 1:] - (along + dx[..., :1]) / (x[..., :1] + size) * x[..., 1:]

@@ -1,4 +1,4 @@
-"""Is the solution set of a friction problem convex? All solutions of small problems, listed."""
+"""Is the solution set of a friction problem convex? Enumeration of all solutions of small problems."""
 
 from collections.abc import Iterable, Iterator
 from functools import partial
@@ -17,15 +17,15 @@ from studies.study import Row, Study, Summary, Tables, finish, require, share
 BLUE = "#0077bb"
 ROUNDING = 1e-12  # residuals below it are rounding
 EXAMPLES = tuple(f"example_{number}" for number in range(1, 8))
-MOST = 5  # contacts of a problem whose solutions are listed: a tenth of a second
+MOST = 5  # contacts of a problem whose solutions are enumerated, in a tenth of a second
 SHAPES = {shape: shape.value.replace(" ", "_") for shape in Shape}
 
 
 def jam(friction: float = 0.5, points: int = 41) -> Iterator[Row]:
-    """Solutions of the jam by their closed form, and the middle of each and of the one without impulses.
+    """Solutions of the jam in closed form, and the midpoints between each and the solution without impulses.
 
-    Normal impulses c = s m V/(2 mu) on both walls leave the speed v = max(1 - s, 0) V; with s beyond 1 friction is below its
-    limit. The gap z'w of the LCP is computed by hand: at both contacts (mu c - beta) times the speed.
+    Normal impulses c = s m V/(2 mu) on both walls leave the speed v = max(1 - s, 0) V; for s > 1 friction is below its limit.
+    The gap z'w of the LCP is computed by hand: it is (mu c - beta) times the speed at both contacts.
     """
     problem = first_problem(fb.scene("jam", friction=friction))
     upwards, speed = problem.tangent.toarray()[:, 1], float(problem.free_velocity[1])
@@ -64,9 +64,9 @@ def block(
 
 
 def motions(names: Iterable[str] = EXAMPLES, steps: int | None = None, most: int = 60) -> Iterator[Row]:
-    """The problems of simulated motions, at most so many of each spread over it, and the recorded steps with few contacts.
+    """The problems of simulated motions, at most `most` spread over each, and the recorded steps with few contacts.
 
-    source: motion; problems: problems with one to 5 contacts; listed: those whose solutions are listed.
+    source: motion; problems: problems with one to 5 contacts; listed: those whose solutions are enumerated.
     """
     for name in names:
         met = [one.problem for step in simulation(fb.scene(name), coulomb, steps=steps) for one in step.solved]
@@ -77,14 +77,14 @@ def motions(names: Iterable[str] = EXAMPLES, steps: int | None = None, most: int
 
 
 def counted(problems: list[FrictionProblem]) -> Row:
-    """How many problems have few contacts, of how many all solutions are listed, and their shapes."""
+    """Count the problems with few contacts, those whose solutions are all enumerated, and the shapes of their solution sets."""
     few = [problem for problem in problems if 0 < problem.contacts <= MOST]
     found = [one for problem in few if (one := listed(problem)) is not None]
     return {"problems": len(few), "listed": len(found), **tally(found)}
 
 
 def tally(found: list[Census]) -> Row:
-    """How many sets of impulses have each shape, and how many have several velocities."""
+    """Count the sets of impulses with each shape, and those with several velocities."""
     shapes = [one.shape for one in found]
     return {text: shapes.count(shape) for shape, text in SHAPES.items()} | {
         "several_velocities": sum(one.velocity_count != 1 and one.shape is not Shape.NONE for one in found),
@@ -93,7 +93,7 @@ def tally(found: list[Census]) -> Row:
 
 
 def listed(problem: FrictionProblem) -> Census | None:
-    """All solutions; None where round-off forbids to tell them apart."""
+    """Enumerate all solutions; None if they cannot be distinguished because of rounding."""
     try:
         return census(problem)
     except ArithmeticError:

@@ -22,7 +22,7 @@ def drifts(
     counts: Iterable[int] = (100, 200, 400, 800),
     duration: float = 0.04,
 ) -> Iterator[Row]:
-    """Drift off the hinges, distance from the motion by events, in the two forms."""
+    """Drift at the hinges, and distance from the event-driven motion, in the two forms."""
     known = fb.scene(NAMES["angles"], step=duration, duration=duration)
     assert isinstance(known, ReducedScene)
     end = known.place(SCHEMES["event_driven_newton"](known, start(known), exact).q)
@@ -47,7 +47,7 @@ def free(
     counts: Iterable[int] = (10, 20, 40, 80, 160),
     duration: float = 0.004,
 ) -> Iterator[Row]:
-    """The same mechanism with so much clearance that nothing touches: the order of each scheme in each form."""
+    """The same mechanism with enough clearance that nothing touches: the order of each scheme in each form."""
     known = fb.scene(NAMES["angles"], step=duration, duration=duration, clearance=0.01)
     assert isinstance(known, ReducedScene)
     end = known.place(SCHEMES["event_driven_newton"](known, start(known), exact).q)

@@ -14,19 +14,22 @@ import frictionbench as fb
 from frictionbench.problems import SCHEMES, NoSolution, impact, newton, start
 from frictionbench.reports.drawing.figures import Panel
 from studies.motions import FINEST, SAMPLES, by_events, exact, sampled
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require
+from studies.orders import COMPARED, HIGHER
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require
 
 EVENTS = "event_driven"
 LEAST = 1e-15  # errors below it are drawn there
 CASES: dict[str, tuple[str, dict[str, Any], float]] = {  # scene, parameters and duration, s
     "bouncing_ball": ("bouncing_ball", {"restitution": 0.5}, 1.2),
+    "bowl": ("bowl", {"friction": 0.3}, 1.2),
     "rocking_block": ("rocking_block", {}, 1.5),
     "sliding_rod": ("painleve_rod", {"friction": 0.5}, 1.0),
     "impacting_rod": ("painleve_rod", {"friction": 0.5, "lift": 0.1}, 0.8),
     "slider_crank": ("slider_crank_angles", {}, 0.02),
     "woodpecker": ("woodpecker", {}, 0.15),
 }
-NEWTON = ("moreau", "moreau_euler", "paoli_schatzman")  # schemes with Newton's law of restitution; the others have Poisson's
+ONE_CONTACT = ("bouncing_ball", "bowl")  # scenes that the scheme of second order takes
+NEWTON = ("moreau", "moreau_euler", "paoli_schatzman", HIGHER)  # of Newton's law of restitution; the others have Poisson's
 ENDS: tuple[tuple[str, dict[str, Any], float], ...] = (
     ("bouncing_ball", {"restitution": 0.5}, 2.0),
     ("rocking_block", {}, 8.0),
@@ -45,10 +48,10 @@ def errors(
     counts: Iterable[int] = (50, 100, 200, 400, 800),
     accuracies: Iterable[float] = (1e-5, 1e-7, 1e-9),
 ) -> Iterator[Row]:
-    """Motions by every scheme that takes the scene, compared at ten times with the finest event-driven one of the same law.
+    """Compare motions by every scheme that accepts the scene at ten times with the finest event-driven one with the same law.
 
-    setting: step, s; of the event-driven scheme the integrator's relative accuracy; error: the largest error of a
-    coordinate, m or rad; none where the scheme has no solution; work: friction problems and evaluations of forces.
+    setting: step, s, or for the event-driven scheme the integrator's relative accuracy; error: the largest error of a
+    coordinate, m or rad, or none if the scheme has no solution; work: friction problems and evaluations of forces.
     """
     for name in names:
         place, settings, duration = CASES[name]
@@ -57,8 +60,8 @@ def errors(
         for accuracy in accuracies:
             path, work = sampled(whole, by_events(impact, accuracy))
             yield {"scene": name, "scheme": "event_driven", "setting": accuracy, **compared(path, known[impact], work)}
-        for label, scheme in SCHEMES.items():
-            if scheme.events or scheme.refuses(whole):
+        for label, scheme in (SCHEMES | COMPARED).items():
+            if scheme.events or scheme.refuses(whole) or (label == HIGHER and name not in ONE_CONTACT):
                 continue
             for count in counts:
                 path, work = sampled(replace(whole, step=duration / count), scheme, count // SAMPLES)
@@ -67,11 +70,11 @@ def errors(
 
 
 def ends(cases: Iterable[tuple[str, dict[str, Any], float]] = ENDS) -> Iterator[Row]:
-    """How far the event-driven scheme comes, and why no farther.
+    """How far the event-driven scheme gets, and why it ends.
 
-    parameters: its settings, JSON; duration: planned, s; reached: the last of ten times that was reached, s; impacts:
-    located impacts; accumulations: accumulation points that were continued past; events: all located events; reason: why it
-    ended before, if it did.
+    parameters: its settings, JSON; duration: planned, s; reached: the last of ten times that was reached, s; impacts: located
+    impacts; accumulations: accumulation points that the motion was continued past; events: all located events; reason: why it
+    ended early, if it did.
     """
     for name, settings, duration in cases:
         made, reason = fb.scene(name, **settings, step=duration / SAMPLES), ""
@@ -88,7 +91,7 @@ def ends(cases: Iterable[tuple[str, dict[str, Any], float]] = ENDS) -> Iterator[
 
 
 def compared(path: Array, known: Array, work: int) -> Row:
-    """The largest error of a coordinate; none where the motion is not whole."""
+    """Return the largest error of a coordinate; none if the motion is incomplete."""
     whole = len(path) == len(known)
     return {"error": float(np.abs(path - known).max()) if whole else None, "work": work}
 
@@ -102,8 +105,8 @@ def summary(found: Tables) -> Summary:
     smaller = [row for row in best if row["error"] < row["stepped"]]
     cheaper = [row for row in smaller if row["work"] < row["steps"]]
     stopped = ends[ends["reason"] != ""]
-    orders = pd.Series([order(own["setting"], own["error"]).value for _, own in whole.groupby(["scene", "scheme"])])
-    low, middle, high = orders.quantile([0.25, 0.5, 0.75])
+    slopes = {key: order(own["setting"], own["error"]) for key, own in whole.groupby(["scene", "scheme"])}
+    low, middle, high = np.quantile([slope.value for key, slope in slopes.items() if key[1] != HIGHER], [0.25, 0.5, 0.75])
     numbers = {
         "smaller": len(smaller),
         "scenes": len(names),
@@ -114,6 +117,7 @@ def summary(found: Tables) -> Summary:
         "low": f"{low:.1f}",
         "middle": f"{middle:.1f}",
         "high": f"{high:.1f}",
+        "second": listing([f"{slope} in {key[0].replace('_', ' ')}" for key, slope in slopes.items() if key[1] == HIGHER]),
         "failed": len(stepped) - len(whole),
         "stepped": len(stepped),
         "impacts": ends["impacts"].sum(),

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 import frictionbench as fb
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, middle, require, share
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, middle, require
 
 REFERENCE, TWIN, OTHER, MUJOCO, RELAXED = "reference", "twin", "interior point", "MuJoCo", "relaxation"
 TOLERANCES, SWEEPS = (1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10), (1, 4, 10, 50)
@@ -28,9 +28,9 @@ WAYS: dict[str, tuple[str, float, int | None]] = {  # solver, tolerance, limit
 TIMES = (0.1, 0.3)  # s
 HANDS = ("hand_block", "hand_egg")
 ROBOTS = ("humanoid", "humanoid_CMU", "quadruped", "hopper", "walker", "cheetah", "ball_in_cup", "finger", "ant", *HANDS)
-MOVED = 1e-12  # of the velocities of the twin's start
-COMPARABLE = 1e-6  # m that the twin may be away
-HELD = 1.0  # mm: what an object may move that stands or is held
+MOVED = 1e-12  # change of the velocities at the twin's start
+COMPARABLE = 1e-6  # largest distance of the twin, m
+HELD = 1.0  # largest displacement of an object that stands or is held, mm
 TOWER = "".join(
     f'<body name="b{k}" pos="0 0 {0.05 + 0.1 * k}"><freejoint/><geom type="box" size=".05 .05 .05" mass="{mass}"/></body>'
     for k, mass in enumerate((1, 1, 1, 1, 10))
@@ -65,7 +65,7 @@ TASKS = {  # scene, body that must not move, forces by joint
 
 
 def paths(names: Iterable[str] = ROBOTS, duration: float = 0.3) -> Iterator[Row]:
-    """Robots under smooth controls: how far each way's bodies are from the reference's."""
+    """Robots under smooth controls: the distance of each way's bodies from the reference's."""
     from tools.robots.models import MODELS, begin
 
     for name in names:
@@ -83,7 +83,7 @@ def paths(names: Iterable[str] = ROBOTS, duration: float = 0.3) -> Iterator[Row]
 
 
 def tasks(names: Iterable[str] = tuple(TASKS), duration: float = 0.3) -> Iterator[Row]:
-    """Things that Coulomb's law holds at rest: how far the body's centre moves in the time, mm."""
+    """Objects that are at rest by Coulomb's law: the displacement of the body's centre over the duration, mm."""
     for name in names:
         for way in WAYS:
             model, data = _built(name)
@@ -94,7 +94,7 @@ def tasks(names: Iterable[str] = tuple(TASKS), duration: float = 0.3) -> Iterato
 
 
 def grips(steps: int = 10, solvers: Iterable[str] = ("interior_point", "admm_coulomb", "nsgs", "hybrid")) -> Iterator[Row]:
-    """Answers of several methods to one step of the grasp, which the interior point has held until then."""
+    """Answers of several methods to one step of the grasp, after steps by the interior point method."""
     model, data = _built("grasp")
     *_, _ = fb.mujoco.steps(model, data, steps, "interior_point", TOLERANCES[-1])
     problem = fb.mujoco.problem(model, data)
@@ -110,7 +110,7 @@ def grips(steps: int = 10, solvers: Iterable[str] = ("interior_point", "admm_cou
 
 
 def _built(task: str) -> tuple[Any, Any]:
-    """The model of a task, and its data at the start."""
+    """Return the model of a task, and its data at the start."""
     import mujoco as mj
 
     world, _, forces = TASKS[task]
@@ -125,7 +125,7 @@ def _built(task: str) -> tuple[Any, Any]:
 
 
 def _moved(model: Any, data: Any, drive: Any, way: str, duration: float) -> Iterator[tuple[float, Array]]:
-    """At TIMES: the time and the centres of mass of the bodies (nbody, 3), m; not a number after a divergence."""
+    """Yield at TIMES the time and the bodies' centres of mass (nbody, 3), m; NaN after a divergence."""
     import mujoco as mj
 
     solver, tol, limit = WAYS[way]
@@ -170,7 +170,7 @@ def summary(found: Tables) -> Summary:
         "rows": _table(cells.rename(columns="after {:g} s".format).map(str)),
         "last": f"{last:g}",
         "ends": cells[last].to_dict(),
-        "falling": share(int(falling.sum()), falling.size),
+        "falling": f"{falling.sum()} of {falling.size}",
         "slip": f"{moved.loc[REFERENCE, 'grasp']:.1f}",
         "tasks": _table(moved.drop(TWIN).map("{:.1e}".format)),
         "loosest": listing([f"{task} {way}" for task, way in loosest.items()]),

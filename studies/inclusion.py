@@ -16,8 +16,8 @@ from frictionbench.reports.drawing.figures import Panel
 from studies.motions import by
 from studies.study import Row, Study, Summary, Tables, curve, finish, listing, widest
 
-SMALL = 0.05  # a last change below this share of the quantity counts as settling
-APART = 0.01  # m/s, or a share of normal impulses: more is another answer
+SMALL = 0.05  # a last change below this share of the quantity counts as convergence
+APART = 0.01  # m/s, or a share of normal impulses: a larger difference is another answer
 ROUNDING = 1e-6  # m/s or N s: changes below it are rounding
 ROD = 0.9  # N s: the normal impulse that stops the rod in the limit, 3/4 m sin cos |v_t|
 SCENES: dict[str, tuple[str, dict[str, Any], float]] = {  # name, settings, duration
@@ -33,9 +33,9 @@ SOLVERS = ("lemke", "nsgs", "interior_point")
 def refinement(
     scenes: Iterable[str] = SCENES, solvers: Iterable[str] = SOLVERS, steps: Iterable[float] = STEPS
 ) -> Iterator[Row]:
-    """Accumulated quantities of each motion by the scheme of Anitescu and Potra, step by step finer.
+    """Accumulated quantities of each motion by the scheme of Anitescu and Potra, for decreasing steps.
 
-    scene: motion; solver: by which every step is solved to 1e-9; step: s; normal: sum of all normal impulses, N s; largest:
+    scene: motion; solver: solves every step to 1e-9; step: s; normal: sum of all normal impulses, N s; largest:
     largest normal impulse, N s; net: sum of J'r, by velocity, N s and N m s; velocity: at the end, m/s and 1/s; variation:
     of the velocity, sum of |v+ - v|_M, root of J.
     """
@@ -48,7 +48,7 @@ def refinement(
 
 
 def accumulated(stage: Any, solver: str, steps: int) -> Row:
-    """Sums over the steps of a motion; kinetic norms are those of the mass matrix."""
+    """Return sums over the steps of a motion, with velocities in the norm of the mass matrix."""
     states = list(simulation(stage, by(solver, 1e-9), SCHEMES["anitescu_potra"], steps))
     weights, mass = stage.weights, np.sqrt(stage.weights)
     normal, net, largest = 0.0, np.zeros(len(weights)), 0.0

@@ -1,4 +1,4 @@
-"""Interior point on the friction LCP itself: how often and how fast, beside the relaxation."""
+"""Interior point methods on the friction LCP: success and speed, compared with the relaxation."""
 
 from collections.abc import Iterable, Iterator
 from functools import partial
@@ -22,7 +22,7 @@ FRICTIONS = (0.1, 0.3, 1.0, 3.0, 10.0)
 
 
 def compared(problem: FrictionProblem) -> Row:
-    """Which of the three methods solve the problem, with their factorisations; with paths: predictor-corrector, then paths."""
+    """Which of three methods solve the problem, and their factorisations; with paths: predictor-corrector, then paths."""
     answers = {"plain": one_start(problem, TOL, LIMIT, PATIENCE), "paths": solve(problem, "interior_point", tol=TOL)}
     relaxed = solve(problem, "relaxation_ip", tol=TOL)
     found = {name: (fb.residual(problem, one.impulse) <= TOL, one) for name, one in answers.items()}

@@ -1,4 +1,4 @@
-"""What studies compare: motions, by events to a given accuracy or by solvers at a tight tolerance, and problems."""
+"""Motions and problems for studies; motions are event-driven to a given accuracy, or by solvers at a tight tolerance."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -23,17 +23,17 @@ from frictionbench.solvers import solve
 from studies.study import Array
 
 SAMPLES = 10  # times at which motions are compared
-FINEST = 1e-11  # the accuracy of the motion that the others are compared with
+FINEST = 1e-11  # the accuracy of the reference motion
 TOL = 1e-10
 
 
 def by_events(law: Impact, accuracy: float) -> Callable[[Scene, Step, Solve], Step]:
-    """The event-driven scheme with this law and accuracy."""
+    """Return the event-driven scheme with this law and accuracy."""
     return lambda made, now, answer: follow(made, now, answer, law, accuracy)
 
 
 def sampled(made: Scene, scheme: Callable[..., Step], every: int = 1) -> tuple[Array, int]:
-    """The coordinates (samples, nq) after each so many steps, fewer where the scheme ends; and the work."""
+    """Return the coordinates (samples, nq) after every `every` steps, fewer if the scheme ends early, and the work."""
     now, path, work = start(made), [], 0
     try:
         for _ in range(SAMPLES):
@@ -47,23 +47,23 @@ def sampled(made: Scene, scheme: Callable[..., Step], every: int = 1) -> tuple[A
 
 
 def path(stage: Scene, answer: Solve, scheme: str, steps: int | None = None) -> Array:
-    """The positions (steps + 1, nv) of a motion."""
+    """Return the positions (steps + 1, nv) of a motion."""
     return np.array([step.q for step in simulation(stage, answer, SCHEMES[scheme], steps)])
 
 
 def problem_of(name: str, settings: Mapping[str, Any]) -> FrictionProblem:
-    """An instance, or the first problem of a scene."""
+    """Return an instance, or the first problem of a scene."""
     return fb.instance(name, **settings) if name in fb.instances() else first_problem(fb.scene(name, **settings))
 
 
 def thrown(problem: FrictionProblem, draws: int, seed: int) -> list[FrictionProblem]:
-    """The problem with random free velocities, of uniform direction in the metric of the kinetic energy; M is diagonal."""
+    """Return the problem with random free velocities, uniformly distributed in direction in the norm of a diagonal M."""
     random, root = np.random.default_rng(seed), np.sqrt(problem.mass.diagonal())
     return [problem.replace(free_velocity=random.normal(size=len(root)) / root) for _ in range(draws)]
 
 
 def apart(problem: FrictionProblem, v: Array, w: Array) -> float:
-    """|v - w|_M / |v*|_M, in the norm of the kinetic energy."""
+    """Return |v - w|_M / |v*|_M, in the norm of the kinetic energy."""
     free = problem.free_velocity
     return float(np.sqrt((v - w) @ (problem.mass @ (v - w)) / (free @ (problem.mass @ free))))
 

@@ -1,4 +1,4 @@
-"""Painlevé's paradox and the discontinuity in initial data: how far motions part that begin almost alike."""
+"""Painlevé's paradox and discontinuity in initial data: how far motions with nearly equal initial data diverge."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -18,19 +18,19 @@ from frictionbench.reports.drawing.style import INK
 from studies.motions import by
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require, widest
 
-PARTED = 20.0  # times the change of the start: farther apart at the end than smooth growth in so short a motion explains
-SAME = 1e-6  # m/s: answers of two solvers that differ by less
+PARTED = 20.0  # ratio of final to initial distance that smooth growth in so short a motion does not explain
+SAME = 1e-6  # m/s: answers of two solvers that differ by less are equal
 JAM, RODS = "jam", ("rod at p > 0", "rod at p < 0")
 EDGE = "rod leaving at p < 0"
 EVENTS = "event_driven"
-STEP, STEPS = 0.002, 10  # s, and their number
-G, HEIGHT, FALL, ASPECT = 9.81, 0.0051, 1.0, 3.0  # m/s^2; of the fall of a tall block, m; its first speed, m/s; its shape
+STEP, STEPS = 0.002, 10  # step, s; number of steps
+G, HEIGHT, FALL, ASPECT = 9.81, 0.0051, 1.0, 3.0  # m/s^2; a tall block's height of fall, m; initial speed, m/s; aspect ratio
 ROD = {"tip_velocity": -3.0, "friction": 1.6}  # at its steepest angle, where p < 0 from mu = 4/3 on
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "rod at p > 0": ("painleve_rod", ROD | {"friction": 1.0}),
     "rod at p < 0": ("painleve_rod", ROD),
     "rod leaving at p < 0": ("painleve_rod", ROD | {"lift": G * STEP}),
-    "jam": ("jam", {"sideways": 0.1}),  # moves towards a wall: without it no impulses are a solution
+    "jam": ("jam", {"sideways": 0.1}),  # moves towards a wall: otherwise zero impulses would be a solution
     "flat landing": ("two_corner_block", {"fall": FALL, "friction": 1.0, "aspect": ASPECT, "velocity": 0.0}),
 }
 SCHEMES_COMPARED = ("anitescu_potra", "stewart_trinkle", "moreau", "event_driven")
@@ -46,7 +46,7 @@ def ensembles(
     sizes: Iterable[float] = SIZES,
     members: int = 4,
 ) -> Iterator[Row]:
-    """Neighbours of each undisturbed motion: the largest distance of velocities on the way, and at the end."""
+    """Neighbours of each undisturbed motion: the largest distance of velocities during the motion, and at the end."""
     for case, scheme, solver in product(cases, schemes, solvers):
         stage = begin(case)
         middle = motion(stage, scheme, solver)
@@ -74,7 +74,7 @@ def ensembles(
 
 
 def begin(case: str) -> Scene:
-    """The undisturbed start; the block that lands is lifted to its height."""
+    """Return the undisturbed initial state; the landing block is raised to its height of fall."""
     name, settings = CASES[case]
     stage = fb.scene(name, **settings, step=STEP)
     return replace(stage, q0=stage.q0 + np.array([0.0, HEIGHT, 0.0])) if case == "flat landing" else stage
@@ -94,9 +94,9 @@ def motion(stage: Scene, scheme: str, solver: str, steps: int = STEPS) -> Array:
 def landings(schemes: Iterable[str] = SCHEMES_COMPARED, spins: Iterable[float] = SPINS) -> Iterator[Row]:
     """A tall block that lands almost flat with a small spin: one corner hits first, the other a moment later.
 
-    closed: the spin at the end after two hits in sequence, with half width b, half height H and R^2 = b^2 + H^2: the first hit
-    turns the block about its corner with v b/(4/3 R^2), the second leaves 1 - 3/2 (b/R)^2 of it (Housner 1963), and the weight
-    takes 3/4 g b/R^2 a second from it.
+    closed: the final spin after two impacts in sequence, with half width b, half height H and R^2 = b^2 + H^2. The first impact
+    makes the block rotate about its corner at v b/(4/3 R^2), the second leaves 1 - 3/2 (b/R)^2 of that (Housner 1963), and
+    gravity reduces it by 3/4 g b/R^2 per second.
     """
     speed, b, radius = sqrt(FALL**2 + 2 * G * HEIGHT), 0.5, hypot(0.5, ASPECT / 2)
     falling = STEPS * STEP - (speed - FALL) / G

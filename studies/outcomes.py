@@ -19,7 +19,7 @@ from frictionbench.solvers import solve
 from studies.motions import problem_of
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require
 
-APART = 1e-3  # of what contact changes: velocities further apart are two outcomes
+APART = 1e-3  # relative to the change by contact: velocities further apart are two outcomes
 TOL = 1e-8
 STARTS = 3  # random starts of the methods that take one
 LADDER = tuple(10.0**-k for k in range(1, 13))
@@ -44,7 +44,7 @@ WARM = ("nsgs", "proximal_newton")
 
 
 def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STARTS) -> Iterator[Row]:
-    """Every method's answer to the same problem, refined to rounding, and to which outcome it belongs."""
+    """Every method's answer to the same problem, refined to rounding level, and the outcome to which it belongs."""
     for name, settings in scenes:
         for friction in frictions:
             problem = problem_of(name, settings | {"friction": friction})
@@ -71,7 +71,7 @@ def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STAR
 
 
 def found(problem: FrictionProblem, starts: int) -> Iterator[tuple[str, str, Array | None]]:
-    """The answers of all methods, from zero and from random starts; None where a method has none within its limit of work."""
+    """Yield the answers of all methods, from zero and from random starts; None if a method has none within its work limit."""
     random = np.random.default_rng(1)
     scale = problem.units / problem.scale
     for method in METHODS[problem.dimension]:

@@ -18,12 +18,12 @@ from studies.study import Row, Study, Summary, Tables, curve, finish, listing, r
 METHODS = ("nsgs", "apgd_coulomb", "admm_coulomb")
 PRECISIONS = {"double": "", "single": "[precision=single]"}
 LIMITS = (10, 20, 50, 100, 200, 500, 1000, 2000)
-UNREACHED, REPEATS = 1e-300, 3  # a tolerance that no method reaches: the limit alone ends it
+UNREACHED, REPEATS = 1e-300, 3  # a tolerance that no method reaches, so that only the work limit ends it
 TARGETS = (1e-4, 1e-6)
 
 
 def rounded(cases: Iterable[str] | None = None) -> Iterator[Row]:
-    """The residual of an exact answer on the problem whose data were rounded to single precision, of the step of each model."""
+    """For a step of each model, the residual of an exact answer on the problem with data rounded to single precision."""
     for case in _cases(cases):
         problem = fb.instance("robot_step", case=case)
         parts = {name: getattr(problem, name) for name in ("mass", "normal", "tangent", "friction", "free_velocity", "bias")}
@@ -32,7 +32,7 @@ def rounded(cases: Iterable[str] | None = None) -> Iterator[Row]:
 
 
 def reached(cases: Iterable[str] | None = None, limits: Iterable[int] = LIMITS) -> Iterator[Row]:
-    """The verified residual and the least time (s, with form and setup) of so many sweeps or iterations."""
+    """The verified residual and the least time (s, with form and setup) for each limit on sweeps or iterations."""
     for case, method, limit, precision in product(_cases(cases), METHODS, limits, PRECISIONS):
         _, solver = find(method + PRECISIONS[precision])
         problem, times = fb.instance("robot_step", case=case), []
@@ -46,7 +46,7 @@ def reached(cases: Iterable[str] | None = None, limits: Iterable[int] = LIMITS) 
 
 
 def _cases(cases: Iterable[str] | None) -> list[str]:
-    """The step of each model that the suite `standard` has, unless cases are given."""
+    """Return the cases, by default the step of each model in the suite `standard`."""
     return list(cases or [source.parameters["case"] for source in robots.one_of_each()])
 
 

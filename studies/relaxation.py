@@ -27,12 +27,12 @@ FRICTIONS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.2, 1.6)
 STEPS = (1e-4, 1e-3, 1e-2)
 GAPS = "stewart_trinkle"
 SUDDEN, SMOOTH = "sudden", "smooth"
-ANY = 1e-3  # s: pushed by 10 m/s^2, the first problem and its answer are in proportion to the step
-SAME = 1e-10  # errors below it are those of the answers
+ANY = 1e-3  # s, an arbitrary step: with a push of 10 m/s^2 the first problem and its answer are proportional to it
+SAME = 1e-10  # smaller errors may be due to the answers' own
 
 
 def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEPS) -> Iterator[Row]:
-    """First problems of pushed piles: the relaxation beside Coulomb's law, and two iterations towards the law.
+    """First problems of pushed piles: the relaxation compared with Coulomb's law, and two iterations that converge to the law.
 
     anitescu_hart: relaxations until 1e-8; null if not reached; staggered: rounds of staggered projections until 1e-8; null
     if not reached.
@@ -85,16 +85,14 @@ def summary(found: Tables) -> Summary:
     usual = errors[errors["friction"].between(0.1, 0.8)]
     by_step = usual[usual["push"] == SUDDEN].groupby("step")["error"].median()
     require(by_step.iloc[0] >= by_step.iloc[-1], "smaller steps do not lessen the error of sudden pushes")
-    smooth_errors = usual[usual["push"] == SMOOTH]["error"]
+    smooth_errors = usual[usual["push"] == SMOOTH].set_index(["scene", "friction"])["error"]
     by_pile = usual.groupby(["push", "scene"])["error"].agg(["median", "max"])
     counts = errors.groupby("friction")[["anitescu_hart", "staggered"]].agg(["count", "median"])
     low, high = counts.index.min(), counts.index[counts["anitescu_hart"]["count"] > 0].max()
     numbers = {
         **{f"most_{push}": _percent(error) for push, error in by_pile["max"].groupby("push").max().items()},
-        "rows": [
-            (name, *(_percent(by_pile.loc[(push, name), how]) for push in (SUDDEN, SMOOTH) for how in ("median", "max")))
-            for name in PILES
-        ],
+        "rows": [(name, *map(_percent, [*by_pile.loc[(SUDDEN, name)], *smooth_errors[name].sort_index()])) for name in PILES],
+        "frictions": [f"{mu:g}" for mu in sorted(smooth_errors.index.unique("friction"))],
         "same": int((smooth_errors < SAME).sum()),
         "pairs": len(smooth_errors),
         "least": _percent(smooth_errors[smooth_errors >= SAME].min()),

@@ -9,6 +9,7 @@ study above its `summary`. An interrupted call is resumed by the same command.
 """
 
 import os
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -49,10 +50,13 @@ def study(name: str) -> Study:
 
 
 def code(name: str) -> str:
-    """Return a hash of the code that computes a study's tables, as above."""
+    """Return a hash of what computes a study's tables: the package, its file and those it imports, above their summary."""
+    return sha256((_computing(name) + content(("problems", "solvers"))).encode()).hexdigest()
+
+
+def _computing(name: str) -> str:
     above = (HERE / f"{name}.py").read_text(encoding="utf-8").partition("\ndef summary(")[0]
-    shared = (HERE / "motions.py").read_text(encoding="utf-8")
-    return sha256((above + shared + content(("problems", "solvers"))).encode()).hexdigest()
+    return above + "".join(map(_computing, sorted({*re.findall(r"^from studies\.(\w+) import", above, re.M)} - {"study"})))
 
 
 def compute(names: Sequence[str], out: Path, jobs: int) -> None:

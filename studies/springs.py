@@ -2,13 +2,13 @@
 
     f_n = max(0, -k g - c g.) where g < 0,      f_t = -mu f_n tanh(t'v/s),      M v' = force + N' f_n + T' f_t,    q' = v
 
-with the gap g, the stiffness k and a speed s. c = 2 z sqrt(k m) gives the rebound e of one contact alone, of effective mass
-m = 1/(n'M^-1 n), that does not pull:
+with the gap g, the stiffness k and a speed s. c = 2 z sqrt(k m) gives the restitution e of a single contact with the effective
+mass m = 1/(n'M^-1 n) that does not pull:
 
-    e = exp(-2 z acos(z)/sqrt(1 - z^2)),     with acosh and z^2 - 1 where z > 1;
+    e = exp(-2 z acos(z)/sqrt(1 - z^2)),     with acosh and z^2 - 1 if z > 1;
 
-e is at least LEAST, since e = 0 would need an infinite z. As k grows and s falls the
-motion tends to one of a rigid model; which one, where there are several, is decided by the state of the springs.
+e is at least LEAST, since e = 0 would need an infinite z. As k increases and s decreases, the motion tends to one of the rigid
+model. If there are several, the state of the springs determines which.
 
 Reference: Schwager and Pöschel, Granular Matter 9 (2007), pages 465-469, for e.
 """
@@ -23,11 +23,11 @@ from scipy.optimize import brentq
 from frictionbench.problems import InputError, Scene
 from studies.study import Array
 
-LEAST = 0.01  # the least rebound
+LEAST = 0.01  # the least restitution
 
 
 class CompliantMotion(NamedTuple):
-    """times (n,), s, of the states q (n, nq) and v (n, nv); how often the forces were evaluated."""
+    """times (n,), s, of the states q (n, nq) and v (n, nv); evaluations: the number of evaluations of the forces."""
 
     times: Array
     q: Array
@@ -37,7 +37,7 @@ class CompliantMotion(NamedTuple):
 
 @cache
 def damping_ratio(restitution: float) -> float:
-    """z for this e in [0, 1]."""
+    """Return z for this e in [0, 1]."""
 
     def excess(z: float) -> float:
         exponent = z * np.arccos(z) / np.sqrt(1 - z * z) if z < 1 else z * np.arccosh(z) / np.sqrt(z * z - 1)
@@ -54,10 +54,10 @@ def comply(
     times: Array | None = None,
     method: str = "Radau",
 ) -> CompliantMotion:
-    """The scene's motion at these times, by default at its steps.
+    """Return the scene's motion at these times, by default at its steps.
 
-    scene: planar and without hinges. stiffness: N/m. slip: the speed s, m/s. accuracy: relative, of the integrator.
-    method: scipy's Radau or BDF. Errors: InputError where the integrator fails.
+    scene: planar and without hinges. stiffness: N/m. slip: the speed s, m/s. accuracy: the integrator's, relative. method:
+    scipy's Radau or BDF. Errors: InputError if the integrator fails.
     """
     nv, at = len(scene.v0), np.arange(scene.steps + 1) * scene.step if times is None else times
     evaluations = 0
@@ -80,7 +80,7 @@ def comply(
     )
     scale = np.repeat([scene.reach, speed], nv)
     y0 = np.concatenate([scene.q0, scene.v0])
-    largest = scene.duration / 100  # so that no contact is passed over in free flight
+    largest = scene.duration / 100  # so that no contact is missed in free flight
     done = solve_ivp(slope, (0.0, at[-1]), y0, method=method, t_eval=at, rtol=accuracy, atol=accuracy * scale, max_step=largest)
     if not done.success:
         raise InputError(f"scene: its compliant motion cannot be integrated: {done.message}")

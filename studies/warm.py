@@ -1,4 +1,4 @@
-"""What a warm start buys: recorded motions replayed from zero, from the step before, and from another step."""
+"""The benefit of warm starts: recorded motions replayed from zero, from the previous step, and from another step."""
 
 import json
 from functools import partial
@@ -15,7 +15,7 @@ from frictionbench.results.conventions import COLD, SHUFFLED, WARM
 from studies.study import Study, Summary, Tables, finish, listing, require
 
 STARTS = (COLD, WARM, SHUFFLED)
-COUNTS = {  # of each method, what its work is measured by
+COUNTS = {  # the counter that measures each method's work
     "lemke": "pivots",
     "interior_point": "iterations",
     "nsgs": "sweeps",
@@ -37,7 +37,7 @@ PILES = (
 
 
 def plan() -> Plan:
-    """Problems of the seven examples and of piles, each solved from three starts; times are not used, so each is taken once."""
+    """Return the plan: problems of the seven examples and of piles, each with three starts; times are not used or repeated."""
     return Plan(
         suite="study warm",
         sources=(*(Source(name, pick=8, steps=150, repeats=1) for name in EXAMPLES), *PILES),

@@ -42,12 +42,9 @@ def describe() -> str:
 
 
 def _markdown(columns: tuple[Any, ...]) -> str:
-    cells = [[f"`{c.name}`", _type(c.type), c.unit, c.meaning.replace("|", "\\|")] for c in columns]
+    types = [f"list of {c.type.value_type}" if hasattr(c.type, "value_type") else str(c.type) for c in columns]
+    cells = [[f"`{c.name}`", kind, c.unit, c.meaning.replace("|", "\\|")] for c, kind in zip(columns, types, strict=True)]
     return "\n".join(f"| {' | '.join(row)} |" for row in [["column", "type", "unit", "meaning"], ["---"] * 4, *cells])
-
-
-def _type(kind: Any) -> str:
-    return f"list of {kind.value_type}" if hasattr(kind, "value_type") else str(kind)
 
 
 if __name__ == "__main__":

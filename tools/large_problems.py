@@ -23,11 +23,11 @@ METHODS = ("interior_point", "hybrid", "path_search", "lemke")
 TOL, ROUNDS, LONG, STORAGE = 1e-8, 3, 10.0, 2**31
 HEAD = f"""## Large problems
 
-Times of single calls over that of `interior_point` on the same problem in the same run, form, setup and solve together, by the
-processor's time, the least of {ROUNDS} in turn. *growth* is the time of `interior_point` over that at the family's first size.
-A problem has as many unknowns of its friction LCP as stand in *unknowns*; joints make W dense, so that methods of the LCP are
-not run with them. A dash: not run, where the method took more than {LONG:g} s at a smaller size or where its dense matrices
-need more than {STORAGE / 2**30:g} GiB. A residual stands where it is above {TOL:g}.
+Each entry is the time of a method over that of `interior_point` on the same problem in the same run: form, setup and solve,
+in processor time, the least of {ROUNDS} rounds. *growth* is the time of `interior_point` over that at the family's first size.
+*unknowns* counts those of the friction LCP. Joints make W dense, so that methods of the LCP are not run with them. A dash
+means not run: the method took more than {LONG:g} s at a smaller size, or its dense matrices need more than
+{STORAGE / 2**30:g} GiB. If the residual is above {TOL:g}, it is shown instead of the time.
 """
 
 

@@ -1,1 +1,1 @@
-"""The command line: its commands in cli, and what a command does beyond other folders in a file of its own."""
+"""The command line: `cli` defines the commands, and other files hold the work that is specific to one command."""

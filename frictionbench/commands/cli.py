@@ -237,21 +237,21 @@ def compare(
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits, accept as accept_run, compare as compare_runs
 
+    only = "--history, --accept and --confirm with --out exclude each other"
+    require(history + accept + (confirm or out is not None) < 2, "history" if history else "accept", only)
     if history:
-        require(not (out or accept or confirm), "history", "shows runs over time; it takes no --out, --accept or --confirm")
         typer.echo(over_time(lines(runs)))
         return
     require(len(runs) == 2, "DIR", "give a baseline and one results folder, or --history for a table of many")
     baseline, folder = runs
-    of_run = f"{folder} is a file; the second is the folder of a run, which a baseline's file cannot replace"
-    require(not folder.is_file(), "DIR", of_run)
+    require(not folder.is_file(), "DIR", f"{folder} is a file; the second DIR is the results folder of a run")
     if accept:
         before, accepted = accept_run(folder, baseline)
         if before is not None:
             typer.echo(markdown(before))
         typer.echo(accepted)
         return
-    require(code is None or confirm, "code", "names the code that --confirm runs; give --confirm as well")
+    require(confirm or not (code or solver), "confirm", "--code and --solver say what --confirm runs; give it as well")
     limits = Limits(slowdown, times=not no_times, rank_by=rank_by)
     comparison = compare_runs(baseline, folder, limits)
     if confirm:
@@ -458,7 +458,7 @@ def rerun(
     ] = False,
 ) -> None:
     """Run one cell again, or reduce its problem."""
-    if not shrink:
+    if not shrink or not row:
         from frictionbench.commands.single import show_rerun
 
         show_rerun(folder, row, solver or [])
@@ -466,8 +466,7 @@ def rerun(
     from frictionbench.commands.shrink import shrink as shrink_row
 
     path, problem, trials, command = shrink_row(folder, row, solver or [], lambda line: typer.echo(line, err=True))
-    size = f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities"
-    typer.echo(f"reduced to {size} in {trials} trials: {path}\nsolve it: {command}")
+    typer.echo(f"reduced to {problem.contacts} contacts in {trials} trials: {path}\nsolve it: {command}")
 
 
 def _jobs(jobs: int | None, progress: "Progress") -> int:

@@ -44,8 +44,7 @@ def _words(values: Facts | list[Any]) -> str:
 
 
 def _number(value: Any) -> str:
-    text = f"{value:.4g}" if isinstance(value, float) else str(value)
-    return "1e-4" if text == "0.0001" else text.replace("e-0", "e-")
+    return (f"{value:.4g}" if isinstance(value, float) else str(value)).replace("e-0", "e-")
 
 
 def _scenes() -> dict[str, Facts]:

@@ -72,7 +72,7 @@ def shrink(
 
 
 def fails_as(row: Row, found: Row) -> bool:
-    """Return whether a trial's row has the given row's verdict, with a rounding floor that is not above tolerance and floor."""
+    """Return whether a trial has the row's verdict, and a rounding floor within the row's tolerance or its rounding floor."""
     hidden = (found.get("residual_floor") or 0.0) > max(row["tol"], row.get("residual_floor") or 0.0)
     return found["verdict"] == row["verdict"] and not hidden
 

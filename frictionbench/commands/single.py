@@ -20,12 +20,13 @@ from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import require_known
 from frictionbench.problems.spec import parse
-from frictionbench.problems.verdicts import RANK, Verdict
+from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict
 from frictionbench.reports.drawing.text import seconds
+from frictionbench.results import store
 from frictionbench.results.cells import counts
-from frictionbench.results.conventions import RankBy, ending
+from frictionbench.results.conventions import RankBy, count, ending, scene_title
 from frictionbench.results.files import printable
-from frictionbench.results.schema import PROBLEM_FACTS
+from frictionbench.results.schema import PROBLEM_FACTS, TABLES
 from frictionbench.results.store import Row
 from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import installed
@@ -108,9 +109,9 @@ def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
         if other is not best and _seconds(other, rank_by.other) < _seconds(best, rank_by.other):
             told += f"; {rank_by.other.words} {other['variant']} is faster: {_time(_seconds(other, rank_by.other))}"
         return told
-    answered = [row for row in rows if row.get("residual") is not None]
+    answered = [row for row in rows if row.get("residual") is not None and row["residual"] < np.inf]
     if not answered:
-        return "no solver returned an answer"
+        return "no solver returned an answer that can be judged"
     nearest = min(answered, key=lambda row: row["residual"])
     return f"no solver solves it; the smallest residual is {nearest['residual']:.1e}, by {nearest['variant']}"
 
@@ -152,7 +153,14 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
 
 
 def show_rerun(folder: Path, key: str, named: list[str]) -> None:
-    """Run the cell of a row again and print both rows. Errors: as for rerun_row."""
+    """Run the cell of a row again and print both rows; without a key print all that failed. Errors: as for rerun_row."""
+    if not key:
+        store.read_manifest(folder)
+        rows = [row for table in TABLES for row in store.rows(folder, table).values()]
+        failed = [row for row in rows if row["verdict"] not in (*ACCEPTED, Verdict.SKIPPED)]
+        labels = [f"{row['key']} {scene_title(row['scene'], row['parameters'])}" for row in failed]
+        _show(f"{count(len(failed), 'row')} failed", dict(zip(labels, failed, strict=True)))
+        return
     row, again = rerun_row(folder, key, named)
     title = printable(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}")
     _show(title, {"stored": row, "rerun": again})
@@ -165,8 +173,7 @@ def _source(problem: str) -> Source:
     if path.is_dir():
         each, steps = (f"`frictionbench run {suite} --data {problem}`" for suite in ("recorded", "replay"))
         raise InputError(f"problem: {problem} is a folder; {each} solves each problem, {steps} a sequence of steps")
-    named = path.is_file() or Path(problem.partition("[")[0]).suffix
-    if named:
+    if path.is_file() or Path(problem.partition("[")[0]).suffix:
         return Source(path.name, file=str(path.absolute()))
     name, settings = parse("scene", problem)
     require_known(name, settings)

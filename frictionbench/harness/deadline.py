@@ -32,7 +32,7 @@ class Deadline:
         return self._moment[0] - monotonic()
 
     def allow(self, seconds: float) -> None:
-        """Set the deadline to so many seconds from now."""
+        """Set the deadline to this many seconds from now."""
         self._moment[0] = monotonic() + seconds
 
     @contextmanager

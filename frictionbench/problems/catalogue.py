@@ -90,7 +90,7 @@ def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
         raise InputError(f"{kind}: unknown {kind} {name!r}{near(name, known)}; `frictionbench list scenes` names all")
     found = known[name]
     if found.kind != kind:
-        raise InputError(f"{kind}: {name!r} is no {kind}; frictionbench.problem({name!r}) makes the problem of one step")
+        raise InputError(f"{kind}: {name!r} is no {kind} but a problem of one step; frictionbench.problem({name!r}) makes it")
     for key in set(parameters) - found.parameters.keys() - {*(UNITS if kind == "scene" else ())}:
         like, its = near(key, found.parameters), ", ".join(found.parameters)
         raise InputError(f"{key}: the {kind} {name} has no such parameter{like}; it has {its}")

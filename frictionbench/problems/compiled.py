@@ -1,9 +1,9 @@
 """The cache of compiled kernels: a folder for every version of the kernels' source.
 
-numba's cache detects changes in the file of a kernel, not in kernels that it calls from other files: outdated code would run
-and be measured as the current code. Therefore the cache folder is named by a hash of all files that hold kernels, and an
-older checkout uses its own folder. Where the user's cache folder cannot be written, a folder of the user in the system's
-temporary folder is used. NUMBA_CACHE_DIR, where it is set, replaces the user's cache folder.
+Numba's cache detects changes in the file of a kernel, but not in kernels that it calls from other files: outdated code would
+run and be measured as the current code. Therefore the cache folder is named by a hash of all files with kernels, so that every
+checkout uses its own folder. If the user's cache folder is not writable, a folder of the user in the system's temporary folder
+is used. NUMBA_CACHE_DIR, if set, replaces the user's cache folder.
 """
 
 import getpass
@@ -23,30 +23,30 @@ from platformdirs import user_cache_path
 PACKAGE = Path(__file__).absolute().parents[1]
 FOLDERS = ("problems", "solvers")
 
-# A kernel is called from Python and cached on disk. A loop goes over many problems and does not hold the interpreter's lock. An
-# inlined function is inserted into its caller before type inference, for functions that take less time than a call.
+# A kernel is called from Python and cached on disk. A loop processes many problems and releases the interpreter's lock. An
+# inlined function is inserted into its caller before type inference, because it takes less time than a call.
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 loop = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True)
 inlined = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
-# A kernel that creates and returns no array. Its arrays' references are not counted: the atomic counts of the tuples of arrays
-# that it hands on would take two thirds of the time of a pivot on ten unknowns. numba refuses to compile what needs them.
+# A kernel that neither creates nor returns arrays. References to arrays are not counted: the atomic counts for the tuples of
+# arrays that it passes on would take two thirds of the time of a pivot on ten unknowns. Numba refuses code that needs counts.
 lean_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False)
 
-# A loop of that kind. The counts of arrays that several threads read would be written by all of them in turn, which takes
-# longer than to solve a problem of few contacts.
+# A loop without reference counts. Otherwise all threads that read an array would write its count in turn, which takes longer
+# than to solve a problem of few contacts.
 lean_loop = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False)
 
 
 def part(function: Callable[..., Any], counted: bool = True) -> Any:
-    """A compiled function that only kernels call; its wrapper for Python would take longer to compile than the function."""
+    """A compiled function that only kernels call. It has no wrapper for Python, which would take longer to compile than it."""
     compiled = njit(error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True, _nrt=counted)(function)
-    if isinstance(compiled, CPUDispatcher):  # with NUMBA_DISABLE_JIT it is the function itself
+    if isinstance(compiled, CPUDispatcher):  # with NUMBA_DISABLE_JIT it is the Python function
         compiled.__class__ = _Part
     return compiled
 
 
 def lean(function: Callable[..., Any]) -> Any:
-    """A part that creates and returns no array; see lean_kernel."""
+    """A part that neither creates nor returns arrays; see lean_kernel."""
     return part(function, counted=False)
 
 
@@ -56,7 +56,7 @@ class _Part(CPUDispatcher):
 
 
 def state(package: Path) -> str:
-    """A hash of the names and contents of all files of a package that hold kernels."""
+    """A hash of the names and contents of all files of a package with kernels."""
     digest = sha256()
     for path in sorted(path for folder in FOLDERS for path in (package / folder).rglob("*.py")):
         text = path.read_bytes()
@@ -66,7 +66,7 @@ def state(package: Path) -> str:
 
 
 def _writable(name: str) -> Path:
-    """The cache folder for this version. Its files are executed, so in a place open to all users it must belong to this one."""
+    """The cache folder for this version. Its files are executed, so in a shared place the folder must belong to this user."""
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     usual = Path(chosen) if chosen else user_cache_path("frictionbench") / "compiled"
     spare = Path(tempfile.gettempdir()) / f"frictionbench-{getpass.getuser()}"
@@ -74,7 +74,7 @@ def _writable(name: str) -> Path:
         with suppress(OSError):
             (above / name).mkdir(parents=True, exist_ok=True)
             if above is spare:
-                spare.chmod(0o700)  # fails where the folder belongs to another user
+                spare.chmod(0o700)  # fails if the folder belongs to another user
             if os.access(above / name, os.W_OK):
                 return above / name
     return usual / name

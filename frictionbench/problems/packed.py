@@ -1,8 +1,8 @@
-"""Problems of any sizes packed one after another into flat arrays, so that one compiled loop goes over all of them.
+"""Problems of any sizes packed one after another into flat arrays, so that one compiled loop processes all of them.
 
-Of each problem the arrays hold either its mechanics, without joints, or its Delassus matrix by blocks. Problem k has the
-entries first[k, a] to first[k + 1, a] of the a-th array. The passes here are those of problems.mechanics on the pieces of one
-problem, so that the numbers are the same to the last bit.
+For each problem the arrays contain either its mechanics, without joints, or its Delassus matrix by blocks. Problem k has the
+entries first[k, a] to first[k + 1, a] of the a-th array. The kernels are those of problems.mechanics, applied to the pieces of
+one problem, so that the results are the same to the last bit.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -30,8 +30,8 @@ class Packed(NamedTuple):
 
     friction, friction_bias: of all contacts. start, column, J (entries, d): J by contacts (problems.rows). m_start, m_column,
     m_value: M^-1 by rows. mass_start, mass_column, mass_value: M by rows. free: v*. bias: b. w_start, neighbours, block: W by
-    blocks (problems.forms.delassus); starts count within a problem. q (contacts*d,), offset (contacts, d), zero where only W is
-    known, scale, units (contacts,): as in FrictionProblem. spread: (N,).
+    blocks (problems.forms.delassus). Starts count within a problem. q (contacts*d,), scale, units (contacts,), spread (N,): as
+    in FrictionProblem. offset: (contacts, d), as in FrictionProblem, but zero if only W is known.
     """
 
     friction: Array
@@ -69,12 +69,12 @@ class Packed(NamedTuple):
 
     @property
     def contacts(self) -> Index64:
-        """(N+1,): where the contacts of each problem begin, counted from the first problem's."""
+        """(N+1,): the start of each problem's contacts, relative to that of the first problem."""
         return self.first[:, CONTACT] - self.first[0, CONTACT]
 
     @property
     def velocities(self) -> Index64:
-        """(N+1,): where the velocities of each problem begin: of the bodies, or of the contacts where only W is known."""
+        """(N+1,): the start of each problem's velocities, which are those of the contacts if only W is known."""
         known = np.diff(self.first[:, START]) == 0
         nv = np.where(known, np.diff(self.first[:, Q]), np.diff(self.first[:, VELOCITY]))
         return np.concatenate([[0], np.cumsum(nv)])
@@ -86,7 +86,7 @@ class Packed(NamedTuple):
 
 # Columns of first.
 CONTACT, _, START, COLUMN, _, M_START, M_COLUMN, _, MASS_START, MASS_COLUMN, _, VELOCITY, BIAS, W_START, BLOCK, _, Q = range(17)
-SAME = {1: CONTACT, 4: COLUMN, 7: M_COLUMN, 10: MASS_COLUMN, 15: BLOCK}  # the arrays that go along with another
+SAME = {1: CONTACT, 4: COLUMN, 7: M_COLUMN, 10: MASS_COLUMN, 15: BLOCK}  # arrays that have the starts of another
 NONE, NOTHING = np.zeros(0, np.int32), np.zeros(0)
 NO_BLOCKS = {d: np.zeros((0, d, d)) for d in (2, 3)}
 
@@ -103,7 +103,7 @@ def pack(problems: Sequence[FrictionProblem]) -> Packed:
     offset = np.zeros((len(given.friction), problems[0].dimension))
     offset[np.repeat(np.diff(first[:, START]) > 0, np.diff(first[:, CONTACT])), 0] = given.bias
     given = given._replace(offset=offset)
-    for array in (*given[:2], given.free, given.bias, given.q, offset):  # as in a problem: kernels see the same types
+    for array in (*given[:2], given.free, given.bias, given.q, offset):  # as in a problem, so that kernels see the same types
         array.setflags(write=False)
     q, scale, units, spread = _measured(given)
     q.setflags(write=False)
@@ -121,12 +121,12 @@ def _pieces(problem: FrictionProblem) -> tuple[Any, ...]:
 
 
 class Batch:
-    """Friction problems packed once, to be solved by `solve_many` as often as wanted.
+    """Friction problems packed once, to be solved by `solve_many` any number of times.
 
-    problems: FrictionProblems, of any sizes; in the plane, in space, or both. Errors: InputError naming the entry that is none.
+    problems: FrictionProblems of any sizes, planar, spatial, or both. Errors: InputError naming an entry that is not one.
 
-    groups: the packed problems of the plane and of space, with their numbers. Those with joints are in none: they are solved
-    one by one. dimension (N,): that of the contacts. first (N+1,): where the impulses of each problem begin in a flat array.
+    groups: the packed planar and spatial problems, each with their numbers. Problems with joints are in no group and are solved
+    one by one. dimension (N,): of the contacts. first (N+1,): the start of each problem's impulses in a flat array.
 
     >>> import frictionbench as fb
     >>> batch = fb.Batch(fb.scene("stack", blocks=n, push=1.0).problem() for n in (1, 2, 3))
@@ -173,7 +173,7 @@ def law_of(packed, k):  # type: ignore[no-untyped-def]
 
 @inlined
 def mechanical(packed, k):  # type: ignore[no-untyped-def]
-    """Whether problem k has mechanics."""
+    """Whether problem k is given by its mechanics."""
     return packed.first[k + 1, START] > packed.first[k, START]
 
 
@@ -203,7 +203,7 @@ def mass_of(packed, k):  # type: ignore[no-untyped-def]
 
 @inlined
 def known_blocks(packed, k):  # type: ignore[no-untyped-def]
-    """Problem k's W by blocks, where it is what is known."""
+    """Problem k's W by blocks, if only W is known."""
     a, b = packed.first[k], packed.first[k + 1]
     block = slice(a[BLOCK], b[BLOCK])
     return packed.w_start[a[W_START] : b[W_START]], packed.neighbours[block], packed.block[block]
@@ -237,7 +237,7 @@ def _measured(packed):  # type: ignore[no-untyped-def]
 
 
 def residuals(packed: Packed, impulse: Array) -> Array:
-    """(N, 2): the residual and its floor (problems.residual) of the impulses of all contacts (contacts, d)."""
+    """(N, 2): each problem's residual and its floor (problems.residual), for the impulses of all contacts (contacts, d)."""
     contacts, velocities = np.diff(packed.contacts).max(initial=0), np.diff(packed.first[:, VELOCITY]).max(initial=0)
     found = np.empty((packed.size, 2))
     _residuals(packed, impulse, np.empty((2, velocities)), np.empty((2, contacts, packed.dimension)), found)
@@ -246,7 +246,7 @@ def residuals(packed: Packed, impulse: Array) -> Array:
 
 @lean_loop
 def _residuals(packed, impulse, by_velocity, by_contact, found):  # type: ignore[no-untyped-def]
-    """The same over found (N, 2); by_velocity (2, nv) and by_contact (2, nc, d), for the largest problem, are workspace."""
+    """Write `residuals` to found (N, 2). by_velocity (2, nv), by_contact (2, nc, d): workspace for the largest problem."""
     begin = packed.first[0, CONTACT]
     for k in range(len(found)):
         r = impulse[packed.first[k, CONTACT] - begin : packed.first[k + 1, CONTACT] - begin]

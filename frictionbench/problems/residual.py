@@ -2,24 +2,24 @@
 
 Coulomb's law at a contact is equivalent to r = P_K(r - g(u)/s) for any s > 0, with the cone
 K = {|r_t| <= mu r_n + b_f, r_n >= 0} and de Saxcé's shifted velocity g(u) = u + mu |u_t| e_n (De Saxcé and Feng 1998). The
-residual measures the defect of that equation as a velocity, relative to what impulses have to change in the contact's island:
+residual is the defect of this equation as a velocity, relative to the change that impulses must cause in the contact's island:
 
     max_i max( s_i | r_i - P_K(r_i - g(u_i)/s_i) |, |min(s_i r_n,i, u_n,i)| ) / unit_i
 
-with s_i the mean of the positive diagonal entries of contact i's block of W, and unit_i, where there is no friction bias, the
-largest closing speed max(-q_n,j, 0) of the contacts of its island that can bear (problems.forms.islands): the residual of no
-impulses is 1 wherever some are needed, and one of 1e-8 means that eight digits of what they change are right. It is zero
-exactly at a solution, and invariant under changes of units, also of a joint's coordinate, of the order of the contacts and of
-their tangent frames; that of problems side by side is the largest of theirs. docs/residual.md states what it can hide.
+Here s_i is the mean of the positive diagonal entries of contact i's block of W. Without friction biases, unit_i is the largest
+closing speed max(-q_n,j, 0) of the contacts of its island that can carry load (problems.forms.islands). Zero impulses then have
+the residual 1 if impulses are needed, and a residual of 1e-8 means that eight digits of the change are correct. The residual is
+zero exactly at a solution. It is invariant under changes of units, also of a joint's coordinate, of the order of contacts and
+of their tangent frames. That of problems side by side is the largest of theirs. docs/residual.md states what it can hide.
 
-The second term, Signorini's own, is implied by the first, but only up to a factor of sqrt(1 + mu^2): the cone of a large mu is
-nearly a half-space, to which a contact that penetrates while it slides is close.
-Without the shift, g(u) = u, the first term measures the convex relaxation's own optimality.
+The second term, the defect of Signorini's law, is implied by the first, but only up to a factor of sqrt(1 + mu^2): for a large
+mu, K is nearly a half-space, so that the first term is small for a contact that penetrates while it slides.
+Without the shift, g(u) = u, the first term measures the optimality in the convex relaxation.
 
-Every term has a rounding error of some eps: s r, the terms of the sum u, and mu times those of u_t. The sum of these errors
-over the unit is the residual's floor, below which an answer cannot be judged: for impulses so large that eps s r exceeds it,
-the computed residual may be 0 for wrong answers. Where a contact is open beyond the errors, those of u_n do not matter, and
-P_K(r - g/s) lies in the disc of b_f.
+Every term has a rounding error of a few eps: s r, the terms of the sum u, and mu times those of u_t. The sum of these errors
+divided by the unit is the residual's floor, below which an answer cannot be judged: for very large impulses, rounding errors of
+s r can make the computed residual of a wrong answer 0. If a contact is open by more than these errors, those of u_n do not
+matter, and P_K(r - g/s) lies in the disc of radius b_f.
 """
 
 from typing import Any
@@ -41,10 +41,10 @@ LEAST = 1e-250  # smaller units have no reciprocal
 
 def residual(problem: FrictionProblem, impulse: Array) -> float:
     """The residual of impulse (nc, d), N s, on the exact problem: the largest defect of Coulomb's law at a contact, as a
-    velocity over the contact's unit, `problem.units`.
+    velocity divided by the contact's unit, `problem.units`.
 
-    Zero exactly at a solution; infinity where the impulse is not finite or has another shape.
-    Errors: InputError naming problem or impulse, where the one is no FrictionProblem or the other no array of numbers.
+    It is zero exactly at a solution, and infinity if the impulse is not finite or has another shape.
+    Errors: InputError naming problem if it is not a FrictionProblem, or impulse if it is not an array of numbers.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
@@ -55,7 +55,7 @@ def residual(problem: FrictionProblem, impulse: Array) -> float:
 
 
 def relaxation_residual(problem: FrictionProblem, impulse: Array, softness: Array | None = None) -> float:
-    """The residual of impulse (nc, d) on the problem's convex relaxation, as a velocity over `problem.relaxation_units`.
+    """The residual of impulse (nc, d) on the problem's convex relaxation, relative to `problem.relaxation_units`.
 
     softness: (nc, d), R >= 0 in 1/kg, the compliance of regularised contacts, u = W r + q + R r.
     """
@@ -63,7 +63,7 @@ def relaxation_residual(problem: FrictionProblem, impulse: Array, softness: Arra
 
 
 def contact_residuals(problem: FrictionProblem, impulse: Array, shift: float = 1.0, softness: Array | None = None) -> Array:
-    """The residual of each contact (nc,), on the exact problem or with shift 0 on its convex relaxation."""
+    """The residual of each contact (nc,) on the exact problem, or with shift 0 on its convex relaxation."""
     nc = problem.contacts
     if impulse.shape != (nc, problem.dimension):
         return np.full(nc, np.inf)
@@ -75,17 +75,17 @@ def contact_residuals(problem: FrictionProblem, impulse: Array, shift: float = 1
 
 
 def _units(problem: FrictionProblem, impulse: Array, shift: float = 1.0) -> Array:
-    """The contacts' units (nc,); where nothing moves, the largest s_i |r_i|."""
+    """The contacts' units (nc,); if nothing moves, the largest s_i |r_i|."""
     units = problem.units if shift else problem.relaxation_units
-    if len(units) and units[0] == 0 and not units.any():  # the first alone is nearly always enough, and takes no time
+    if len(units) and units[0] == 0 and not units.any():  # testing the first is fast and nearly always enough
         return np.full(len(units), (problem.scale * np.linalg.norm(impulse, axis=1)).max())
     return units
 
 
 def polygon_residual(problem: FrictionProblem, lcp: LCP, z: Array) -> float:
-    """The residual of z on the friction problem's LCP, as a velocity over the contact's unit, independent of units:
+    """The residual of z on the friction problem's LCP, as a velocity divided by the contact's unit:
 
-    max |min(s z, w)| over the impulses c and beta, |min(z, s w)| over the sliding speeds lambda, s that of the contact.
+    max |min(s z, w)| for the impulses c and beta, |min(z, s w)| for the sliding speeds lambda, with the contact's s.
     """
     return float(largest(polygon_residuals(problem, lcp, z)))
 
@@ -105,7 +105,7 @@ def polygon_residuals(problem: FrictionProblem, lcp: LCP, z: Array) -> Array:
 
 @kernel
 def largest(values):  # type: ignore[no-untyped-def]
-    """The largest of the contacts' values (nc,) >= 0, 0 for none."""
+    """The largest of the contacts' values (nc,) >= 0; 0 without contacts."""
     most = 0.0
     for value in values:
         most = max(most, value)
@@ -113,15 +113,15 @@ def largest(values):  # type: ignore[no-untyped-def]
 
 
 def relative(velocity: Array, units: Array) -> Array:
-    """velocity (nc,) >= 0 over the contacts' units; where nothing moves, 0 or infinity."""
+    """velocity (nc,) >= 0 divided by the contacts' units; 0 or infinity if a unit is 0."""
     with np.errstate(over="ignore"):
         return np.where(units > 0, velocity / np.where(units > 0, units, 1.0), np.where(velocity > 0, np.inf, 0.0))
 
 
 def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
-    """A bound of the rounding error of impulse's (nc, d) residual, the largest of `contact_floors`.
+    """A bound on the rounding error of impulse's (nc, d) residual, the largest of `contact_floors`.
 
-    Infinity where the impulse is not finite or has another shape. Errors: as of `residual`.
+    It is infinity if the impulse is not finite or has another shape. Errors: as in `residual`.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
@@ -132,15 +132,15 @@ def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
 
 
 def _impulses(problem: FrictionProblem, impulse: Any) -> Array:
-    """Errors: InputError as of residual."""
+    """The impulse as floats. Errors: as in residual."""
     check.require(isinstance(problem, FrictionProblem), "problem", f"must be a FrictionProblem, got {type(problem)}")
     return check.floats("impulse", impulse)
 
 
 def residual_with_floor(problem: FrictionProblem, impulse: Array) -> tuple[float, float]:
-    """The residual and its floor together, of finite impulses (nc, d), for solvers that stop by both."""
+    """The residual and its floor together, for finite impulses (nc, d), for solvers whose stopping test uses both."""
     law = problem.scale, problem.friction, problem.friction_bias, _units(problem, impulse)
-    if problem.mechanical and not len(problem.joint_bias):  # in one pass: three take longer than it for few contacts
+    if problem.mechanical and not len(problem.joint_bias):  # one pass is faster than three for few contacts
         rows = *problem.contact_rows, *problem.inverse_rows
         found, floor = _mechanical(*rows, problem.free_velocity, impulse, problem.bias, *law)
     else:
@@ -149,8 +149,8 @@ def residual_with_floor(problem: FrictionProblem, impulse: Array) -> tuple[float
 
 
 def contact_floors(problem: FrictionProblem, impulse: Array, shift: float = 1.0) -> Array:
-    """A bound (nc,) of the rounding error of each contact's residual: 2 eps (s_i |r_i| + (1 + mu_i) |terms of u_i|)/unit_i, and
-    of a contact that is open beyond it 2 eps s_i |r_i|/unit_i, with at most 2 s_i b_f,i/unit_i for its friction bias.
+    """A bound (nc,) on the rounding error of each contact's residual: 2 eps (s_i |r_i| + (1 + mu_i) |terms of u_i|)/unit_i. For
+    a contact that is open beyond it, 2 eps s_i |r_i|/unit_i, plus at most 2 s_i b_f,i/unit_i for its friction bias.
     shift: as in contact_residuals. Infinity as in residual_floor."""
     nc = problem.contacts
     if impulse.shape != (nc, problem.dimension) or not np.isfinite(impulse).all():
@@ -171,16 +171,16 @@ def _residuals(r, u, s, mu, b, units, shift):  # type: ignore[no-untyped-def]
 
 @inlined
 def contact_residual(r, u, s, mu, b, unit, shift):  # type: ignore[no-untyped-def]
-    """The residual of one contact, r and u (d,); infinity where it is NaN, and where nothing moves but it is not 0.
+    """The residual of one contact, for r and u (d,); infinity if it is NaN, or if the unit is 0 and the defect is not.
 
-    It is computed in the unit, in which the velocities of an answer are of order one and their squares neither overflow nor
-    vanish.
+    Velocities are first divided by the unit, so that those of an answer are of order one and their squares neither overflow nor
+    underflow.
     """
     v = 1 / max(unit, LEAST) if unit > 0 else 1.0
     s *= v
     defect, closed, opened = contact_defect(r, u, s, v, mu, b, shift), s * r[0], v * u[0]
     if shift == 1:
-        signorini = abs(closed if closed < opened else opened)  # min and max would be branches, often predicted wrongly
+        signorini = abs(closed if closed < opened else opened)  # min and max would be branches, often mispredicted
         defect = signorini if signorini > defect else defect
     if unit < LEAST:
         return relative_defect(defect, unit / LEAST)
@@ -189,14 +189,14 @@ def contact_residual(r, u, s, mu, b, unit, shift):  # type: ignore[no-untyped-de
 
 @inlined
 def relative_defect(defect: float, unit: float) -> float:
-    """defect / unit; infinity where that is NaN, and where nothing moves but the defect is not 0."""
+    """defect / unit; infinity if this is NaN, or if the unit is 0 and the defect is not."""
     share = defect / unit if unit > 0 else defect
     return share if share == 0 or (unit > 0 and share < np.inf) else np.inf
 
 
 @lean_kernel
 def largest_with_floor(r, u, terms, s, mu, b, units):  # type: ignore[no-untyped-def]
-    """The largest of _residuals and of _floors, of Coulomb's law."""
+    """The largest of _residuals and the largest of _floors, for Coulomb's law."""
     worst = floor = 0.0
     for i in range(len(r)):
         worst = max(worst, contact_residual(r[i], u[i], s[i], mu[i], b[i], units[i], 1.0))
@@ -206,7 +206,7 @@ def largest_with_floor(r, u, terms, s, mu, b, units):  # type: ignore[no-untyped
 
 @kernel
 def _mechanical(start, column, J, m_start, m_column, m_value, free, r, bias, s, mu, b, units):  # type: ignore[no-untyped-def]
-    """largest_with_floor of the impulses r on a problem with mechanics and without joints."""
+    """largest_with_floor for the impulses r of a mechanical problem without joints."""
     u = pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, r, bias)
     terms = velocity_size(start, column, J, m_start, m_column, m_value, free, r, bias)
     return largest_with_floor(r, u, terms, s, mu, b, units)
@@ -223,7 +223,7 @@ def _floors(r, u, terms, s, mu, b, units, shift):  # type: ignore[no-untyped-def
 
 @inlined
 def _contact_floor(r, u, terms, s, mu, b, unit, shift):  # type: ignore[no-untyped-def]
-    """See contact_floors; r, u and terms (d,)."""
+    """The floor of one contact, see contact_floors; r, u and terms (d,)."""
     impulse, moved = s * length(r, 0, len(r)), 2 * EPSILON * (1 + mu) * length(terms, 0, len(r))
     sliding = 0.0
     for k in range(1, len(u)):
@@ -235,7 +235,7 @@ def _contact_floor(r, u, terms, s, mu, b, unit, shift):  # type: ignore[no-untyp
 
 @inlined
 def contact_defect(r, u, s, v, mu, b, shift):  # type: ignore[no-untyped-def]
-    """|s r - P_K(s r - v (u + shift mu |u_t| e_n))| of one contact, r and u (d,), with K that of the impulses s r."""
+    """|s r - P_K(s r - v (u + shift mu |u_t| e_n))| of one contact, for r and u (d,); K is the cone of s r, with bias s b."""
     sliding = size = 0.0
     for k in range(1, len(r)):
         sliding += (v * u[k]) ** 2

@@ -1,8 +1,8 @@
-"""Sparse matrices as plain arrays, which compiled passes read and write.
+"""Sparse matrices as plain arrays, which compiled code reads and writes.
 
-By rows: row i has the entries value[k] in the columns column[k], start[i] <= k < start[i+1], columns ascending, no zeros (the
-CSR arrays). By contacts: contact i touches the columns column[k] with the d entries value[k], its normal's first, of which some
-may be zero. scipy's matrices are made from these on demand, for users and outside libraries: making one takes as long as all
+By rows (the CSR arrays): row i has the entries value[k] in the columns column[k], start[i] <= k < start[i+1], with ascending
+columns and no zeros. By contacts: contact i has d entries value[k] in each column column[k], the normal's first, of which some
+may be zero. SciPy's matrices are made from these on demand, for users and outside libraries: making one takes as long as all
 the arithmetic on ten contacts.
 """
 
@@ -27,7 +27,7 @@ class Rows(NamedTuple):
     value: Array
 
     def matrix(self, columns: int) -> sparse.csr_array:
-        """The matrix as scipy's CSR array; read-only."""
+        """The matrix as SciPy's CSR array; read-only."""
         parts = [piece.view() for piece in (self.value, self.column, self.start)]
         for piece in parts:
             piece.setflags(write=False)
@@ -41,7 +41,7 @@ class Rows(NamedTuple):
 
 
 class ByContact(NamedTuple):
-    """A matrix of d rows a contact: start (nc+1,), column (entries,), value (entries, d)."""
+    """A matrix with d rows per contact: start (nc+1,), column (entries,), value (entries, d)."""
 
     start: Index32
     column: Index32
@@ -60,17 +60,17 @@ def from_dense(dense: Array) -> Rows:
 
 
 def _starts(row: Index64, rows: int) -> Index32:
-    """Where each row begins (rows+1,) among entries whose rows ascend."""
+    """The start of each row (rows+1,) among entries that are sorted by rows."""
     return np.searchsorted(row, np.arange(rows + 1)).astype(np.int32)
 
 
 def from_matrix(matrix: sparse.csr_array) -> Rows:
-    """A canonical scipy matrix by rows; a copy."""
+    """A copy by rows of a canonical SciPy matrix."""
     return Rows(np.array(matrix.indptr, np.int32), np.array(matrix.indices, np.int32), np.array(matrix.data))
 
 
 def by_contact(normal: Rows, tangent: Rows, d: int) -> ByContact:
-    """Each contact's normal row and its d-1 tangent rows over the union of their columns."""
+    """Each contact's normal row and its d-1 tangent rows, by contacts over the union of their columns."""
     nc = len(normal.start) - 1
     row = [row_of_entry(rows.start) for rows in (normal, tangent)]
     contact, axis = np.append(row[0], row[1] // (d - 1)), np.append(0 * row[0], 1 + row[1] % (d - 1))
@@ -85,7 +85,7 @@ def by_contact(normal: Rows, tangent: Rows, d: int) -> ByContact:
 def relative(bodies: Index64, along: Array, spins: Array) -> Rows:
     """Rows (nc*k, nv) of the first body's velocity relative to the second's, at contacts of bodies (nc, 2), -1 for the ground.
 
-    along: (nc, k, d), directions, what a body's d velocities give to a row. spins: (nc, k, 2, s), what the spins of both give.
+    along: (nc, k, d), the directions: the coefficients of a body's velocity. spins: (nc, k, 2, s), those of both bodies' spins.
     """
     moves = np.broadcast_to(along[:, :, None], (*spins.shape[:3], along.shape[2]))
     order = np.argsort(bodies, axis=1)  # columns ascending
@@ -98,7 +98,7 @@ def relative(bodies: Index64, along: Array, spins: Array) -> Rows:
 
 
 def planar_relative(bodies: Index64, arms: Array, along: Array) -> Rows:
-    """The same (nc, nv) of planar bodies, along one direction (nc, 2) at each contact. arms: (nc, 2, 2), from both centres."""
+    """`relative` (nc, nv) for planar bodies, along one direction (nc, 2) per contact. arms: (nc, 2, 2), from both centres."""
     spins = arms[:, :, 0] * along[:, None, 1] - arms[:, :, 1] * along[:, None, 0]
     return relative(bodies, along[:, None], spins[:, None, :, None])
 
@@ -121,9 +121,9 @@ def by_row(start, column, value, first, d):  # type: ignore[no-untyped-def]
 
 @part
 def normal_first(start, column, value):  # type: ignore[no-untyped-def]
-    """A matrix by contacts with the columns of a contact's normal first, then those that the first tangent adds, and so on.
+    """A matrix by contacts, with a contact's columns in this order: those of the normal, those added by the first tangent, etc.
 
-    Methods that sweep over the contacts add up in this order.
+    Methods that sweep over contacts sum in this order.
     """
     d, taken = value.shape[1], np.zeros(len(column), np.bool_)
     own_start, own_column, own_value, at = (

@@ -26,10 +26,7 @@ class Verdict(StrEnum):
     SOLVED = "solved", "the residual of the exact problem is within the tolerance"
     RELAXED = "relaxed", "the model the solver was given is solved within the tolerance, the exact problem is not"
     NEAR_MISS = "near_miss", "claimed solved, and the residual, or that of the model, is below ten times the tolerance"
-    UNJUDGEABLE = (
-        "unjudgeable",
-        "claimed solved or solved to rounding; rounding, or a tolerance close to the residual of no impulses, leaves it open",
-    )
+    UNJUDGEABLE = "unjudgeable", "claimed solved, but rounding, or a tolerance near the zero impulse's residual, leaves it open"
     UNSOLVED = "unsolved", "the solver reports that it did not solve the problem"
     TIMEOUT = "timeout", "stopped at the time limit"
     CRASHED = "crashed", "the call raised an error or its process ended"

@@ -38,7 +38,7 @@ SHIFT = 1e-5  # s, about the cost of calling a solver
 
 
 class Profile(NamedTuple):
-    """The costs of one label on all problems, sorted, infinite where not solved, and the weight of each problem."""
+    """The costs of one label on all problems, sorted and infinite if not solved, and the weight of each problem."""
 
     cost: Array
     weight: Array

@@ -18,20 +18,20 @@ from frictionbench.results.store import read_manifest, read_table
 
 HEADER = ("solver", "way", "start", "problems a second", "ratio")
 METHOD = (  # how the figures were measured, in words for reports
-    "Problems a second of one core, by the processor's time, of the fastest round. Each problem of a batch has its own "
+    "The rate is in problems per second of processor time on one core, in the fastest round. Each problem has its own "
     + ", ".join(f"{name.replace('_', ' ')} ({low:g} to {high:g})" for name, (low, high) in DRAWN.items())
-    + ". ratio: over single calls of the solver that is named, on the same problems, timed anew in turn with each row, so that "
-    "a quotient of two rates of the table differs from it by some percent.",
+    + ". The ratio is the rate over that of single calls of the solver that is named. These are timed again in turn with "
+    "each row, so that the ratio differs by some percent from the quotient of two rates of the table.",
     "Ways: "
     + "; ".join(f"{way}: {meaning.replace('`', '')}" for way, meaning in WAYS.items())
-    + ". All include form, solve and, but for calls, the residual of every answer. Cold starts are from zero "
-    f"impulses; warm ones from the answers of the same problems with pushes smaller by {100 * NEARBY:g} %, as of the step "
-    "before. Times exclude compilation and loading.",
-    "A rate is shown only where the verifier finds the residual of every answer within the tolerance, contacts bear, and "
-    "friction is at work; otherwise the reason stands in its place, by Coulomb's law also for solvers of another law, which "
-    "are marked. Rates are of one run and have no intervals.",
-    "MuJoCo's rollout has no row: it takes models and states and detects contacts itself. Its constraint solver stands among "
-    "the calls where it is installed; its law is soft, so that its answers are not comparable: 0 % verified is no failure.",
+    + ". All include form, solve and, except for calls, the residual of every answer. Cold starts are from zero impulses, "
+    f"warm ones from the answers of the same problems with pushes smaller by {100 * NEARBY:g} %, as from the previous step. "
+    "Times exclude compilation and loading.",
+    "A rate is shown only if the verified residual of every answer is within the tolerance, contacts carry load, and friction "
+    "is at work. Otherwise the reason is given instead. Solvers of another law are marked, and judged by Coulomb's law as "
+    "well. Rates are from one run and have no intervals.",
+    "MuJoCo's rollout has no row, because it takes models and states and detects contacts itself. Its constraint solver is "
+    "listed under calls if it is installed. Its law is soft, so that 0 % verified is not a failure.",
 )
 
 

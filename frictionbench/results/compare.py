@@ -21,7 +21,7 @@ from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, times
 
-UNTIMED = "they are of other processes, elsewhere. `--confirm --code` runs both versions alternately on this machine"
+UNTIMED = "the two runs were made apart. `--confirm --code` runs both versions alternately on this machine"
 OTHER = (
     "the version of --code loads {} with another content than the baseline was made with, or only one of the two loads it. "
     "Give as --code an environment with the baseline's, or for an executable or a library a checkout in which it is built; "

@@ -90,9 +90,7 @@ def law(model: str, dimension: float) -> str:
 
 def ending(verdict: str, model: str) -> str:
     """Return the verdict on an answer by a solver of this model, with `relaxed` replaced by ANOTHER_LAW or POLYGON."""
-    if verdict != Verdict.RELAXED:
-        return verdict
-    return POLYGON if model == "lcp" else ANOTHER_LAW
+    return (POLYGON if model == "lcp" else ANOTHER_LAW) if verdict == Verdict.RELAXED else verdict
 
 
 def endings(rows: "pd.DataFrame") -> list[str]:

@@ -7,14 +7,14 @@ contain characters that control a terminal or a browser, so that texts of files 
 """
 
 import json
-import os
 import secrets
-import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
 from unicodedata import category
+
+from frictionbench.regular import regular
 
 T = TypeVar("T")
 
@@ -32,25 +32,12 @@ def opened(path: Path, most: int) -> Iterator[BinaryIO]:
     Errors: ResultsError naming the file if it is not regular or is larger, FileNotFoundError if it is missing.
     """
     try:
-        _require_regular(path, os.stat(path), most)  # before opening, since opening a device can have side effects
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # does not wait for a pipe's writer
-        with os.fdopen(descriptor, "rb") as file:
-            found = os.fstat(descriptor)
-            _require_regular(path, found, most)
-            if not found.st_size and file.read(1):
-                raise ResultsError(f"{path}: cannot be read (not a regular file: it states no size)")  # as in /proc
+        with regular(path, most) as file:
             yield file
     except FileNotFoundError:
         raise
     except OSError as error:
         raise ResultsError(f"{path}: cannot be read ({' '.join(str(error.strerror or error).split())})") from None
-
-
-def _require_regular(path: Path, found: os.stat_result, most: int) -> None:
-    if not stat.S_ISREG(found.st_mode):
-        raise ResultsError(f"{path}: cannot be read (not a regular file)")
-    if found.st_size > most:
-        raise ResultsError(f"{path}: larger than the limit of {most / 2**20:g} MiB")
 
 
 def read_text(path: Path, most: int) -> str:

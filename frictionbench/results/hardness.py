@@ -11,23 +11,16 @@ ILL = 1e8  # condition number of W on its range at which a factorisation loses h
 
 # One entry per label: its name, the condition on the columns, and its meaning with the reason for the threshold.
 _LABELS = """
-masses            mass_ratio >= 1e4            effective masses at the contacts differ by 1e4 or more, about as many sweeps as a
-                                               contact-wise method then needs
-friction          largest_friction >= 3        some friction coefficient is 3 or more, above those of dry surfaces; the LCP's
-                                               matrix is then far from semidefinite
-non-P0            p0_margin < 0                the LCP of some contact alone is not P0 (p0_margin below 0): Painlevé's case, in
-                                               which Newton's and least-index methods lose their guarantees
-near p = 0        abs(p0_margin) <= 0.01       the least p0_margin is within 0.01 of 0: almost any normal impulse is consistent
-                                               with sliding
-jam               pointedness > 1e-9           the friction cone is not pointed: contacts can press on one another without
-                                               moving anything, so that impulses are not bounded by the data
-hyperstatic       dependent >= rows / 4 > 0    a quarter or more of the rows of W depend on the others: the impulses are far
-                                               from unique
+masses            mass_ratio >= 1e4            effective masses at the contacts differ by 1e4 or more, which slows sweeps down
+friction          largest_friction >= 3        some friction coefficient is 3 or more, above those of dry surfaces
+non-P0            p0_margin < 0                Painlevé's case: the LCP of some contact alone is not P0 (p0_margin below 0)
+near p = 0        abs(p0_margin) <= 0.01       p0_margin is within 0.01 of 0: sliding allows almost any normal impulse
+jam               pointedness > 1e-9           contacts can press on one another with nothing moving: impulses are unbounded
+hyperstatic       dependent >= rows / 4 > 0    a quarter or more of W's rows are dependent: impulses are far from unique
 ill-conditioned   condition >= @ILL            the condition of W on its range is 1e8 or more: half of the digits
 sensitive         sensitivity >= 1e4           the velocities change 1e4 times as much as the data or more
 several outcomes  outcomes >= 2                the solutions have two or more distinct velocities
-unlike islands    island_ratio >= 1e3          the largest closing speeds of two islands of the contact graph differ by 1e3 or
-                                               more
+unlike islands    island_ratio >= 1e3          the largest closing speeds of two islands differ by 1e3 or more
 large             contacts >= 100              100 contacts or more
 """
 _CONDITIONS = {label: condition for label, condition, _ in cut(_LABELS, 18, 47)}

@@ -64,24 +64,20 @@ largest_friction   real  1   largest coefficient of friction
 asymmetry          real  1   largest |W - W'| over the largest |W|, for problems given by W; 0 for mechanical ones
 indefiniteness     real  1   estimate of the most negative eigenvalue of W over the largest, for problems given by W
 islands            whole     number of connected components of the contact graph, between which no velocity is transmitted
-island_ratio       real  1   largest over smallest unit of velocity of a contact, the largest closing speed in its island; 1
-                             where nothing moves
+island_ratio       real  1   largest over smallest unit of velocity of a contact; 1 if nothing moves
 limits             whole     how many of the contacts are limits of joints
 dry_friction       whole     how many of the contacts are dry friction of joints
 trivial            flag      no contact, no friction, or zero impulses are the answer
 idle               flag      friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8
 solutions          text      shape of the set of solutions: none, one, convex, isolated, not convex; null if not enumerated
 outcomes           whole     number of distinct velocities among the solutions; null if not enumerated or infinite
-existence          text      proof of existence of a solution: gaps or pointed (theorems), counted (enumeration); none: proved
-                             to be none
-proved_infeasible  flag      contacts or joints contradict each other, proved (Farkas): no impulses have a residual of 1e-8;
-                             looked for where there is no reference answer
+existence          text      proof that a solution exists: gaps, pointed (theorems), counted (enumeration); none: proof of none
+proved_infeasible  flag      proof that contacts or joints contradict each other (Farkas); sought if there is no reference
 sensitivity        real  1   relative change of the solution's velocities over that of q; large for ill-posed problems
 mode_distance      real  1   distance of a solution from the nearest change of mode, as a relative velocity; 0 on a tie
 """
 _SOLVES = """
-start              text      cold (zero), warm (impulses of the previous problem), shuffled (those of another step of the
-                             motion)
+start              text      cold (zero), warm (impulses of the previous problem) or shuffled (those of another step)
 status             text      status reported by the solver
 claimed            flag      the solver reports that it solved the problem
 residual           real  1   verified residual of the exact problem, as a relative contact velocity
@@ -90,10 +86,9 @@ residual_floor     real  1   bound on the rounding error of the residual
 fclib_error        real      FCLIB's error, for comparison with published work
 backward_error     real  1   smallest relative change of (q, mu) for which the answer is exact
 energy_defect      real  1   defect of the energy balance over the kinetic energy of the free motion
-velocity_error     real  1   |v - v*| / |v* - v_0| in the metric of the mass, v* of the refined reference answer, v_0 without
-                             impulses; an error where the problem has one outcome, null without a reference that changes them
-outcome_distance   real  1   the same of the answer refined to rounding, from a residual of 1e-4: distances more than 1e-3 apart
-                             are of different outcomes; null where it is not refined that far
+velocity_error     real  1   |v - v*| / |v* - v_0| in the norm of the mass; v* of the refined reference answer, v_0 without
+                             impulses. An error if the problem has one outcome; null without a reference that changes v
+outcome_distance   real  1   velocity_error of the answer refined to rounding; other outcomes differ in it by more than 1e-3
 mode               text      state of each contact in the answer: o open, s sticking, l, r sliding; null if too many
 work               text      deterministic counters, a JSON object
 first_time         real  s   form, setup and solve of the first call; null if something was compiled or loaded in it
@@ -101,8 +96,7 @@ form_time          real  s   median of form_times: conversion of the problem to 
 setup_time         real  s   median of setup_times: preparation by the method or its library
 solve_time         real  s   median of solve_times: the rest of the call
 clock_time         real  s   median of the solve time measured by the library itself, if it does
-call_time          real  s   median of setup and solve, transfer included, of a library in another process, whose solve_time is
-                             its clock
+call_time          real  s   median of setup and solve with transfer, of a library in another process with its own clock
 form_times         reals s   form time of every repeat, in order
 setup_times        reals s   setup time of every repeat, in order
 solve_times        reals s   solve time of every repeat, in order

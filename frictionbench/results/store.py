@@ -26,7 +26,6 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.results.files import ResultsError, cleaned, opened, parsed, read_json, replaced, subfolder, write_text
 from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
 
@@ -120,15 +119,10 @@ def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simul
     if given in known:
         return known[given]
     found = [key for key in known if key.startswith(given) or key.partition("-")[2].startswith(given)]
-    if not found or not given:
-        bad = [(key, row) for key, (_, row) in known.items() if row.get("verdict") not in (*ACCEPTED, Verdict.SKIPPED)]
-        failed = [f"{key} ({row.get('variant')}: {row.get('verdict')})" for key, row in bad]
-        some = f"; rows that failed: {', '.join(failed[:5])}{', ...' * (len(failed) > 5)}" if failed else ""
-        told = f"no row has the key {given!r}" if given else "give the key of a row"
-        raise ResultsError(f"{folder}: {told}; the report and the column `key` list them{some}")
+    if not found:
+        raise ResultsError(f"{folder}: no row has the key {given!r}; `frictionbench rerun {folder}` lists those that failed")
     if len(found) > 1:
-        listed = ", ".join(found[:3])
-        raise ResultsError(f"{folder}: {len(found)} rows have a key that begins with {given!r}: {listed}, ...")
+        raise ResultsError(f"{folder}: {len(found)} rows have a key that begins with {given!r}: {', '.join(found[:3])}, ...")
     return known[found[0]]
 
 
@@ -233,7 +227,7 @@ _SETTINGS: dict[str, Any] = {"tolerances": list[float], "plugins": list[_Plugin]
 def write_manifest(folder: Path, manifest: Row) -> None:
     """Write DIR/manifest.json atomically."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_text(folder / "manifest.json", json.dumps({"schema": SCHEMA_VERSION} | manifest, indent=2) + "\n")
+    write_text(folder / "manifest.json", json.dumps({"schema": SCHEMA_VERSION} | cleaned(manifest), indent=2) + "\n")
 
 
 def read_manifest(folder: Path) -> Row:

@@ -4,11 +4,11 @@
     z+ = P_K(r^ + w/(rho S)),    r^ = alpha r + (1-alpha) z    the cones, contact by contact
     w+ = w + rho S (r^ - z+)                              the multiplier, -(u + mu |u_t| e_n) at the end
 
-with S = diag(s_i) the contacts' scales, in which rho is dimensionless, and over-relaxation alpha. The term mu |w_t| e_n is
-de Saxcé's shift: with it the fixed points are Coulomb's solutions (`admm_coulomb`, no convergence theorem), without it those of
-the convex relaxation (`admm`, which converges for every fixed rho). rho is multiplied by the root of the ratio of the two
-residuals, |r - z| and rho |z+ - z|, which costs a factorisation each time; the iterations must double in between, so that rho
-converges.
+where S = diag(s_i) holds the contacts' scales, so that rho is dimensionless, and alpha is the over-relaxation. The term
+mu |w_t| e_n is de Saxcé's shift: with it the fixed points are Coulomb's solutions (`admm_coulomb`, no convergence theorem),
+without it those of the convex relaxation (`admm`, which converges for every fixed rho). rho is multiplied by the root of the
+ratio of the two residuals, |r - z| and rho |z+ - z|, which costs a factorisation each time. Between two changes the number of
+iterations must at least double, so that rho converges.
 
 References: Boyd, Parikh, Chu, Peleato and Eckstein 2011, sections 3.3 and 3.4; Tasora, Mangoni, Benatti and Garziera 2021;
 Carpentier, Le Lidec and Montaut 2024.
@@ -39,18 +39,18 @@ from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
 LIMIT = 10_000  # iterations by default, as many as sweeps of nsgs
 PATIENCE = 2500  # iterations in which the residual must fall by a hundredth: a quarter of the limit
-CHECK = 10  # iterations between two residuals, whose cost is then a tenth of an iteration's
+CHECK = 10  # iterations between two checks of the residual, whose cost is then a tenth of an iteration's
 ALPHA = 1.6  # over-relaxation: 1.5 to 1.8 is recommended (Boyd et al. 2011, section 3.4.3)
 RHO = 0.1  # initial penalty, relative to the scales S; adapted afterwards, as OSQP does from the same value
-RETUNE = 2.0  # least factor of rho that is worth a factorisation
-PIVOT = 1e-3  # the least pivot, relative to rho S: W has no negative eigenvalue, so that smaller ones are rounding
+RETUNE = 2.0  # least change of rho, as a factor, that justifies a factorisation
+PIVOT = 1e-3  # the least pivot, relative to rho S: W has no negative eigenvalue, so that smaller pivots are rounding
 
 
 class Factor(NamedTuple):
-    """Sparse factors of W + rho S, and what they are made of (solvers.sparse_lu.multifrontal).
+    """Sparse factors of W + rho S and their symbolic factorisation (solvers.sparse_lu.multifrontal).
 
-    place (nc*d,): of each row in the order of elimination. slot: where in storage each entry of the blocks of W is added.
-    storage, swap: the factors, for one rho. right (nc*d,): workspace.
+    place (nc*d,): position of each row in the order of elimination. slot: index in storage of each entry of the blocks of W.
+    storage, swap: the factors for one rho. right (nc*d,): workspace.
     """
 
     fronts: Fronts
@@ -63,15 +63,15 @@ class Factor(NamedTuple):
 
 # The packed problem; W by contacts (problems.rows), and q (nc, d).
 Formed = tuple[ContactForm, tuple[Index32, Index32, Array], Array]
-Prepared = tuple[Formed, Factor | None]  # None where there is no time for a factorisation
+Prepared = tuple[Formed, Factor | None]  # None if the deadline leaves no time for a factorisation
 
 
 @solver("admm", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True, sparse=True)
 class ADMM:
     """Alternating direction method of multipliers on the convex relaxation's dual.
 
-    precision: double or single, that of the factors included.
-    Work: iterations, factorisations, that of the setup among them, and checks of the residual. History: the relaxation's
+    precision: double or single, also of the factors.
+    Work: iterations, factorisations including that of the setup, and checks of the residual. History: the relaxation's
     residual every tenth iteration.
     """
 
@@ -122,8 +122,8 @@ class ADMM:
 class ADMMCoulomb(ADMM):
     """Alternating direction method of multipliers with de Saxcé's shift.
 
-    precision: double or single, that of the factors included.
-    Work: iterations, factorisations, that of the setup among them, and checks of the residual. History: the residual every
+    precision: double or single, also of the factors.
+    Work: iterations, factorisations including that of the setup, and checks of the residual. History: the residual every
     tenth iteration.
     """
 
@@ -132,7 +132,7 @@ class ADMMCoulomb(ADMM):
 
 @kernel
 def _lay_out(first, neighbours, block):  # type: ignore[no-untyped-def]
-    """The Factor of W (nc, nc blocks of d by d), yet to be factorised: each pair of coupled contacts is an element."""
+    """The Factor of W (nc, nc blocks of d by d) before factorisation; each pair of coupled contacts is an element."""
     nc, d = len(first) - 1, block.shape[1]
     start, member = np.empty(len(neighbours) + 1, np.int64), np.empty(2 * d * len(neighbours), np.int64)
     start[0] = at = 0
@@ -158,7 +158,7 @@ def _lay_out(first, neighbours, block):  # type: ignore[no-untyped-def]
 
 @kernel
 def _factorise(factor, block, scale, rho):  # type: ignore[no-untyped-def]
-    """The factors of W, whose blocks these are, plus rho S."""
+    """Factorise W + rho S. block: the blocks of W."""
     fronts, storage, d = factor.fronts, np.zeros(factor.fronts.start[-1], block.dtype), block.shape[1]
     swap = np.empty_like(factor.swap)
     entry = block.ravel()
@@ -175,7 +175,7 @@ def _factorise(factor, block, scale, rho):  # type: ignore[no-untyped-def]
 
 @part
 def _solve(factor, b):  # type: ignore[no-untyped-def]
-    """Overwrite b by (W + rho S)^-1 b."""
+    """Overwrite b with (W + rho S)^-1 b."""
     for i in range(len(b)):
         factor.right[factor.place[i]] = b[i]
     solve_factorised(factor.fronts, factor.storage, factor.swap, factor.right)
@@ -185,7 +185,7 @@ def _solve(factor, b):  # type: ignore[no-untyped-def]
 
 @kernel
 def _alternate(form, factor, q, rho, shift, z, w, count):  # type: ignore[no-untyped-def]
-    """`count` iterations on z and w (nc, d). Returns the primal and the dual residual of the last, squared."""
+    """`count` iterations on z and w (nc, d). Returns the squares of the last primal and dual residuals."""
     nc, d = z.shape
     r, z_old = np.empty_like(z), np.empty_like(z)
     primal, dual = 0.0, 0.0

@@ -1,14 +1,14 @@
-"""The time that `solve` may take, which compiled loops look at between their steps.
+"""The time limit of `solve`, which compiled loops check between their steps.
 
     with TimeLimit(seconds):             # holds for all solvers that are called inside, as by a portfolio
         until = deadline()               # s on the system's monotonic clock; infinity without a limit
         ...                              # in a kernel: stop with the best answer so far if late(until)
 
-A step that takes long and cannot be interrupted, such as a factorisation, is not begun where it would not end in time:
-deadline(operations) is earlier by the time that so many operations take.
+A long step that cannot be interrupted, such as a factorisation, is not begun if it would not end in time: deadline(operations)
+is earlier by the time that so many operations take.
 
-Without a limit the clock is not read, and nothing but counts decides. Where the system has no clock_gettime, as Windows,
-kernels run on to their limit of work.
+Without a time limit the clock is not read, and only counts decide. On systems without clock_gettime, such as Windows, kernels
+run to their work limit.
 """
 
 import time
@@ -19,7 +19,7 @@ from numba import types
 
 from frictionbench.problems.compiled import part
 
-SPEED = 1e10  # operations a second of large factorisations: half of what one core with AVX-512 was measured to reach
+SPEED = 1e10  # operations per second of large factorisations: half of the rate measured on one core with AVX-512
 _HAS_CLOCK = hasattr(time, "clock_gettime")
 _MONOTONIC = int(time.CLOCK_MONOTONIC) if _HAS_CLOCK else 0
 _deadline: ContextVar[float] = ContextVar("deadline", default=np.inf)
@@ -31,9 +31,9 @@ def _now() -> float:
 
 
 class TimeLimit:
-    """A block whose solvers may take so many seconds, infinity for no limit, and never more than a block around it leaves.
+    """A context in which solvers may take `seconds`, infinity for no limit, within what an enclosing TimeLimit leaves.
 
-    A portfolio enters one for each member; a generator's context manager would take several times as long.
+    A portfolio enters one for each member; a context manager made from a generator would take several times as long.
     """
 
     __slots__ = ("seconds", "token")
@@ -49,7 +49,7 @@ class TimeLimit:
 
 
 def deadline(operations: float = 0.0) -> float:
-    """When the last step of so many operations may begin, s on the monotonic clock; infinity without a limit."""
+    """The latest time at which a step of so many operations may begin, s on the monotonic clock; infinity without a limit."""
     return _deadline.get() - operations / SPEED
 
 
@@ -60,18 +60,18 @@ def left() -> float:
 
 
 def is_over() -> bool:
-    """Whether the time has ended."""
+    """Whether the deadline has passed."""
     return left() <= 0
 
 
 def is_past(until: float) -> bool:
-    """Whether a deadline has passed."""
+    """Whether the deadline `until` has passed."""
     return until < np.inf and _now() >= until
 
 
 @part
 def late(until: float) -> bool:
-    """Whether the time has ended, for kernels."""
+    """Whether the deadline `until` has passed, for kernels."""
     if not (_HAS_CLOCK and until < np.inf):
         return False
     now = np.empty(2, np.int64)  # a struct timespec: seconds and nanoseconds

@@ -2,18 +2,18 @@
 
     w = M z + q,   w, z >= 0,   w'z = 0.
 
-The pairs are taken in order, contact by contact: normal, sliding speed, tangent directions. Those taken so far satisfy
-their conditions; the others are ignored, with z = 0. If the next pair r has w_r < 0, its impulse z_r is increased until w_r =
-0; when a variable of a pair already taken reaches zero, it is exchanged with its complement.
+The pairs are processed in order, contact by contact: normal, sliding speed, tangent directions. The pairs processed so far
+satisfy their conditions; the others are ignored, with z = 0. If the next pair r has w_r < 0, its impulse z_r is increased
+until w_r = 0. When a variable of a pair already processed reaches zero, it is exchanged with its complement.
 
-In Baraff's formulation a contact is clamped or free and a friction force has limits mu f_n. Here the LCP contains this, with
-w_lambda = mu c - e'beta and lambda as its partner, so that limits which depend on c need no special case. Increasing z_r is
-then a path of Lemke's method for the pairs taken, with a covering vector of one entry: w_r = ... + z0, from z0 = -w_r to z0 = 0
+In Baraff's formulation a contact is clamped or free and a friction force has limits mu f_n. Here the pair w_lambda = mu c -
+e'beta and lambda of the LCP expresses these limits, so that their dependence on c needs no special case. Increasing z_r is then
+a path of Lemke's method for the pairs processed, with a covering vector of one entry: w_r = ... + z0, from z0 = -w_r to z0 = 0
 (the variable dimension method of van der Heyden 1980). Ties are excluded by a perturbation of q as in solvers.lemke.
 
-Where M is a P-matrix, or positive definite, every path succeeds, and also for frictionless contact (Baraff 1994). With
-friction a path may end on a ray, and the method stalls: the existence theorem of the friction LCP requires covering vectors
-without zeros.
+Every path succeeds if M is a P-matrix, in particular if it is positive definite, and for frictionless contact (Baraff 1994).
+With friction a path may end on a ray, and the method stalls: the existence theorem of the friction LCP requires covering
+vectors without zeros.
 """
 
 import numpy as np
@@ -48,7 +48,7 @@ from frictionbench.solvers.pivots.vectors import fill, put
 def dantzig(
     order: Index64, M: Matrix, q: Array, unit: Array, tol: float, limit: int, until: float
 ) -> tuple[int, Array, int, int]:
-    """(how it ended, y, pivots, inversions) for the scaled problem; order: the indices in the order in which they are taken."""
+    """(how it ended, y, pivots, inversions) for the scaled problem; order: the indices in the order of processing."""
     n, state = len(q), lemke_state(M, len(q))
     basis, x, y, work, blocking = state.basis, state.x, state.y, state.work, state.blocking
     drawn = np.empty(n)
@@ -56,7 +56,7 @@ def dantzig(
     size, error = PERTURBATION, np.inf
     draw(1, drawn)
     while size > 1e-14 and error > tol:
-        # A later round, with a smaller perturbation, repeats the pairs that are still negative.
+        # Later rounds, with a smaller perturbation, process the pairs with a negative entry again.
         for i in range(n):
             blocking[i] = x[i] >= 0.0
         put(state.q, q)
@@ -95,7 +95,7 @@ def contact_order(n: int, nc: int) -> Index64:
 class Dantzig(PrincipalPivoting):
     """Dantzig's principal pivoting, one contact after the other. (Baraff 1994)
 
-    facets: of the polygon that approximates the cone's section in space. The limit counts pivots, by default 10 000 + 100 n.
+    facets: of the polygon that approximates the cone's section in space. limit bounds the pivots, by default 10 000 + 100 n.
     """
 
     def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:

@@ -44,7 +44,7 @@ def absolute(source: str) -> str:
     except ValueError:
         raise InputError(f"solver: {source!r} is no command; write 'exec:./mysolver {{problem}} {{answer}}'") from None
     missing = [name for name in FILES if not any(name in word for word in others)]
-    require(not missing, "solver", f"{source!r} lacks {' and '.join(missing)}, which stand for the paths of the files")
+    require(not missing, "solver", f"{source!r} lacks {' and '.join(missing)}, in whose place paths of files are put")
     found = shutil.which(first)
     if found is None:
         hint = ("; write ./" if shutil.which(f"./{first}") else "; chmod +x ") + first if Path(first).is_file() else ""

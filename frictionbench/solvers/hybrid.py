@@ -1,24 +1,24 @@
 """A portfolio: the method that is fastest on the problem, then others if its answer is not within the tolerance.
 
 No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all of them, and is
-the fastest from some dozens of contacts on. In the plane Lemke's pivots are faster below (`few_pivots`). In space Newton's
-method on dense rows is several times faster below, form and residual included (solvers.dense), and solves nearly all steps of
-robots, with limits, dry friction and joints. A few sweeps of Gauss-Seidel give the interior point a start for the largest
-problems that saves most of its iterations, but for hyperstatic contacts such as those of stacks of cubes: W is singular there,
-and 30 sweeps leave a residual of a tenth.
+the fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane (`few_pivots`). In space
+Newton's method on dense rows is several times faster, including form and residual (solvers.dense), and solves nearly all steps
+of robots, with limits, dry friction and joints. For the largest problems a few sweeps of Gauss-Seidel give the interior point a
+start that saves most of its iterations, except if contacts are hyperstatic, as in stacks of cubes: then W is singular, and 30
+sweeps leave a residual of a tenth.
 
-The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, is within the
-tolerance, and so is what rounding may hide: contacts that nearly jam have answers of huge impulses and of small ones. On the
-candidates of the suite `hard` no other method solves a problem that the first two do not solve. In the plane the staggered
-method solves problems in which a very heavy body rests beside light ones, whose digits factorisations lose; in space proximal
-points solve walls of boxes in which the interior point stops short, and projected gradients rows of dry friction that are all
-but dependent, where the shifts of the others' steps exceed what W has left. (Algorithm portfolios: Gomes and Selman 2001.)
+The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, and its rounding floor
+are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. On the candidates of
+the suite `hard` no other method solves a problem that the first two do not solve. In the plane the staggered method solves
+problems in which a very heavy body rests beside light ones, whose digits are lost in factorisations. In space proximal points
+solve walls of boxes in which the interior point stalls, and projected gradients solve nearly dependent rows of dry friction,
+for which the shifts of the other methods are too large. (Algorithm portfolios: Gomes and Selman 2001.)
 
-The time of an interior point grows with the number of contacts, that of a pivot with the square of the active ones, and the
-number of pivots is not known beforehand: one a contact in stacks that stick, two to five where contacts slide or open. In
-stacks, pyramids, arches, discs, cards and random problems the two methods take the same time near 36 contacts in most
-families, and near 70 in chains of bodies of which few slip in the free motion. Arches are such chains, too, but take many
-pivots; nothing cheap was found that distinguishes them. (tests/benchmarks/test_hybrid.py measures both bounds.)
+The time of an interior point grows with the number of contacts, that of a pivot with the square of the active contacts. The
+number of pivots is not known beforehand: one per contact in sticking stacks, two to five where contacts slide or open. In
+stacks, pyramids, arches, discs, cards and random problems both methods take the same time near 36 contacts in most families,
+and near 70 in chains of bodies of which few slip in the free motion. Arches are such chains, too, but take many pivots; no
+cheap criterion was found that distinguishes them. (tests/benchmarks/test_hybrid.py measures both bounds.)
 """
 
 from typing import Any
@@ -39,19 +39,19 @@ from frictionbench.solvers.interior_point import first_phase_of
 
 PLANAR = "lemke", "interior_point", "staggered"
 SPATIAL = "nsgs", "interior_point", "proximal_newton", "apgd_coulomb"
-NEWTON = "Newton's method on dense rows"  # solvers.dense, which is no solver by itself
-SHARE = 0.9  # of what is left of a time limit, for each member but the last: nearly all problems are solved by the first
-STORAGE = 2**32  # bytes of dense matrices above which another member is left out: its pivots would take hours
-CLOSE = 0.01  # largest residual at which the impulses of one member are a better start for the next than none
+NEWTON = "Newton's method on dense rows"  # solvers.dense, which is not a registered solver
+SHARE = 0.9  # of the remaining time limit, for each member except the last: nearly all problems are solved by the first
+STORAGE = 2**32  # bytes of dense matrices above which a further member is skipped: its pivots would take hours
+CLOSE = 0.01  # the largest residual at which the impulses of one member are a better start for the next than zeros
 SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
-SWEPT = 6, 60  # contacts up to which nsgs alone is faster on W, and from which its sweeps save more than they cost
-HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only: W is singular
+SWEPT = 6, 60  # contacts up to which nsgs is the fastest on W, and from which on its sweeps save more than they cost
+HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only, as W is singular
 ALWAYS, CHAINS = 36, 64  # contacts up to which pivots are faster, in general and in chains
-LINKS = 4  # contacts of a body in a chain: two with each neighbour
-STICKING = 0.75  # of the contacts in a chain
-AT_REST = 1e-6  # speeds below, relative to the fastest, are rounding
+LINKS = 4  # the largest number of contacts of a body in a chain: two with each neighbour
+STICKING = 0.75  # the least share of sticking contacts in a chain
+AT_REST = 1e-6  # slower contacts, relative to the fastest, count as sticking
 
-# The problem, its members in order, and the first one's form or setup, or the steps that it may take.
+# The problem, its members in order, and the form or setup of the first one, or its largest number of Newton steps.
 Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
 
 
@@ -68,9 +68,9 @@ class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
     In space the first is Newton's method on dense rows, for few contacts or none; it counts newton sweeps and steps.
-    Where the first member fails, and Newton's method too, a linear program looks for contacts that contradict each other.
-    Impulses whose residual rounding alone explains are an answer where no member finds smaller ones.
-    The limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
+    If the first member fails, and Newton's method too, a linear program looks for contacts that contradict each other.
+    Impulses within tol, or explained by rounding, have the status ROUNDING if no member finds better ones.
+    limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
 
     knows_rounding = takes_unlike = True
@@ -101,7 +101,7 @@ class Hybrid:
             found_by, rounded, members = NEWTON, least <= tol, members[1:]
         for name in members:
             info, member = find(name)
-            if tried:  # the first is sparse, or the problem small
+            if tried:  # the first member is prepared already, and either sparse or given a small problem
                 if dense_storage(member, problem) > STORAGE:
                     continue
                 stage = member.prepare(problem)
@@ -126,7 +126,7 @@ class Hybrid:
         return Answer(impulse, status, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
-        """The loops of the first two members; what they do not solve is solved by itself."""
+        """The loops of the first two members; problems that they do not solve are left to be solved one by one."""
         nc, space = np.diff(packed.contacts), packed.dimension == 3
         simple, steps = "nsgs" if space else "lemke", few_each(packed)
         few = steps > 0
@@ -138,9 +138,9 @@ class Hybrid:
             found, counts = few_contacts_each(packed, steps, tol, limit, start)
             impulse = np.where(np.repeat(few, nc)[:, None], found, impulse)
             work |= {"newton sweeps": counts[:, 0], "newton steps": counts[:, 1]}
-        least = np.where(few | chosen, residuals(packed, impulse).max(axis=1), np.inf)  # and of its floor
+        least = np.where(few | chosen, residuals(packed, impulse).max(axis=1), np.inf)  # the larger of residual and floor
         solved, members = least <= tol, np.ones(len(nc), np.int64)
-        tried = ~solved & (few | (swept.status != Status.SOLVED))  # solve takes claims that are not confirmed
+        tried = ~solved & (few | (swept.status != Status.SOLVED))  # claims that are not confirmed are left to solve
         if tried.any():
             close = least <= CLOSE
             guess = impulse if start is None else np.where(np.repeat(close, nc)[:, None], impulse, start)
@@ -154,12 +154,12 @@ class Hybrid:
 
 
 def _only(packed: Packed, chosen: NDArray[np.bool_]) -> Packed:
-    """The same problems, of which loops leave all but the chosen ones."""
+    """The same problems, of which loops skip all but the chosen ones."""
     return packed._replace(spread=np.where(chosen, packed.spread, np.inf))
 
 
 def _sweeps_help(nc: Any, velocities: Any, joints: Any) -> Any:
-    """Whether nsgs comes first in space, for numbers or arrays of numbers. With joints it takes W, which they make dense."""
+    """Whether nsgs comes first in space, for numbers or arrays. With joints it works on W, which joints make dense."""
     return (nc <= SWEPT[0]) | ((nc >= SWEPT[1]) & (nc * 3 <= HYPERSTATIC * velocities) & (joints == 0))
 
 
@@ -172,7 +172,7 @@ def few_pivots(problem: FrictionProblem) -> bool:
 
 
 def few_pivots_each(packed: Packed) -> NDArray[np.bool_]:
-    """The same (N,) for planar packed problems, which have no joints."""
+    """few_pivots for planar packed problems (N,), which have no joints."""
     nc, at, q = np.diff(packed.contacts), packed.first[:, COLUMN].tolist(), packed.first[:, Q].tolist()
     few = nc <= ALWAYS
     for k in np.flatnonzero(~few & (nc <= CHAINS)).tolist():
@@ -183,7 +183,7 @@ def few_pivots_each(packed: Packed) -> NDArray[np.bool_]:
 def _sticking_chain(column: Index32, q: Array) -> bool:
     """Whether no body has more than LINKS contacts and most contacts of the free motion q (2 nc,) do not slip.
 
-    column: the velocities that act at the contacts, each contact's after the other's.
+    column: the velocities that act at the contacts, contact by contact.
     """
     slipping = np.abs(q[1::2]) > AT_REST * np.abs(q).max()
     return bool(np.bincount(column).max(initial=0) <= LINKS and slipping.mean() <= 1 - STICKING)

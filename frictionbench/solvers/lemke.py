@@ -2,31 +2,31 @@
 
     w = M z + q + d z0,   w, z >= 0,   w'z = 0,   d > 0.
 
-Every z0 large enough gives a solution; Lemke's method lowers z0 along the path of solutions. On the path exactly one pair has
-both members nonbasic, and the member that did not just leave the basis enters next. The path ends at z0 = 0, a solution of
-the LCP, or on a secondary ray. For a friction step with b >= 0 there is no secondary ray, so Lemke's method solves it
-(Anitescu and Potra 1997). References: Lemke 1965; Murty 1988, chapter 2; Cottle, Pang and Stone 1992, section 4.4.
+For z0 large enough, z = 0 is a solution; Lemke's method follows the path of solutions that starts there. On the path exactly
+one pair has both members nonbasic, and the member that did not just leave the basis enters next. The path ends at z0 = 0, a
+solution of the LCP, or on a secondary ray. For a friction step with b >= 0 there is no secondary ray, so Lemke's method solves
+it (Anitescu and Potra 1997). References: Lemke 1965; Murty 1988, chapter 2; Cottle, Pang and Stone 1992, section 4.4.
 
-In floating point this is preserved by the following:
+In floating point the method is implemented as follows.
 
 * The problem is scaled (solvers.pivots.scaled_lcp), so that tolerances are dimensionless. Pivoting uses the inverse of the
-  basis's active part with iterative refinement against M; where that is no longer accurate the inverse is recomputed. Small
-  problems are pivoted on a dense tableau first (solvers.pivots.tableau), whose last basis is refined and checked alike.
-* Ties. q is perturbed along a vector with random positive entries, which makes every basis nondegenerate with probability
-  one, and a path through nondegenerate bases cannot return to one of them. Near ties go to the largest pivot (Harris 1973).
-  The last basis is solved for q itself; if a negative entry leaves more of a residual than round-off does, the method goes on
-  from this basis with a smaller perturbation and with d taken in this basis's own coordinates.
-* An answer counts as solved only after its residual has been computed, a secondary ray only with its certificate checked.
-  Otherwise the method restarts with other covering vectors, from a fixed sequence. It does so after a ray too, which need
-  not help: on a bimatrix game every d leads to a ray at once, though there are solutions. On a bare LCP lemke[restarts=0]
-  is the textbook method, with d = 1 in scaled units.
-* A heavy body on a light one makes M nearly singular: at a mass ratio of 1e10 z0 falls by 1e-10 where impulses rise by 1, and
-  basic variables carry the rounding of impulses 1e10 times as large as q. Restarts refine every column to full accuracy, so
-  that pivots as small as that count, compute the basic variables anew with every pivot, and perturb q by more than their
-  rounding. A residual that rounding alone explains is accepted: none can be told to be smaller.
+  active part of the basis, with iterative refinement against M. The inverse is recomputed when it becomes inaccurate. Small
+  problems are first pivoted on a dense tableau (solvers.pivots.tableau), whose last basis is refined and checked likewise.
+* Ties: q is perturbed along a vector with random positive entries, which makes every basis nondegenerate with probability
+  one, and a path through nondegenerate bases cannot return to one of them. Near ties are resolved in favour of the largest
+  pivot (Harris 1973). The last basis is solved for the unperturbed q. If negative entries leave a residual above round-off,
+  the method continues from this basis with a smaller perturbation and with d expressed in the coordinates of this basis.
+* A solution is claimed only after its residual has been computed, a secondary ray only after its certificate has been
+  checked. Otherwise, and also after a ray, the method restarts with other covering vectors from a fixed sequence. After a ray
+  this may not help: for a bimatrix game every d leads to a ray at once, although solutions exist. On a bare LCP
+  lemke[restarts=0] is the textbook method, with d = 1 in scaled units.
+* A heavy body on a light one makes M nearly singular. At a mass ratio of 1e10, z0 falls by 1e-10 where impulses rise by 1, and
+  basic variables carry the rounding errors of impulses 1e10 times as large as q. Restarts therefore refine every column to
+  full accuracy, so that such small pivots can be used, recompute the basic variables after every pivot, and perturb q by more
+  than their rounding errors. A residual that rounding alone explains is accepted.
 
-A start (impulses) becomes a guess of the basis. If that is invertible the method starts there, in the same way as it continues
-with a smaller perturbation; if it is singular, or that fails, it starts from z = 0.
+A warm start (impulses) is converted to a guess of the basis. If this basis is invertible, the path starts from it, as it does
+after the perturbation has been reduced. If it is singular, or that path fails, the method starts from z = 0.
 """
 
 from typing import NamedTuple
@@ -78,19 +78,19 @@ from frictionbench.solvers.pivots.scaled_lcp import (
 from frictionbench.solvers.pivots.tableau import SMALL, Tableau, follow_in_tableau, new_tableau, store
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
-CLEAN = 1e-14  # residual at which the solution that a tableau gives is not refined
+CLEAN = 1e-14  # largest residual at which a solution from the tableau is not refined
 EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
 NONE = np.empty(0, np.int64)  # no guess of the basis
-NEGLIGIBLE = 1e-9  # an impulse relative to the largest of a start below which it is taken for none
-ROUGH = 1e-3  # the largest residual that may pass for rounding: where rounding causes more, impulses are far too large
-NOISE = 1e3 * EPSILON  # of a basic variable relative to the largest: a perturbation must exceed it
+NEGLIGIBLE = 1e-9  # impulses of a start below this share of the largest count as zero
+ROUGH = 1e-3  # the largest residual accepted as rounding: where rounding causes more, impulses are far too large
+NOISE = 1e3 * EPSILON  # rounding error of basic variables, relative to the largest; perturbations must exceed it
 COARSEST = 1e-3  # the largest perturbation
 
 
 class LemkeProblem(NamedTuple):
-    """The scaled w = M y + q and its unit (ScaledLCP), its contacts if any, and the indices of basic z of a guess.
+    """The scaled LCP w = M y + q with its unit (ScaledLCP), its number of contacts, and the indices of the basic z of a guess.
 
-    copositive: whether M is known to be, as in every friction LCP.
+    contacts: 0 for a bare LCP. copositive: whether M is known to be copositive, as in every friction LCP.
     """
 
     M: Matrix
@@ -102,7 +102,7 @@ class LemkeProblem(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """The residual to reach, the most pivots, how many more covering vectors may be tried, and the deadline."""
+    """The residual to reach, the largest number of pivots, the largest number of restarts, and the deadline."""
 
     tol: float
     pivots: int
@@ -111,8 +111,8 @@ class Limits(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """Memory for problems of up to n unknowns: the state of the path, the small tableau, the best y and the numbers (n,) that
-    perturb q in the first trial."""
+    """Workspace for problems of up to n unknowns: the state of the path, the dense tableau, the best y, and the random numbers
+    (n,) that perturb q in the first trial."""
 
     state: LemkeState
     tableau: Tableau
@@ -122,15 +122,15 @@ class Memory(NamedTuple):
 
 @kernel
 def memory(M: Matrix, n: int) -> Memory:
-    """For problems of up to n unknowns whose M is this one, or in its memory."""
+    """Workspace for problems of up to n unknowns whose matrix is M, or is stored in the arrays of M."""
     noise = np.empty(n)
-    draw(1, noise)  # a shorter vector's are the first of them
+    draw(1, noise)  # a shorter vector would receive the first of these numbers
     return Memory(lemke_state(M, n), new_tableau(n), np.empty(n), noise)
 
 
 @kernel
 def lemke(M, q, unit, contacts, guess, copositive, tol, pivots, restarts, until):  # type: ignore[no-untyped-def]
-    """lemke_within in memory of its own, and the solution; flat, as Python's call of a kernel takes time for each tuple."""
+    """lemke_within with new workspace, and the solution. No tuples: each adds to the time of calling a kernel from Python."""
     own = memory(M, len(q))
     problem, limits = LemkeProblem(M, q, unit, contacts, guess, copositive), Limits(tol, pivots, restarts, until)
     return *lemke_within(own, problem, limits), own.best
@@ -138,9 +138,9 @@ def lemke(M, q, unit, contacts, guess, copositive, tol, pivots, restarts, until)
 
 @lean
 def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple[int, int, int, int]:
-    """(how it ended, pivots, restarts, inversions); the best solution is written over memory.best.
+    """Start from the guess, then from z = 0, then with other covering vectors, until the residual is small enough.
 
-    From the guess, from z = 0, and with other covering vectors, until a residual is small enough.
+    Returns (how it ended, pivots, restarts, inversions); the best solution is written to memory.best.
     """
     (M, q, unit, _, guess, copositive), (tol, most, restarts, until), n = problem, limits, len(problem.q)
     state, best_y = first_unknowns(memory.state, n), memory.best[:n]
@@ -151,7 +151,7 @@ def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple
     best = scaled_residual(M, q, unit, best_y, state.v)
     ended = COMPLEMENTARY if best <= tol else INACCURATE
     trial = first = -1 if len(guess) else 0
-    goal, reach = tol, 0.0  # the residual to reach; the largest basic variable at the end of a path
+    goal, reach = tol, 0.0  # the residual to reach; the largest basic variable so far
     while best > goal and work[0] < most and trial <= restarts and not late(until):
         size, precision = PERTURBATION, USUAL
         if trial > 0:
@@ -160,7 +160,7 @@ def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple
         work[1] += trial < 0
         going = trial >= 0 or invert(basis, guess)
         cold = basis.size[0] == 0
-        # A path takes up to about 3 n pivots, or many more in Murty's examples: only the last trial may use up what is left.
+        # Most paths take at most about 3 n pivots, Murty's examples many more: only the last trial has no bound of its own.
         budget = most if trial == restarts else min(most, work[0] + 5 * n + 1000)
         while going:
             perturb(memory, state, problem, trial, size)
@@ -189,7 +189,7 @@ def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple
 
 @inlined
 def perturb(memory: Memory, state: LemkeState, problem: LemkeProblem, trial: int, size: float) -> None:
-    """Write the trial's covering vector over d, and q plus its perturbation of this size, in the basis's own coordinates."""
+    """Overwrite d with the trial's covering vector and state.q with q plus a perturbation, in the coordinates of the basis."""
     basis, drawn = state.basis, state.v
     if trial > 0:
         draw(2 * trial, drawn)
@@ -201,7 +201,7 @@ def perturb(memory: Memory, state: LemkeState, problem: LemkeProblem, trial: int
     if trial:
         draw(2 * trial + 1, drawn)
     for i in range(len(drawn)):
-        drawn[i] += 9.0  # tenths: nearly uniform perturbations make for shorter paths
+        drawn[i] += 9.0  # entries from [1, 1.1) after division by 10: nearly uniform perturbations lead to shorter paths
     put(state.q, problem.q)
     add_coordinates(basis, drawn, size / 10.0, state.q)
 
@@ -217,7 +217,7 @@ def follow(
     budget: int,
     until: float,
 ) -> tuple[int, bool]:
-    """How the path ended, and whether its end is the tableau's: the first path of a small problem, unless on a ray."""
+    """How the path ended, and whether on the tableau, which is tried for the first path of a small problem."""
     if first and len(problem.q) <= SMALL:
         put(state.v, problem.q)
         code = follow_in_tableau(state, memory.tableau, slack, budget)
@@ -229,7 +229,7 @@ def follow(
 
 @inlined
 def refined(memory: Memory, state: LemkeState, problem: LemkeProblem, tol: float) -> float:
-    """The residual of a tableau's solution; where not clean, its last basis is solved, with a new inverse if need be."""
+    """The residual of the tableau's solution. Above CLEAN, the last basis is solved again, if necessary with a new inverse."""
     q, unit, basis = problem.q, problem.unit, state.basis
     error = scaled_residual(basis.M, q, unit, state.y, state.v)
     if error > min(tol, CLEAN):
@@ -244,7 +244,7 @@ def refined(memory: Memory, state: LemkeState, problem: LemkeProblem, tol: float
 
 @lean
 def certified(state: LemkeState, q: Array, copositive: bool) -> bool:
-    """Whether (v, v0) = a is a secondary ray. Where M is copositive, v0 = 0 and q'v < 0 follow, which is also checked."""
+    """Whether (v, v0) = a is a secondary ray. If M is copositive, this implies v0 = 0 and q'v < 0, which is checked as well."""
     v, v0, n = state.a, state.a[len(q)], len(q)
     if not copositive:
         return is_ray(state.basis.M, state.basis.d, v[:n], v0, state.v)
@@ -257,9 +257,9 @@ def certified(state: LemkeState, q: Array, copositive: bool) -> bool:
 
 @lean_loop
 def lemke_loop(packed, basis, guess, first, limits, lcp, memory, r, ended, work):  # type: ignore[no-untyped-def]
-    """Packed problems one after the other, over: impulses, how each ended, and pivots, restarts and inversions (N, 3).
+    """Solve packed problems in turn. Overwrites the impulses r, how each ended, and pivots, restarts and inversions (N, 3).
 
-    guess: the indices of basic z, problem k's from first[k] to first[k + 1].
+    guess: the indices of the basic z; those of problem k are guess[first[k]:first[k + 1]].
     """
     for k in range(len(ended)):
         if is_alone(packed, k):
@@ -278,8 +278,8 @@ def lemke_loop(packed, basis, guess, first, limits, lcp, memory, r, ended, work)
 class Lemke:
     """Lemke's complementary pivoting, scaled, perturbed, refined and checked. (Lemke 1965)
 
-    restarts: how many more covering vectors may be tried. facets: of the polygon that approximates the cone's section.
-    The limit counts pivots, by default 100 000 + 100 n.
+    restarts: the largest number of further covering vectors. facets: of the polygon that approximates the cone's section.
+    limit bounds the pivots, by default 100 000 + 100 n.
     """
 
     restarts: int = 8
@@ -298,7 +298,7 @@ class Lemke:
         if start is not None and isinstance(problem, FrictionProblem):
             one, law = np.array([0, problem.contacts]), (problem.friction, problem.friction_bias)
             guess, _ = guess_bases(one, impulses(start, scaled.contacts), *law, tangent_basis(problem.dimension, self.facets))
-        if is_past(deadline(2.0 * len(guess) ** 3)):  # its inverse would take too long; there may be time to begin from z = 0
+        if is_past(deadline(2.0 * len(guess) ** 3)):  # inverting the guess would take too long; start from z = 0 instead
             guess = NONE
         limits = MARGIN * tol, limit or 100_000 + 100 * len(q), self.restarts, deadline()
         given = M, q, unit, scaled.contacts[0], guess, scaled.basis is not None
@@ -320,10 +320,10 @@ class Lemke:
 
 @lean
 def first_cover(d: Array, contacts: int) -> None:
-    """d = 1 in scaled units, and 30 in the tangential rows of the LCP of so many contacts with friction.
+    """d = 1 in scaled units, and 30 in the tangential rows of a friction LCP.
 
-    Any d > 0 will do; with this one normal impulses enter the basis before tangential ones, which was measured to save a third
-    of the pivots.
+    Any d > 0 is admissible. With this one, normal impulses enter the basis before tangential ones, which saved a third of the
+    pivots in measurements.
     """
     fill(d, 1.0)
     for i in range(contacts, len(d) - contacts if contacts else 0):
@@ -331,9 +331,9 @@ def first_cover(d: Array, contacts: int) -> None:
 
 
 def guess_bases(first: Index64, impulse: Array, mu: Array, wider: Array, basis: Array) -> tuple[Index64, Index64]:
-    """The z that contact impulses suggest to be basic (basic_by_contact), of N problems whose contacts begin at first (N+1,).
+    """Guess which z are basic from contact impulses (basic_by_contact), for N problems whose contacts begin at first (N+1,).
 
-    Their indices, problem by problem, and where those of each begin (N+1,).
+    Returns their indices, problem by problem, and where those of each problem begin (N+1,).
     """
     count, nc, width = len(first) - 1, np.diff(first), len(basis[0]) + 1
     problem, size = np.repeat(np.arange(count), nc), np.zeros(count)
@@ -347,9 +347,9 @@ def guess_bases(first: Index64, impulse: Array, mu: Array, wider: Array, basis: 
 
 
 def basic_by_contact(impulse: Array, mu: Array, wider: Array, basis: Array, least: Array) -> NDArray[np.bool_]:
-    """(nc, K + 2): which of a contact's unknowns c, beta (K) and lambda its impulse suggests to be basic.
+    """Guess from the impulses which unknowns c, beta (K) and lambda of each contact are basic (nc, K + 2).
 
-    c and beta where impulses above `least` (nc,) act, lambda where contacts slide; wider: of the cone, by an impulse at hand.
+    c and beta are basic if their impulse exceeds `least` (nc,), lambda if the contact slides. wider: the friction bias b_f.
     """
     r_t, directions = impulse[:, 1:], basis[1:, 1:].T
     along = np.einsum("ia,ka->ik", r_t, directions)

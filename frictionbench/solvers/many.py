@@ -1,9 +1,9 @@
-"""Many problems at once: a method's compiled loop over packed problems, in threads, and every answer's residual.
+"""Solving many problems: a method's compiled loop over packed problems, in threads, and the residual of every answer.
 
-A solver with a method `solve_many` (solvers.interface) is given the problems of one dimension as arrays. Those that it leaves
-with the status None, as it does where islands have unlike speeds (solvers.balanced), and problems with joints are solved one by
-one. A compiled loop does not hold the interpreter's lock (problems.compiled.loop), so that threads share the problems. What the
-loops share stands at the end: which problems they take, where the impulses go, and what they return.
+A solver with a method `solve_many` (solvers.interface) receives all problems of one dimension as arrays. Problems with joints,
+and those to which it gives the status None, such as problems with islands of unlike speeds (solvers.balanced), are solved one
+by one. A compiled loop does not hold the interpreter's lock (problems.compiled.loop), so that threads can share the problems.
+The functions at the end are common to these loops: the problems they skip, the place of the impulses, and the results.
 """
 
 from collections.abc import Iterable, Sequence
@@ -35,18 +35,18 @@ from frictionbench.solvers.interface import (
     work_limit,
 )
 
-ALONE = -1  # how a problem ends that is to be solved by itself
-CHUNKS = 8  # for each worker: so many that the last ones end together, so few that a thread's call costs nothing beside one
+ALONE = -1  # how a problem ends that the loop does not solve: it is solved by itself
+CHUNKS = 8  # shares for each worker: enough to end at about the same time, few enough to make the cost of a call negligible
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Answers:
     """The results of `solve_many` for N problems; answers[k] is the impulse (nc, d) of problem k.
 
-    impulse: those of all problems, flat, problem k's from first[k] to first[k + 1]. first: (N+1,).
-    status: (N,), what the solver claims, a Status each. work: its counts, (N,) by name.
-    residual: (N,), of the exact problem (problems.residual), found from the impulses. floor: (N,), what rounding may add to it.
-    tol: what was asked for. Errors: IndexError for answers[k] where there is no problem k.
+    impulse: flat, of all problems; those of problem k are impulse[first[k]:first[k + 1]]. first: (N+1,).
+    status: (N,), each a Status, as the solver claims. work: its counts, (N,) by name.
+    residual: (N,), of the exact problem (problems.residual), from the impulses. floor: (N,), what rounding may add to it.
+    tol: the requested residual. Errors: IndexError for answers[k] if there is no problem k.
 
     >>> import frictionbench as fb
     >>> answers = fb.solve_many([fb.scene("stack", blocks=n, push=1.0).problem() for n in (1, 2)], "lemke")
@@ -88,16 +88,16 @@ def solve_many(
     start: Array | Answers | Sequence[Array] | None = None,
     workers: int = 1,
 ) -> Answers:
-    """Solve many friction problems with one solver: the impulses of `solve`, to the last bit, at less time for each.
+    """Solve many friction problems with one solver: the same impulses as by `solve`, to the last bit, in less time for each.
 
-    problems: FrictionProblems of any sizes, or a Batch of them, which is packed already.
-    spec, tol, limit: as in `solve`. workers: threads, each on a share of the problems.
+    problems: FrictionProblems of any sizes, or a Batch of them, which is already packed.
+    spec, tol, limit: as in `solve`. workers: the number of threads, among which the problems are divided.
     start: guesses of the impulses, N s: an array (nc, d) for each problem, Answers, or their flat `impulse`. A solver without
         warm start ignores them.
 
-    Solvers with a loop of their own (lemke, nsgs, interior_point's first phase and hybrid's first two
-    members) go over all problems in compiled code; for others, for problems with joints and for what a loop does not solve this
-    is a loop over `solve`, which threads do not make faster.
+    Some solvers process all problems in compiled code (lemke, nsgs, the first phase of interior_point and the first two members
+    of hybrid). With others, problems with joints and those that the compiled code does not solve are given to `solve` one by
+    one, which threads do not make faster.
 
     Returns Answers: the impulses, statuses and counts as arrays, and each answer's residual on the exact problem.
     Errors: InputError as for `solve`, with the number of the problem that the solver does not take, or of its start.
@@ -167,7 +167,7 @@ def _flat(start: Any, batch: Batch) -> Array:
 def _looped(
     instance: Solver, packed: Packed, tol: float, limit: int | None, start: Array | None, workers: int
 ) -> tuple[Solved, Array]:
-    """What the solver's own loop finds, and the residuals with their floors (N, 2). start: (contacts, d), or None."""
+    """The results of the solver's own loop, and the residuals with their floors (N, 2). start: (contacts, d), or None."""
 
     def part(share: Packed, begin: int = 0) -> tuple[Solved, Array]:
         own = () if start is None else (start[begin : begin + int(share.contacts[-1])],)
@@ -183,7 +183,7 @@ def _looped(
         shares = [packed.part(*ends[i : i + 2]) for i in range(len(ends) - 1)]
         parts = list(pool.map(part, shares, packed.contacts[ends].tolist()))
     solved = [each for each, _ in parts]
-    names = dict.fromkeys(name for each in solved for name in each.work)  # a share may lack what others count
+    names = dict.fromkeys(name for each in solved for name in each.work)  # a share may lack counts of others
     work = {
         name: np.concatenate([each.work.get(name, np.zeros(len(each.status), np.int64)) for each in solved]) for name in names
     }
@@ -192,7 +192,7 @@ def _looped(
 
 
 def _places(answers: Answers, numbers: Index64, packed: Packed) -> Index64 | slice:
-    """Where the impulses of packed problems of these numbers are among those of all."""
+    """The places of the packed problems' impulses among those of all problems; numbers: of the packed problems."""
     if len(numbers) == len(answers):
         return slice(None)
     begin = packed.contacts * packed.dimension
@@ -200,7 +200,7 @@ def _places(answers: Answers, numbers: Index64, packed: Packed) -> Index64 | sli
 
 
 def _fill(answers: Answers, numbers: Index64, places: Index64 | slice, solved: Solved, found: Array) -> None:
-    """Write the results of the problems of these numbers to their places."""
+    """Write the results of the problems with these numbers to their places."""
     answers.impulse[places] = solved.impulse.ravel()
     answers.status[numbers] = solved.status
     answers.residual[numbers], answers.floor[numbers] = found.T
@@ -221,7 +221,7 @@ def _solve_alone(answers: Answers, k: int, problem: FrictionProblem, spec: str, 
 
 @kernel
 def unsolved(packed, counts):  # type: ignore[no-untyped-def]
-    """Impulses (contacts, d) of zeros, ALONE for each of the N problems, and its counts (N, counts), zeros."""
+    """The initial results of a loop: impulses (contacts, d) of zeros, ALONE (N,), and counts (N, counts) of zeros."""
     count = len(packed.first) - 1
     contacts = packed.first[count, CONTACT] - packed.first[0, CONTACT]
     return np.zeros((contacts, packed.J.shape[1])), np.full(count, ALONE), np.zeros((count, counts), np.int64)
@@ -229,18 +229,18 @@ def unsolved(packed, counts):  # type: ignore[no-untyped-def]
 
 @lean
 def is_alone(packed, k):  # type: ignore[no-untyped-def]
-    """Whether problem k is to be solved by itself, because its islands have unlike speeds."""
+    """Whether problem k must be solved by itself, because its islands have unlike speeds."""
     return packed.spread[k] > UNLIKE
 
 
 @inlined
 def impulses_of(packed, k, r):  # type: ignore[no-untyped-def]
-    """Problem k's among the impulses of all (contacts, d), as a view."""
+    """The impulses of problem k, as a view of those of all problems (contacts, d)."""
     begin = packed.first[0, CONTACT]
     return r[packed.first[k, CONTACT] - begin : packed.first[k + 1, CONTACT] - begin]
 
 
 def solved(r: Array, ended: Index64, statuses: Sequence[Status], work: Index64, names: tuple[str, ...]) -> Solved:
-    """The results of a loop: the status of each end but ALONE, and the counts (N, names)."""
+    """The results of a loop. statuses: by how a problem ended, other than ALONE. work: the counts (N, names)."""
     told = np.array([*statuses, None])
     return Solved(r, told[ended], dict(zip(names, work.T, strict=True)))

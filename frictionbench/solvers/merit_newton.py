@@ -1,12 +1,12 @@
-"""Newton's methods on equations of a dense LCP, globalised by a line search on the merit Psi = |Phi|²/2.
+"""Newton's methods for a dense LCP written as equations Phi = 0, globalised by a line search on the merit Psi = |Phi|²/2.
 
-z solves the LCP w = M z + q exactly when Phi(z) = 0, where, i by i,
+z solves the LCP w = M z + q exactly when Phi(z) = 0, where, for each component,
 
     Phi = sqrt(z² + w²) - z - w,     Fischer and Burmeister's function (fischer_newton), or
     Phi = min(z, w),                 the min-map (minmap_newton).
 
-For both an element of the generalised Jacobian is H = A + B M with diagonal A and B, H'Phi the gradient of Psi. An iteration
-halves the step t along d from 1 until
+For both functions an element of the generalised Jacobian is H = A + B M with diagonal A and B, and H'Phi is the gradient of
+Psi. An iteration halves the step length t along the direction d from 1 until
 
     Psi(z + t d) <= the largest of recent Psi - sigma t drop        (nonmonotone: Grippo, Lampariello and Lucidi 1986).
 
@@ -15,14 +15,14 @@ is -H'Phi if H is singular or d is not a descent direction; drop = -d'H'Phi (De 
 a stationary point of Psi, H'Phi = 0, and a solution if M is P0. The friction LCP of one contact with W = [[a, b], [b, g]] is P0
 only for a >= mu |b|. Otherwise, and often with several contacts, the iteration may end in a minimum of Psi that is no solution.
 
-Min-map, or primal-dual active sets: with A = {i: w_i < z_i} d solves w_A + M_A d = 0, z_I + d_I = 0, so that a full step lands
-on z_I = 0, M_AA z_A = -q_A: one linear system of the size of A, and a finite method if it converges (Aganagic 1984;
-Bergounioux, Ito and Kunisch 1999). Full steps alone can cycle already for P-matrices (Ben Gharbia and Gilbert 2012). drop = 2
-Psi (Pang 1990); where the system is singular or the search fails, -H'Phi is tried. Psi is not differentiable where z_i = w_i,
-and the search may end in such a kink: there is no stronger guarantee.
+Min-map, or primal-dual active set method: with the active set A = {i: w_i < z_i} and its complement I, d solves w_A + M_A d =
+0, z_I + d_I = 0, so that a full step leads to z_I = 0, M_AA z_A = -q_A. This is one linear system of the size of A, and a
+finite method if it converges (Aganagic 1984; Bergounioux, Ito and Kunisch 1999). Full steps alone can cycle even for P-matrices
+(Ben Gharbia and Gilbert 2012). drop = 2 Psi (Pang 1990); if the system is singular or the search fails, -H'Phi is tried. Psi is
+not differentiable where z_i = w_i, and the search may end in such a kink: there is no stronger guarantee.
 
-Redundant supports make M, and with it H, singular at the solution. Newton's systems are therefore those of M + eps I; Phi, Psi
-and the gradient stay exact, so that only the rate changes: linear with a factor of about eps |H^-1| in place of quadratic.
+Redundant supports make M, and with it H, singular at the solution. Newton's systems therefore use M + eps I. Phi, Psi and the
+gradient stay exact, so that only the rate changes, from quadratic to linear with a factor of about eps |H^-1|.
 """
 
 from dataclasses import dataclass, replace
@@ -43,19 +43,19 @@ STATUS = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN, St
 SOLVED, STALLED, LIMIT, BREAKDOWN, TIME = range(5)  # how an iteration ends
 GOING = -1  # the iteration has not ended
 UNITS = ("newton", "gradient", "evaluations", "factorisations")
-NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work: steps, of the merit, of dense matrices
+NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # work: Newton and gradient steps, merits, dense factorisations
 ARMIJO = 1e-4  # sigma, the required share of the predicted decrease: the usual Armijo constant
-DESCENT = 1e-8  # required -d'H'Phi, relative to |d|^2.1, of a direction of descent (De Luca, Facchinei and Kanzow 1996)
+DESCENT = 1e-8  # a descent direction needs -d'H'Phi of at least this times |d|^2.1 (De Luca, Facchinei and Kanzow 1996)
 STATIONARY = 1e-12  # |H'Phi| relative to |Phi| below which the gradient is rounding
 
 
 class Descent(NamedTuple):
     """A Newton iteration with a line search: its criteria, and the record of its iterates.
 
-    unit (2, n), tol: of the residual (ScaledLCP). limit: of the iterations. shortest: step at which a search gives up.
-    best (n,), least (1,): the point of the least residual and that. history: the residual of every iterate. recent: the last
-    merits, for a nonmonotone search. work: counted by UNITS. until, slowness: the deadline, and the seconds that an operation
-    of a factorisation takes.
+    unit (2, n), tol: of the residual (ScaledLCP). limit: of the iterations. shortest: step length at which a search gives up.
+    best (n,), least (1,): the iterate with the least residual, and this residual. history: the residual of every iterate.
+    recent: the last merits, for the nonmonotone search. work: the counts named in UNITS. until: the deadline. slowness: seconds
+    for each operation of a factorisation.
     """
 
     unit: Array
@@ -79,7 +79,7 @@ def new_descent(unit: Array, tol: float, limit: int, memory: int, shortest: floa
 
 @dataclass(frozen=True)
 class MeritNewton:
-    """A Newton method on a merit function, from z = 0; a method sets the default of `regularisation`.
+    """A Newton method on a merit function, from z = 0; subclasses set the default of `regularisation`.
 
     regularisation: eps, added to the diagonal of the scaled M in the Newton system, as redundant supports make M singular.
     facets: of the polygon that approximates the circular section of the cone in space.
@@ -89,9 +89,9 @@ class MeritNewton:
     facets: int = 8
 
     dense_matrices = 3  # M, the Jacobian and its factors
-    smooth = True  # Fischer and Burmeister's function
+    smooth = True  # Fischer and Burmeister's function, otherwise the min-map
     memory = 8  # merits that the nonmonotone search compares with: 5 to 10 is usual (Grippo et al. 1986)
-    shortest = 1e-10  # step at which a search gives up: rounding of the merit hides smaller decreases
+    shortest = 1e-10  # step length at which a search gives up: rounding of the merit hides smaller decreases
     end = "no descent: a stationary point of the merit that is not a solution"
 
     def __post_init__(self) -> None:
@@ -103,13 +103,13 @@ class MeritNewton:
     def solve(self, dense: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the iterations, 200 by default.
 
-        The status is SOLVED also where the method gave up and its best point's exact residual is within tol.
+        The status is SOLVED also if the method gave up and the exact residual of its best iterate is within tol.
         """
         problem = dense.scaled.problem
         descent = new_descent(dense.scaled.unit, MARGIN * tol, 200 if limit is None else limit, self.memory, self.shortest)
         end, iterations = iterate(dense.M, dense.q, np.zeros(len(dense.q)), descent, float(self.regularisation), self.smooth)
         y = np.maximum(descent.best, 0.0)
-        if isinstance(problem, FrictionProblem):  # a normal impulse that acts on nothing, as of a joint's dry friction
+        if isinstance(problem, FrictionProblem):  # normal impulses that act on nothing, as those of dry friction in joints
             y[: problem.contacts][(dense.M.diagonal()[: problem.contacts] == 0) & (problem.friction == 0)] = 0.0
         if end != SOLVED and dense.scaled.residual(y) <= tol:
             end = SOLVED
@@ -134,7 +134,7 @@ class FischerNewton(MeritNewton):
 class MinmapNewton(MeritNewton):
     """Min-map Newton (primal-dual active sets): full steps, line search on the merit, gradient fallback.
 
-    regularisation, facets, limit, work and history: as of fischer_newton.
+    regularisation, facets, limit, work and history: as for fischer_newton.
     """
 
     regularisation: float = 1e-4
@@ -146,7 +146,7 @@ class MinmapNewton(MeritNewton):
 
 @kernel
 def iterate(M, q, y, descent, eps, smooth):  # type: ignore[no-untyped-def]
-    """From y: how it ended and the iterations. smooth: by Fischer and Burmeister's function, else by the min-map."""
+    """Iterate from y; return how it ended and the number of iterations. smooth: Fischer-Burmeister, otherwise the min-map."""
     work, k = descent.work, 0
     w = M @ y + q
     phi = equations(y, w, smooth)
@@ -176,7 +176,7 @@ def iterate(M, q, y, descent, eps, smooth):  # type: ignore[no-untyped-def]
 
 @part
 def _record(descent, k, y, w, merit, size):  # type: ignore[no-untyped-def]
-    """Record the k-th iterate y, w = M y + q and its merit; GOING, or how the method ended. size: of the next linear system."""
+    """Record the k-th iterate; GOING, or how the method ended. size: number of unknowns of the next linear system."""
     descent.history[k] = measured(descent.unit, y, w)
     if descent.history[k] < descent.least[0]:
         descent.least[0] = descent.history[k]
@@ -193,7 +193,7 @@ def _record(descent, k, y, w, merit, size):  # type: ignore[no-untyped-def]
 
 @part
 def _search(M, q, y, d, slope, descent, smooth):  # type: ignore[no-untyped-def]
-    """(t, y + t d, w and Phi there) of a step that decreases the merit enough; t = 0 if there is none, -1 if time is over."""
+    """(t, y + t d, w and Phi there) for a sufficient decrease; t = 0 if there is none, -1 after the deadline."""
     worst, t = descent.recent.max(), 1.0
     drop = -slope if smooth else 2 * worst
     while True:
@@ -210,7 +210,7 @@ def _search(M, q, y, d, slope, descent, smooth):  # type: ignore[no-untyped-def]
 
 @kernel
 def equations(y, w, smooth):  # type: ignore[no-untyped-def]
-    """Phi (n,); Fischer and Burmeister's function without cancellation where a + b > 0."""
+    """Phi (n,). Fischer and Burmeister's function is computed without cancellation where a + b > 0."""
     value = np.empty(len(y))
     for i in range(len(y)):
         a, b = y[i], w[i]
@@ -226,7 +226,7 @@ def equations(y, w, smooth):  # type: ignore[no-untyped-def]
 def jacobian(y, w, smooth):  # type: ignore[no-untyped-def]
     """The diagonals A, B (n,) of an element H = A + B M of the generalised Jacobian.
 
-    At a kink of Fischer and Burmeister's function, y_i = w_i = 0, it is the limit at y_i = w_i -> 0.
+    At the kink of Fischer and Burmeister's function, y_i = w_i = 0, it is the limit for y_i = w_i -> 0 from above.
     """
     if not smooth:
         return np.where(w < y, 0.0, 1.0), np.where(w < y, 1.0, 0.0)
@@ -241,7 +241,7 @@ def jacobian(y, w, smooth):  # type: ignore[no-untyped-def]
 
 @part
 def _newton_direction(M, y, w, phi, A, B, eps, smooth):  # type: ignore[no-untyped-def]
-    """d (n,), NaN where the system is singular; of the min-map it is that of the active set alone."""
+    """d (n,), NaN where the system is singular. For the min-map only the system of the active set is solved."""
     if smooth:
         H = M * B.reshape(len(y), 1)
         for k in range(len(y)):
@@ -266,6 +266,6 @@ def solve_dense(A, b):  # type: ignore[no-untyped-def]
     """x (n,) with A x = b by LU with partial pivoting; NaN where A is singular."""
     try:
         x = np.linalg.solve(A, b)
-    except Exception:  # numba knows no narrower one
+    except Exception:  # numba supports no narrower exception
         x = np.full(len(b), np.nan)
     return x

@@ -2,12 +2,12 @@
 
     w = M z + q,   w, z >= 0,   w'z = 0.
 
-Every complementary basis (of each pair w_i, z_i one is basic, the nonbasic ones are 0) gives a complementary (w, z); the
-method looks for a nonnegative one. As long as a basic variable is negative, the pair of the least such index is
-exchanged. If M is a P-matrix every such pivot exists and no basis repeats, so that the method finds the solution, for every q,
-after at most 2^n pivots (Murty 1974; Murty 1988, section 4.1). There is no guarantee otherwise. The matrix of a friction LCP is
-not a P-matrix, and above a certain mu not a P0-matrix: the method may cycle, which ends at the work limit, or meet a pair
-whose pivot vanishes, where it stalls.
+In a complementary basis one variable of each pair w_i, z_i is basic and the other is 0. Its solution is complementary, and the
+method looks for a nonnegative one. As long as a basic variable is negative, the pair with the least such index is exchanged.
+If M is a P-matrix, every such pivot exists and no basis repeats, so that the method finds the solution for every q after at
+most 2^n pivots (Murty 1974; Murty 1988, section 4.1). Otherwise there is no guarantee. The matrix of a friction LCP is not a
+P-matrix, and above a certain mu not even a P0-matrix: the method may cycle until the work limit, or meet a zero pivot, where it
+stalls.
 """
 
 from frictionbench.problems.check import Array
@@ -33,7 +33,7 @@ from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
 from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
 from frictionbench.solvers.pivots.vectors import put
 
-NEGATIVE = 1e-13  # relative to the largest basic variable: entries above minus this are rounding, and count as zero
+NEGATIVE = 1e-13  # basic variables above minus this share of the largest are rounding, and count as zero
 
 
 @kernel
@@ -75,7 +75,7 @@ def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int, until: float
 class Murty(PrincipalPivoting):
     """Murty's least-index principal pivoting; guaranteed for P-matrices only. (Murty 1974)
 
-    facets: of the polygon that approximates the cone's section in space. The limit counts pivots, by default 10 000 + 100 n.
+    facets: of the polygon that approximates the cone's section in space. limit bounds the pivots, by default 10 000 + 100 n.
     """
 
     def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:

@@ -5,8 +5,8 @@ the gradient of an unknown function, and Fletcher and Reeves' conjugate directio
 
     g+ = G(r) - r,    beta = |g+|^2 / |g|^2, taken as 0 where it is 1 or more,    r+ = G(r) + beta p,    p+ = g+ + beta p,
 
-in the metric of the contacts' scales s_i. It costs a sweep and a few vector updates an iteration; the state x = rest + R r is
-carried along by the same combinations. No convergence theorem.
+in the metric of the contacts' scales s_i. An iteration costs one sweep and a few vector updates; the state x = rest + R r is
+updated by the same linear combinations. No convergence theorem is known.
 
 Reference: Silcowitz, Niebe and Erleben 2010.
 """
@@ -41,7 +41,7 @@ class NNCG:
 
 @kernel
 def _iterate(form, r, monitor):  # type: ignore[no-untyped-def]
-    """Overwrite r by the solution; the number of sweeps."""
+    """Overwrite r with the solution; return the number of sweeps."""
     x, u = np.empty_like(form.rest), np.empty_like(r)
     p, p_x = np.zeros_like(r), np.zeros_like(x)
     r_old, x_old = np.empty_like(r), np.empty_like(x)

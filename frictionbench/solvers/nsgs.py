@@ -2,9 +2,9 @@
 
     repeat   for i = 1..nc:   r_i <- the solution of contact i's law, the others held;   x += R_i (r_i+ - r_i)
 
-Fixed points are exactly the Coulomb solutions. No convergence theorem: one sliding contact converges at the linear rate
-mu|b|/a, a sticking one at b^2/(a g) if its two laws are solved apart; here they are solved together, so that a single contact
-takes one sweep. The coupling between contacts still converges linearly, slowly for tall stacks and heavy bodies on light ones.
+Fixed points are exactly the Coulomb solutions. No convergence theorem is known. If a contact's normal and tangential laws were
+solved in turn, one sliding contact would converge at the linear rate mu|b|/a, a sticking one at b^2/(a g). Here they are solved
+together: one contact takes one sweep. Several converge linearly, slowly for tall stacks and heavy bodies on light ones.
 
 References: Jourdan, Alart and Jean 1998; Jean 1999.
 """
@@ -38,7 +38,7 @@ class NSGS:
         require(0 < self.relaxation < 2, "relaxation", f"must lie between 0 and 2, got {self.relaxation!r}")
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
-        if self.precision == "single":  # each by itself
+        if self.precision == "single":  # status None: solved one by one
             return Solved(np.zeros((int(packed.contacts[-1]), packed.dimension)), np.full(packed.size, None), {})
         r, space = impulses(start, (int(packed.contacts[-1]), packed.dimension)), True if packed.dimension == 3 else None
         ended, work = nsgs_loop(packed, r, float(self.relaxation), tol, LIMIT if limit is None else limit, space)
@@ -55,7 +55,7 @@ class NSGS:
 
 @loop
 def nsgs_loop(packed, r, relaxation, tol, limit, space):  # type: ignore[no-untyped-def]
-    """Overwrite the impulses r of packed problems, one after the other: how each ended, and sweeps and checks (N, 2)."""
+    """Overwrite the impulses r of packed problems in turn; return how each ended, and sweeps and checks (N, 2)."""
     _, ended, work = unsolved(packed, 2)
     for k in range(len(ended)):
         if is_alone(packed, k):
@@ -69,7 +69,7 @@ def nsgs_loop(packed, r, relaxation, tol, limit, space):  # type: ignore[no-unty
 
 @kernel
 def _iterate(form, r, relaxation, monitor, space):  # type: ignore[no-untyped-def]
-    """Overwrite r by the solution; the number of sweeps. space: None in the plane, so that only one of the two is compiled."""
+    """Overwrite r with the solution; return the number of sweeps. space: None in the plane: only one branch is compiled."""
     x, u = np.empty_like(form.rest), np.empty_like(r)
     sweeps = 0
     while should_continue(monitor, residual_at(form, r, x, u, 1.0), sweeps):

@@ -5,14 +5,14 @@ w = x+ - x. From a point x with residual r = F(x+) + x - x+, the path to the New
 
     M z - w + q = (1 - t) r,     0 <= z ⟂ w >= 0,     t from 0 to 1,
 
-a piecewise linear curve followed by complementary pivots: t enters the basis of x, whenever a z_i or w_i leaves its
-complement enters next (Ralph 1994). One Newton step consists of
+a piecewise linear curve followed by complementary pivots: t enters the basis of x first, and whenever a z_i or w_i leaves,
+its complement enters next (Ralph 1994). One Newton step consists of
 
 1. a crash (projected Newton): a few active-set steps guess which z are basic;
 2. the path from the crash point, to t = 1 or to where it ends;
 3. the Newton point itself, from a fresh LU of the last basis, refined once;
 4. acceptance: the residual must fall. Otherwise, or after a path that ends early, the method restarts from z = 0 with another
-   perturbation, alternately without and with a crash. (On the problems of the suites it never has to.)
+   perturbation, alternately without and with a crash. (On the problems of the suites no restart is needed.)
 
 Differences from PATH, and their reasons:
 
@@ -22,11 +22,11 @@ Differences from PATH, and their reasons:
   So r < 0, and the existence proof for Lemke's method carries over: a ray v of the path has v >= 0, Mv >= 0, v'Mv = 0, hence
   (1 - t) v'r = v'Mz + v'q, where v'Mz >= 0 if M is copositive, and v'q >= 0 for friction with a bias b >= 0 (Anitescu and
   Potra 1997); but v'r < 0. In trials from crash points with r of either sign, a quarter of the paths on stacks and four in
-  ten on random problems ended early; with r < 0 one in a hundred. Random, delta also resolves exact ties.
-* The crash basis must have det M_AA > 0. Along a path t rises with the sign of det B: from a negative one it can only
-  reach solutions of index -1, of which there is usually one fewer than of index +1, often none. Where no basis is found
+  ten on random problems ended early; with r < 0 one in a hundred. Being random, delta also resolves exact ties.
+* The crash basis must have det M_AA > 0. Along a path t rises with the sign of det B: from a negative sign the path can
+  only reach solutions of index -1, of which there is usually one fewer than of index +1, often none. If no basis is found,
   the path starts at z = 0, and is then Lemke's with the covering vector delta (PATH's ray start).
-* PATH updates its sparse factors; here they stay, with a column for every pivot since, up to 96 (solvers.pivots.lu_basis).
+* PATH updates its sparse factors; here they are kept, with one column for each later pivot, up to 96 (solvers.pivots.lu_basis).
 
 References: Dirkse and Ferris, The PATH solver, Optimization Methods and Software 5 (1995); Ralph, Global convergence of
 damped Newton's method for nonsmooth equations via the path search, Mathematics of Operations Research 19 (1994).
@@ -77,22 +77,22 @@ from frictionbench.solvers.pivots.scaled_lcp import (
 )
 from frictionbench.solvers.pivots.vectors import fill, put
 
-SHIFT = 0.3  # size of the residual at a crash point, relative to the largest scaled q: smaller ones leave paths with near ties
+SHIFT = 0.3  # size of the residual at a crash point, relative to the largest scaled q: smaller ones cause near ties on the path
 SPREAD = 0.1  # relative randomness of its entries: enough to resolve ties, without making one row the first to block
-DEPENDENT = 1e-9  # a column of a guessed basis keeping less of its size in elimination is left out
-DECREASE = 0.9  # required of a new residual, relative to the last one (Dirkse and Ferris 1995)
+DEPENDENT = 1e-9  # a column of a guessed basis is dependent if elimination leaves less than this share of it
+DECREASE = 0.9  # a new residual must be below this share of the last one (Dirkse and Ferris 1995)
 RESTART_CRASH = 3  # crash steps of every second restart
-WELL = 1 / 16  # of a bound of rounding, what is left even where it goes well: less is not worth a further step
+WELL = 1 / 16  # below this share of its bound of rounding errors, a residual does not justify a further step
 
-CRASH, STEPS, RESTARTS = 2, 3, 4  # counted in work, after pivots and factorisations
+CRASH, STEPS, RESTARTS = 2, 3, 4  # indices of work, after those of pivots and factorisations
 
 
 @solver("path_search", family="newton", model="lcp", dimension=(2, 3), sparse=True)
 class PathSearch:
     """PATH-like normal-map Newton: crash, then a pivotal path to the Newton point, restarted where it stalls.
 
-    crash: active-set steps before the path. restarts: the largest number. facets: of the polygon that approximates the cone's
-    section. limit bounds the pivots, by default 50 n + 1000.
+    crash: active-set steps before the path. restarts: their largest number. facets: of the polygon that approximates the
+    cone's section. limit bounds the pivots, by default 50 n + 1000.
     work: pivots, factorisations, crash (steps), newton (steps), restarts.
     """
 
@@ -119,7 +119,7 @@ class PathSearch:
         limit = 50 * n + 1000 if limit is None else limit
         settings = q, unit, noise, target, limit, deadline(), self.crash
         found, least, end, ray, work = search(columns, basis, *settings)
-        while basis.size[2] > 0 and not is_over():  # the factors did not fit
+        while basis.size[2] > 0 and not is_over():  # the factors did not fit into the storage: repeat with more
             basis = new_basis(n, min(n * n, 4 * len(basis.L.value)))
             found, least, end, ray, work = search(columns, basis, *settings)
         y = np.empty(n)
@@ -136,12 +136,12 @@ COUNTS = "pivots", "factorisations", "crash", "newton", "restarts"
 
 @lru_cache(maxsize=64)
 def perturbations(attempts: int, n: int) -> Array:
-    """Random numbers (attempts, n) from [0, 1), always the same."""
+    """Random numbers (attempts, n) from [0, 1), the same in every call."""
     return np.random.default_rng(0).random((attempts, n))
 
 
 class Prepared(NamedTuple):
-    """The scaled LCP, the same in an order of little fill, storage for one basis, and the perturbations of all attempts."""
+    """The scaled LCP, its data in an order with little fill, storage for one basis, and the perturbations of all attempts."""
 
     scaled: ScaledLCP
     order: Index64
@@ -154,7 +154,7 @@ class Prepared(NamedTuple):
 
 @kernel
 def search(columns, basis, q, unit, noise, tol, limit, until, steps):  # type: ignore[no-untyped-def]
-    """Newton's method from z = 0: the best z found, its residual, how the last path ended, whether on a true ray; work."""
+    """Newton's method from z = 0; the best z, its residual, how the last path ended, whether any met a verified ray, work."""
     n = len(q)
     work = np.zeros(5, np.int64)
     z, w, v, A = np.zeros(n), np.empty(n), np.zeros(n), np.zeros(n, np.bool_)
@@ -168,7 +168,7 @@ def search(columns, basis, q, unit, noise, tol, limit, until, steps):  # type: i
             delta[i] = shift * (1.0 + SPREAD * noise[work[RESTARTS], i])
             right[i] = q[i] + delta[i]
         crash_point(basis, columns, right, A, z, w, steps, until, work)
-        for i in range(n):  # residual r of x: -delta on A; below, with w_i = max(F_i, 0) + delta_i
+        for i in range(n):  # the residual r of the crash point x: -delta on A, elsewhere with w_i = max(F_i, 0) + delta_i
             columns.cover[i] = -delta[i] if A[i] else min(w[i] - delta[i], 0.0) - delta[i]
             right[i] = columns.cover[i] - q[i]
         if not overflowed(basis):
@@ -200,10 +200,10 @@ def search(columns, basis, q, unit, noise, tol, limit, until, steps):  # type: i
 
 @part
 def crash_point(basis, columns, q, A, z, w, steps, until, work):  # type: ignore[no-untyped-def]
-    """Improve the guess A of the basic z, and write the basic point of LCP(M, q) over z, w; A is empty where that fails.
+    """Improve the guess A of the basic z by projected Newton steps, and overwrite z, w with the basic point of LCP(M, q).
 
-    Projected Newton: what is negative changes sides, and the least infeasible basis is stored; of it, what stays negative
-    leaves, until z >= 0. A then has z_A >= 0, (Mz + q)_A = 0 and det M_AA > 0.
+    A step exchanges the pairs whose basic variable is negative. Negative z then leave the least infeasible basis until z >= 0.
+    Finally z_A >= 0, (Mz + q)_A = 0 and det M_AA > 0; A is empty if this fails.
     """
     n = len(q)
     stored, right = np.empty(n, np.bool_), np.empty(n)
@@ -248,7 +248,7 @@ def crash_point(basis, columns, q, A, z, w, steps, until, work):  # type: ignore
 
 @part
 def complementary(basis, columns, A, until, work):  # type: ignore[no-untyped-def]
-    """Factorise the complementary basis of A; how many of its columns were left out as dependent."""
+    """Factorise the complementary basis of A; return the number of columns left out as dependent."""
     set_complementary_basis(basis, A)
     work[FACTORISATIONS] += 1
     return factorise_basis(basis, columns, DEPENDENT, until)
@@ -256,10 +256,10 @@ def complementary(basis, columns, A, until, work):  # type: ignore[no-untyped-de
 
 @part
 def newton_point(basis, columns, q, unit, end, z, w, until, work):  # type: ignore[no-untyped-def]
-    """Write over z and w = M z + q the Newton point, solved and refined by the basis; its residual.
+    """Overwrite z with the Newton point, solved from the basis and refined once, or with the end of the path; its residual.
 
-    Of an ill-conditioned basis the end of the path can be better: variables that left the basis within the slip of zero are not
-    zero.
+    The end of the path may be the better of the two if the basis is ill-conditioned, because variables that left the basis
+    within the slip of zero are not zero. w is overwritten.
     """
     n = len(q)
     work[STEPS] += 1

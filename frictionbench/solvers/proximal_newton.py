@@ -1,32 +1,33 @@
 """Proximal points of Coulomb's law in space, each found by Newton's method.
 
-The proximal point of an anchor a solves the contact problem with u + rho s (r - a) in place of u, s the contacts' scales: as
-if every contact were slightly compliant, and unloaded at a. However redundant the contacts are, its impulses are isolated, and
-for large rho it separates into one small problem a contact, which Newton's method solves in a
-few steps. Then a moves there and rho is halved; if Newton's method fails, it starts from a again, with a rho five times larger.
+The proximal point of an anchor a solves the contact problem with u + rho s (r - a) in place of u, where s are the contacts'
+scales: as if every contact were slightly compliant, and unloaded at a. However redundant the contacts are, its impulses are
+isolated, and for large rho it separates into one small problem for each contact, which Newton's method solves in a few steps.
+Then a moves to the solution and rho is halved. If Newton's method fails, it restarts from a with rho five times larger:
 
     a <- r,  rho <- rho / 2      where |s F| fell below a hundredth of the residual,         otherwise    rho <- 5 rho.
 
-From a given start rho begins with its residual, as in Levenberg and Marquardt's method near solutions that are not isolated: a
-larger rho only holds it up there.
+For a warm start, rho is at first the residual of the start, as in Levenberg and Marquardt's method near solutions that are not
+isolated: a larger rho only slows convergence there.
 
-Newton's method takes Alart and Curnier's equations. With the velocity w = u + rho s (r - a) that the anchor a makes of a
-contact's u, and the pair x = r - w / k, k = (1 + rho) s,
+Newton's method is applied to Alart and Curnier's equations. With w = u + rho s (r - a), x = r - k w and k = 1 / ((1 + rho) s)
+for each contact,
 
     F_n = r_n - (x_n)_+,        F_t = r_t - P_B(x_t),      B the disc of radius mu (x_n)_+ + b_f,
 
-vanish exactly where r obeys Coulomb's law with w in place of u. F is piecewise smooth. Where A dr + B dw is its derivative, a
-Newton step is, contact by contact, with G = (A + rho s B)^-1,
+vanish exactly where r obeys Coulomb's law with w in place of u. F is piecewise smooth, with the derivative A dr + B dw. With
+G = (A + rho s B)^-1, a Newton step is, contact by contact,
 
     dr = -G (F + B du),        (M + J'G B J) dv = -J'G F,        du = J dv:
 
-the matrix of solvers.interior.newton with another block for every contact. A has rank 3 at an open contact and none at one that
-sticks; rho > 0 makes G exist, for any number of contacts on a body. Impulses of joints are further unknowns, their defects
-F v + b_F further equations, with the same matrix 1/delta for each joint as there. A step is halved until the norm |s F| of all
-equations falls.
+with the matrix of solvers.interior.newton but other blocks for the contacts. A has rank 3 at an open contact and is zero at a
+sticking one; rho > 0 makes G exist, for any number of contacts on a body. Impulses of joints are further unknowns, their
+defects F v + b_F further equations, with the same block 1/delta for each joint as there. A step is halved until the norm |s F|
+of all equations falls.
 
-Where a is stationary it is a Coulomb solution, for every rho. For a monotone problem the anchors converge; Coulomb's law is not
-monotone, so they need not. It solves problems that trap interior points: large friction, and contacts in random directions.
+A stationary anchor is a Coulomb solution, for every rho. For a monotone problem the anchors converge; Coulomb's law is not
+monotone, so they need not. The method solves problems that trap interior points: large friction, and contacts in random
+directions.
 
 References: Rockafellar 1976; Alart and Curnier 1991; Yamashita and Fukushima 2001; Acary, Brémond and Huber 2018, sections 4.2
 and 4.4.
@@ -63,12 +64,12 @@ from frictionbench.solvers.interior.system import System
 from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
 
 LIMIT = 1500  # factorisations by default: most problems that are solved take less than 500
-STEPS = 20  # of Newton's method for one proximal point: it converges within a few, or not at all
-ENOUGH = 1e-2  # |s F| required of a proximal point, relative to the least residual so far: an anchor need not be exact
-ACCURATE = 1e-11  # and relative to the largest free velocity: near what rounding leaves
-SOFT, SOFTER, STIFFER = 1.0, 5.0, 0.5  # rho at first, a contact's own scale, and its factors after a failure and a success
-LEAST = 1e-8  # of rho: below, G is singular to rounding
-HALVINGS = 8  # of a step: if a 256th does not decrease |s F|, the step is taken nevertheless and the anchor restarts
+STEPS = 20  # Newton steps for one proximal point: the method converges within a few, or not at all
+ENOUGH = 1e-2  # |s F| that suffices for a proximal point, relative to the least residual so far: an anchor need not be exact
+ACCURATE = 1e-11  # |s F| that always suffices, relative to the largest free velocity: near what rounding leaves
+SOFT, SOFTER, STIFFER = 1.0, 5.0, 0.5  # the first rho, and its factors after a failure and after a success
+LEAST = 1e-8  # the smallest rho: below it, G is singular to working accuracy
+HALVINGS = 8  # lengths tried for a step, each half the last: if none decreases |s F| enough, the shortest is taken nevertheless
 DECREASE = 1e-4  # share of the predicted decrease of |s F| that a step must reach (the usual Armijo constant)
 
 
@@ -76,7 +77,7 @@ DECREASE = 1e-4  # share of the predicted decrease of |s F| that a step must rea
 class ProximalNewton(Phased):
     """Proximal points found by Newton's method on Alart and Curnier's equations, sparse in the velocities.
 
-    Work: factorisations, and anchors tried. History: the residual after each of them.
+    Work: factorisations, and anchors tried. History: the residual after each anchor.
     """
 
     def solve(
@@ -117,8 +118,7 @@ class ProximalNewton(Phased):
 
 
 class State(NamedTuple):
-    """Impulses r, velocities u and equations F (nc, 3), for r as it is or after a step; the joints' impulses and F v + b_F
-    (nj, 1)."""
+    """Impulses r, velocities u and equations F (nc, 3), impulses of the joints and their defects F v + b_F (nj, 1)."""
 
     r: Array
     u: Array
@@ -135,7 +135,7 @@ def new_state(system: System) -> State:
 
 @lean
 def _pair(system: System, i: int, state: State, anchor: Array, rho: float) -> Vector:
-    """x = r - w / k."""
+    """x = r - k w."""
     r, u, s = state.r, state.u, system.weight[i]
     share, k = rho / (1 + rho), 1 / ((1 + rho) * s)
     x0 = r[i, 0] - k * u[i, 0] - share * (r[i, 0] - anchor[i, 0])
@@ -146,7 +146,7 @@ def _pair(system: System, i: int, state: State, anchor: Array, rho: float) -> Ve
 
 @lean
 def equations(system: System, state: State, anchor: Array, rho: float, work: Work) -> float:
-    """Overwrite u, F and the joints' drift for the impulses; |s F|."""
+    """Compute u, F and the joints' drift from the impulses; return |s F|."""
     for k in range(len(work.momentum)):
         work.momentum[k] = 0.0
     for i in range(len(state.r)):
@@ -178,10 +178,10 @@ def equations(system: System, state: State, anchor: Array, rho: float, work: Wor
 
 @inlined
 def _impulse_change(system: System, i: int, state: State, anchor: Array, rho: float, F: Vector, du: Vector) -> Vector:
-    """-G (F + B du): the change of r for a change du of u, and the equations' defect F."""
+    """-G (F + B du): the change of r for a change du of u and the defect F of the equations."""
     s, mu = system.weight[i], system.friction[i]
     k = 1 / ((1 + rho) * s)
-    share = rho / (1 + rho)  # rho s k: what the proximal term adds where B is k
+    share = rho / (1 + rho)  # rho s k, which the proximal term adds where B = k
     x0, x1, x2 = _pair(system, i, state, anchor, rho)
     size = np.sqrt(x1 * x1 + x2 * x2)
     radius = mu * max(x0, 0.0) + system.friction_bias[i]
@@ -201,7 +201,7 @@ def _impulse_change(system: System, i: int, state: State, anchor: Array, rho: fl
 
 @lean
 def newton_step(system: System, state: State, anchor: Array, rho: float, step: Array, work: Work) -> None:
-    """Overwrite step (nc, 3) by dr, and work.step.joint by the joints' change; one factorisation."""
+    """Overwrite step (nc, 3) with dr, and work.step.joint with the change of the joints' impulses; one factorisation."""
     dv = work.vector
     clear(system, work.storage)
     for k in range(len(dv)):
@@ -227,8 +227,8 @@ def newton_step(system: System, state: State, anchor: Array, rho: float, step: A
 
 @kernel
 def newton(system: System, state: State, anchor: Array, rho: float, work: Work, tol: float, limit: int) -> tuple[int, float]:
-    """Newton's method from state.r, which is overwritten, to |s F| <= tol in at most limit steps, the last begun before
-    work.until; the steps and |s F|."""
+    """Newton's method from state.r, which is overwritten, until |s F| <= tol, for at most limit steps, the last begun before
+    work.until. Returns the number of steps and |s F|."""
     step, trial = np.zeros(state.r.shape), new_state(system)
     size = equations(system, state, anchor, rho, work)
     for used in range(limit):

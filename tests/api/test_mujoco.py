@@ -136,6 +136,28 @@ def test_what_cannot_be_is_compromised() -> None:
     assert data.qpos[2] == pytest.approx(0.08, abs=1e-3)
 
 
+def test_what_nothing_moves_apart_is_left_overlapping() -> None:
+    """Two wheels of a car in free fall overlap on their axle, along which none of their velocities goes."""
+    wheel = '<body pos="0 {at} 0"><joint axis="0 1 0"/><geom size=".1"/></body>'
+    car = f'<body><freejoint/><geom size=".1"/>{wheel.format(at=0.15)}{wheel.format(at=0.3)}</body>'
+    model, data = made(f"<mujoco><worldbody>{car}</worldbody></mujoco>")
+    for k, result in enumerate(fb.mujoco.steps(model, data, 10), start=1):
+        assert result.problem.contacts == 1
+        assert data.qvel == pytest.approx(np.array([0, 0, -9.81 * 0.002 * k, 0, 0, 0, 0, 0]), abs=1e-12)
+
+
+def test_two_coefficients_of_friction_may_be_far_apart() -> None:
+    """A block stops at once in the direction of 10, and slides on in that of 1e-5."""
+    pair = '<contact><pair geom1="floor" geom2="block" friction="1e-5 10 .01 .001 .001"/></contact></mujoco>'
+    xml = BLOCK.format(cone="elliptic", integrator="Euler", mu=1).replace('<geom type="box"', '<geom name="block" type="box"')
+    model, data = made(xml.replace("</mujoco>", pair))
+    data.qpos[2] -= 1e-9  # touching
+    data.qvel[:2] = 0.03
+    for k, result in enumerate(fb.mujoco.steps(model, data, 10), start=1):
+        assert result.status is fb.Status.SOLVED
+        assert sorted(data.qvel[:2]) == pytest.approx([0.0, 0.03 - k * 1e-5 * 9.81 * 0.004], abs=3e-8)
+
+
 def test_warm_starts_follow_geoms_and_joints(monkeypatch) -> None:
     model, data = made(EVERYTHING)
     starts, solve = [], fb.mujoco.solve

@@ -76,10 +76,16 @@ def test_hinges_hold() -> None:
 
 def test_rest_needs_no_event() -> None:
     """Six contacts whose forces are not determined."""
-    made = scene("stack", blocks=3, push=0.0)
     events, end = followed("stack", step=0.05, blocks=3, push=0.0)
     assert events == []
-    assert end.q == pytest.approx(made.q0, abs=1e-12)
+    assert end.q == pytest.approx(scene("stack", blocks=3).q0, abs=1e-12)
+
+
+def test_a_contact_is_kept_from_step_to_step() -> None:
+    """A bead that slides in a bowl arrives in five steps where it does in one."""
+    events, end = followed("bowl", steps=5, friction=0.3, step=0.1)
+    assert events == []
+    assert end.q == pytest.approx(followed("bowl", friction=0.3, step=0.5)[1].q, abs=1e-9)
 
 
 def test_inconsistent_rod_ends_the_motion() -> None:

@@ -17,6 +17,7 @@ from frictionbench.problems.recorded.own import load
 from frictionbench.problems.subproblems import keep_contacts
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
+from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import BAD_SOLVERS
 from tests.helpers.runs import quiet
 
@@ -62,12 +63,12 @@ def test_shrink_writes_a_file(tmp_path, monkeypatch) -> None:
     run(plan, folder, 1, quiet())
     rows = store.read_table(folder, "solves").set_index("solver")
     path, problem, _, command = shrink(folder, rows.loc["wrong_zero", "key"], [str(BAD_SOLVERS)])
-    assert (problem.contacts, len(problem.free_velocity)) == (1, 3)
-    assert load(path).hash == problem.hash
+    assert (problem.contacts, len(problem.free_velocity), load(path).hash) == (1, 3, problem.hash)
+    assert "  wrong_zero  wrong  " in frictionbench("rerun", str(folder)).stdout
     assert shlex.split(command)[2:] == [str(path), "--solver", os.path.relpath(BAD_SOLVERS), "--tol", "1e-08"]
     with pytest.raises(InputError, match="only failing rows can be shrunk"):
         shrink(folder, rows.loc["lemke", "key"], [])
-    with pytest.raises(ResultsError, match=r"no row has the key.*rows that failed: solve-\w+ \(wrong_zero: wrong\)"):
+    with pytest.raises(ResultsError, match=r"no row has the key.*lists those that failed"):
         shrink(folder, "nonsense", [])
     monkeypatch.setattr("frictionbench.commands.shrink.row_of", lambda *_: {"verdict": "timeout", "reason": "its limit"})
     with pytest.raises(InputError, match=r"was wrong and is timeout \(its limit\) from a cold start.*longer --time-limit"):

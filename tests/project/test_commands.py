@@ -83,7 +83,6 @@ REFUSED = {
     "run recorded --data fclib": "frictionbench export fclib",
     "run standard --cluster": "cluster",
     "run smoke --cluster": "cluster",
-    "rerun runs/now --solver": "rows that failed",
 }
 
 

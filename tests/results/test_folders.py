@@ -189,6 +189,11 @@ def test_control_characters_reach_no_reader(tmp_path, monkeypatch) -> None:
         assert not RAW.search(text)
 
 
+def test_names_of_files_that_are_no_utf8(tmp_path) -> None:
+    store.write_manifest(tmp_path, {"settings": {"sources": [{"scene": "a", "parameters": {}, "file": "/a/\udcff.npz"}]}})
+    assert store.read_manifest(tmp_path)["settings"]["sources"][0]["file"] == "/a/?.npz"
+
+
 @pytest.mark.slow  # a worker's own; the quick tests have them in files
 def test_control_characters_of_a_worker(tmp_path) -> None:
     evil = "x\x1b[31m\u202e\u2028\u00a0y"

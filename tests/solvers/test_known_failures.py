@@ -105,7 +105,7 @@ FAILED = [
     *((spec, partial(false_ray, "bar", i), ANY) for spec in (IP, LEMKE, PATH) for i in range(11)),
     *((spec, partial(false_ray, "blocks", i), ANY) for spec in (IP, LEMKE, PATH) for i in range(4)),
     *((spec, partial(redundant_joints, name), 40) for spec in (IP, "lemke", PATH, "nsgs") for name in (1000, 1022, 1044)),
-    *(("hybrid", partial(robot, name), ANY) for name in ("redundant", "limits", "hand", "dry_friction")),
+    *(("hybrid", partial(robot, name), ANY) for name in ("redundant", "limits", "hand", "dry_friction", "light")),
 ]
 
 

@@ -21,7 +21,7 @@ def test_springs_tend_to_the_rigid_motion_and_decide_between_two() -> None:
         "compliance",
         stiffnesses={"names": ("stopping_block",), "values": (1e4, 1e5, 1e6), "methods": ("Radau",)},
         indentations={"shares": (0.5, 2.0)},
-        inconsistent={"values": (1e4, 1e8)},
+        inconsistent={"values": (1e6, 1e8)},
     )
     errors, stuck = found["stiffnesses"]["error"], found["inconsistent"]
     assert errors[2] < errors[1] < errors[0]
@@ -92,6 +92,7 @@ def test_events_are_exact_and_steps_are_of_first_order() -> None:
     driven = errors["scheme"] == "event_driven"
     assert errors[driven]["error"].max() < 1e-9
     assert errors[~driven]["error"].min() > 1e-5
+    assert "trapezoid" in set(errors["scheme"]), "as a scheme of second order"
     assert ends["accumulations"].tolist() == [1, 0]
     assert ends["reached"].round(9).tolist() == [2.0, 0.0]
     assert "no bounded force" in ends["reason"][1]
@@ -149,7 +150,7 @@ def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None
 
 def test_a_higher_order_is_kept_in_smooth_sliding_and_gaps_drift_less() -> None:
     schemes = ("anitescu_potra", "stewart_trinkle", "trapezoid")
-    found = reduced("orders", errors={"schemes": schemes, "fractions": (10, 20, 40), "kinds": ("smooth sliding",)})
+    found = reduced("orders", errors={"schemes": schemes, "fractions": (3, 5, 10), "kinds": ("smooth sliding",)})
     own = dict(tuple(found["errors"].groupby("scheme")))
     assert abs(order(own["anitescu_potra"]["step"], own["anitescu_potra"]["error"]).value - 1) < 0.3
     drift = {name: order(rows["step"], rows["drift"]).value for name, rows in own.items()}
@@ -242,7 +243,7 @@ def test_substeps_help_while_each_converges() -> None:
     assert errors[0].is_monotonic_decreasing, "of exact steps"
     assert errors[64, 16] < 0.5 * errors[64, 1]
     assert errors[16, 16] > errors[16, 4], "one sweep in a substep"
-    assert text("substeps", found).answer.startswith("Undecided")
+    assert text("substeps", found).answer.startswith("Substeps: in 2 of 2 cases")
 
 
 @pytest.mark.slow  # its claims on computed tables

@@ -1,8 +1,11 @@
 """Published results: runs stand beside each other, are checked, and what is damaged or unfinished is refused."""
 
+import io
 import json
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from frictionbench.problems.instances.random_bodies import random_problem
@@ -12,6 +15,7 @@ from tests.helpers.browser import browse, faults, in_browser
 from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.paths import ROOT
 from tools.publish.__main__ import publish
+from tools.publish.site import _csv
 from tools.publish.summary import read
 
 PROBLEM = random_problem(1, contacts=2)
@@ -46,6 +50,12 @@ def test_machines_stand_beside_each_other(site: Path) -> None:
     for folder in site.parent.glob("made-*/"):
         written = {path.name for path in folder.iterdir()}
         assert {"report.html", "solves.csv", "solves.parquet", "rankings.csv", "manifest.json"} <= written
+    rows = pd.DataFrame({"scene": ["=1+1"], "times": [np.arange(2000.0)]})
+    found = pd.read_csv(io.StringIO(_csv(rows))).loc[0]
+    assert (found["scene"], json.loads(found["times"])) == (
+        "'=1+1",
+        rows["times"][0].tolist(),
+    )  # no formula, and nothing left out
 
 
 def test_site_of_summaries_alone(site: Path, tmp_path: Path) -> None:

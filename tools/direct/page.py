@@ -87,17 +87,14 @@ def _contract(specs: tuple[str, ...], results: dict[str, dict[str, str]]) -> lis
     ]
     for failed, same in groupby(sorted(known, key=itemgetter("failed_checks")), key=itemgetter("failed_checks")):
         names = ", ".join(f"`{line['variant']}`" for line in same)
-        lines.append(f"    * {names}: {'passes all checks' if failed == 'none' else _failures(failed)}")
+        told = failed if failed.endswith("not installed") else f"fails {failed}"
+        lines.append(f"    * {names}: {'passes all checks' if failed == 'none' else told}")
     return lines
 
 
 def _each(lines: list[dict[str, str]], column: str, between: str) -> str:
     """Return the distinct parts of a column."""
     return between.join(dict.fromkeys(part for line in lines for part in line[column].split(between)))
-
-
-def _failures(failed: str) -> str:
-    return failed if failed.endswith("not installed") else f"fails {failed}"
 
 
 def _numbers(values: tuple[int, ...]) -> str:

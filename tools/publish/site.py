@@ -5,11 +5,13 @@ Runs are shown side by side and never merged: no number on the site is computed 
 from a results folder, without following links. All text is escaped, and pages load nothing from elsewhere.
 """
 
+import json
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from frictionbench.reports.accuracy import OVERALL
@@ -62,12 +64,16 @@ def history_rows(entry: Entry) -> list[dict[str, Any]]:
 
 def same_problems(entry: Entry, runs: Sequence[Entry]) -> list[str]:
     """Return sentences on how many problems of the run are equal, to the last bit, to those of each other run of the page."""
-    own, lines = entry.summary["problems"]["hashes"], []
-    for other in (one for one in runs if one is not entry):
-        theirs = other.summary["problems"]["hashes"]
-        same = sum(theirs.get(place) == found for place, found in own.items())
-        lines.append(f"{same} of {len(own)} problems are those of the run of {other.summary['finished'][:16]}.")
-    return lines
+    own, others = entry.summary["problems"]["hashes"], [one.summary for one in runs if one is not entry]
+    same = [sum(one["problems"]["hashes"].get(place) == found for place, found in own.items()) for one in others]
+    told = zip(same, others, strict=True)
+    return [f"{n} of {len(own)} problems are those of the run of {one['finished'][:16]}." for n, one in told]
+
+
+def _csv(rows: pd.DataFrame) -> str:
+    """Return the rows as CSV: arrays as JSON, and a quote before text that a spreadsheet would take for a formula."""
+    plain = rows.map(lambda value: json.dumps(value.tolist()) if isinstance(value, np.ndarray) else value)
+    return plain.replace("^(?=[=+@-])", "'", regex=True).to_csv(index=False)
 
 
 def _files(entry: Entry, site: Path) -> list[dict[str, str]]:
@@ -75,7 +81,7 @@ def _files(entry: Entry, site: Path) -> list[dict[str, str]]:
     name = entry.summary["name"]
     home = subfolder(site, name)
     write(entry.summary, home)
-    write_text(home / "rankings.csv", pd.DataFrame(entry.summary["rankings"]).to_csv(index=False))
+    write_text(home / "rankings.csv", _csv(pd.DataFrame(entry.summary["rankings"])))
     found = {"rankings.csv": "rankings, CSV", f"{name}.json": "summary, JSON"}
     if entry.folder is not None:
         for pattern in COPIED:
@@ -89,7 +95,7 @@ def _files(entry: Entry, site: Path) -> list[dict[str, str]]:
         for table in TABLES:
             rows = read_table(home, table)
             if len(rows):
-                write_text(home / f"{table}.csv", rows.to_csv(index=False))
+                write_text(home / f"{table}.csv", _csv(rows))
                 found |= {f"{table}.{kind}": f"{table}, {kind}" for kind in ("csv", "parquet")}
         found["manifest.json"] = "manifest: machine, versions, settings"
     return [{"address": f"{name}/{file}", "what": what} for file, what in found.items()]

@@ -28,14 +28,14 @@ OTHER = "pinocchio[method=admm,settings=tuned]"
 STEPS, APART, ROUNDS, LEAD = 30, 5, 5, 20  # timed steps of a motion; distance between them; repeats; steps before the first
 HEAD = f"""## Steps of robots
 
-Made by `python -m tools.robots.timing`. *MuJoCo*: `mj_fwdConstraint`, which solves by its own soft and convex law. The other
-columns are calls of `fb.solve(problem, "hybrid")` from Python on the exact problems of the same steps, form, setup and residual
-included: the median over the steps of µs, and of the ratio to MuJoCo; *worst*: the 99th percentile of the call cold at 1e-08
-over its median. Each time is the median of {ROUNDS} calls on one problem after {ROUNDS} that are not counted; *first* is the
-first of these, cold at 1e-06, as in a simulation, which solves each problem once. Cold from no impulses, warm from those of
-the step before, as MuJoCo. *problem*: to make the FrictionProblem of dense arrays, checks and inverse mass included.
-*pinocchio*: `{OTHER}`, of Coulomb's law, cold at 1e-06: the median over those steps
-that it solves, and their number where it is not all; a dash where it takes none, as it has no form for dry friction of joints.
+This table is made by `python -m tools.robots.timing`. *MuJoCo* is `mj_fwdConstraint`, with MuJoCo's soft and convex law. The
+next columns are calls of `fb.solve(problem, "hybrid")` from Python on the exact problems of the same steps, with form, setup
+and residual: the median time over the steps in µs, and the median ratio to MuJoCo. Cold starts are from zero impulses, warm
+ones from those of the step before, as in MuJoCo. Each time is the median of {ROUNDS} calls after {ROUNDS} uncounted ones.
+*first* is the first of these, cold at 1e-06, as in a simulation, which solves each problem once. *worst* is the 99th
+percentile of the cold call at 1e-08 over its median. *problem* is the time to make the FrictionProblem from dense arrays.
+*pinocchio* is `{OTHER}`, with Coulomb's law, cold at 1e-06, over the steps that it
+solves, and their number unless it is all. A dash means that it takes none, because it has no form for dry friction of joints.
 """
 
 
@@ -72,7 +72,7 @@ def section(names: tuple[str, ...] = ()) -> str:
                 print(lines[-1], file=sys.stderr, flush=True)
     told = ", ".join(f"{title} {_middle(ratio)}" for title, ratio in zip(titles, np.transpose(ratios), strict=True))
     summary = f"""The median over {len(ratios)} models of the ratio, with its 95 % interval between two of its values: {told};
-of *worst* {_middle(worst)}. The models are a choice and no sample of those in use."""
+of *worst* {_middle(worst)}. The models are a choice, not a sample of those in use."""
     return "\n".join([*lines, "", summary, ""])
 
 

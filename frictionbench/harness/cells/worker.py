@@ -212,7 +212,7 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
 
 
 def run_check(variant: str, check: str, violations: Callable[..., list[str]], limit: float) -> list[str]:
-    """Return a solver's violations of one check of the contract (harness.contract), including those of its first calls."""
+    """Return a solver's violations of a check of the contract (harness.contract), which also gets those of its first calls."""
     info, solver = _solver(variant)
     broken = [str(row["reason"]) for dimension in info.dimension if (row := _warm_up(variant, dimension, False, limit))]
     with _worker.deadline.within(limit), process.no_forked_child():

@@ -139,7 +139,7 @@ def _scaled(value: float, factor: float) -> float:
 
 
 def seeds() -> Plan:
-    """The seven examples, the rod and the jam, with all our main solvers and every applicable time-stepping scheme."""
+    """The seven examples, the rod and the jam, with main and further solvers and every applicable time-stepping scheme."""
     steps = (*(Source(name, pick=4) for name in EXAMPLES), Source("painleve_rod", pick=4))
     jam = Source("jam", {"sideways": 0.1}, pick=4)  # the disc hits a wall: otherwise zero impulses would be a solution
     solvers = (*EXACT, *RELAXED, *OTHERS)

@@ -56,7 +56,7 @@ class Cluster(AbstractContextManager["Cluster"]):
             )
 
     def __exit__(self, *_: object) -> None:
-        with suppress(Exception):  # a scheduler that does not answer cannot be told
+        with suppress(Exception):  # the scheduler may not answer
             self._client.close(timeout=1.0)
 
     def run(self, tasks: Iterable[Task]) -> Iterator[Outcome]:

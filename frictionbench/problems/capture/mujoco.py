@@ -11,8 +11,8 @@ MuJoCo's constraints in its frame, normal first:
     elliptic    J_n, J_1, J_2, ... themselves, forces f_n, f_1, f_2, ...
     pyramidal   edges J_n +- mu_k J_k, forces a_k+-:     f_n = sum a,  f_k = mu_k (a_k+ - a_k-)
 
-Friction with two coefficients is friction with mu_1 if the second tangent's row is multiplied by mu_2/mu_1 and its impulse by
-mu_1/mu_2. Limits and dry friction of joints and tendons are contacts of the problem (see FrictionProblem).
+Friction with two coefficients is friction with the larger one, mu, if the row of tangent k is multiplied by mu_k/mu and its
+impulse by mu/mu_k. Limits and dry friction of joints and tendons are contacts of the problem (see FrictionProblem).
 Sources: MuJoCo's documentation, "Computation", sections on the constraint model and on integrators; mju_decodePyramid.
 """
 
@@ -69,10 +69,7 @@ def known(mj: Any) -> tuple[Any, ...]:
 
 
 def mass_of(mj: Any, model: Any, data: Any) -> Array:
-    """A (nv, nv), the mass matrix with which impulses act in the integrator. data: after the step.
-
-    Errors: InputError naming data or integrator where it is not finite, or implicit's is not positive definite.
-    """
+    """A (nv, nv), the mass matrix with which impulses act in the integrator. data: after the step."""
     mass, h = np.zeros((model.nv, model.nv)), model.opt.timestep
     mj.mj_fullM(model, data, mass)
     if model.opt.integrator not in known(mj)[1:]:
@@ -128,12 +125,13 @@ def _contacts(mj: Any, model: Any, data: Any, J: Array, h: float) -> tuple[Conta
             own = np.vstack([J[first], _tangents(mj, model, data, at[number], where)])
             f, mu = np.array([data.efc_force[first], 0.0, 0.0]), 0.0
         else:
-            mu, other = at.friction[number, :2]
+            mu = at.friction[number, :2].max()
             own, f = _decoded(mj, data, J, first, at.friction[number, : dim - 1])
             others["torsional friction"] += h * own[TORSION:ROLLING].T @ f[TORSION:ROLLING]
             others["rolling friction"] += h * own[ROLLING:].T @ f[ROLLING:]
-            own[2] *= other / mu
-            f[2] /= other / mu
+            share = at.friction[number, :2] / mu
+            own[1:3] *= share[:, None]
+            f[1:3] /= share
         rows.append(own[:3])
         impulses.append(h * f[None, :3])
         friction.append(mu)

@@ -1,10 +1,10 @@
-"""The parts of a problem, which nothing connects, each in a unit of velocity of its own.
+"""The unconnected parts of a problem, and factors that scale each part to its own unit of velocity.
 
-A friction problem is homogeneous: free velocities, biases and friction biases divided by a factor > 0 give impulses divided by
-it. Separate parts may have factors of their own, so that one which is slow is solved like one which is fast. The factors are
-powers of two, which change no digits: the largest unit of a part over the largest of the problem, rounded.
+A friction problem is homogeneous: if free velocities, biases and friction biases are divided by a factor > 0, so are impulses.
+Each part may have its own factor, so that slow parts are solved as accurately as fast ones. A factor is the largest unit of a
+part divided by the largest of the problem, rounded to a power of two, so that scaling is exact.
 
-A part is a number from 0, of a node that no contact is connected with -1. These are kernels because every solve takes them.
+Parts are numbered from 0; nodes without a connection to any contact have -1. Kernels are used because every solve needs them.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from frictionbench.problems.forms.islands import top
 
 @kernel
 def mechanical_parts(start, column, m_start, m_column, f_start, f_column):  # type: ignore[no-untyped-def]
-    """Parts (nc+nv+nj,) of contacts, velocities and joint equations, from the patterns of J by contacts, of M and F by rows."""
+    """Parts (nc+nv+nj,) of contacts, velocities and joint equations, from the sparsity patterns of J, M and F."""
     nc, nv, nj = len(start) - 1, len(m_start) - 1, len(f_start) - 1
     parent = np.arange(nc + nv + nj)
     _connect(parent, 0, start, column, nc)
@@ -26,7 +26,7 @@ def mechanical_parts(start, column, m_start, m_column, f_start, f_column):  # ty
 
 @kernel
 def delassus_parts(first, neighbours):  # type: ignore[no-untyped-def]
-    """The parts (nc,) of the contacts, from the pattern of W by blocks."""
+    """Parts (nc,) of the contacts, from the sparsity pattern of W by blocks."""
     parent = np.arange(len(first) - 1)
     _connect(parent, 0, first, neighbours, 0)
     return _numbered(parent, len(parent))
@@ -34,7 +34,7 @@ def delassus_parts(first, neighbours):  # type: ignore[no-untyped-def]
 
 @part
 def _connect(parent, begin, start, column, offset):  # type: ignore[no-untyped-def]
-    """Join each row of a pattern, from node begin on, with its columns, from node offset on."""
+    """Connect each row of a sparsity pattern (node begin + row) with its columns (node offset + column)."""
     for i in range(len(start) - 1):
         for k in range(start[i], start[i + 1]):
             parent[top(parent, begin + i)] = top(parent, offset + column[k])
@@ -54,7 +54,7 @@ def _numbered(parent, nc):  # type: ignore[no-untyped-def]
 
 @kernel
 def factors(parts, units):  # type: ignore[no-untyped-def]
-    """The factor of each node (nodes,), of the units (nc,) of the contacts; 1 for what no contact is connected with."""
+    """The factor of each node (nodes,) for the contacts' units (nc,); 1 for nodes without a connection to any contact."""
     fastest, own, factor = 0.0, np.zeros(len(parts)), np.ones(len(parts))
     for i in range(len(units)):
         fastest = max(fastest, units[i])

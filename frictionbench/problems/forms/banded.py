@@ -1,7 +1,7 @@
-"""Cholesky factorisation of a symmetric positive semidefinite band matrix A = L L', rows that depend on others left out.
+"""Cholesky factorisation A = L L' of a symmetric positive semidefinite band matrix, without its dependent rows.
 
-A matrix of half bandwidth b is held by rows in band (n, b+1): band[i, k] is its entry in column i - b + k. A row whose pivot
-is a rounding error gets no column of L: its unknown is zero, and the result is the inverse on the other rows, X with A X A = A.
+A matrix of half bandwidth b is stored by rows in band (n, b+1): band[i, k] is its entry in column i - b + k. Rows whose pivot
+is a rounding error are left out: their unknowns are zero, and the result is X with A X A = A, the inverse of the other rows.
 References: Golub and Van Loan, section 4.3.5; Takahashi, Fagan and Chen 1973 for the entries of the inverse.
 """
 
@@ -12,7 +12,7 @@ from frictionbench.problems.compiled import kernel, part
 
 @kernel
 def factorise(band, least):  # type: ignore[no-untyped-def]
-    """Overwrite A by L; rows whose pivot is at most `least` of their diagonal entry are zeros."""
+    """Overwrite A by L. Rows whose pivot is at most `least` times their diagonal entry are set to zero."""
     n, b = len(band), band.shape[1] - 1
     for i in range(n):
         size = band[i, b]
@@ -36,7 +36,7 @@ def factorise(band, least):  # type: ignore[no-untyped-def]
 
 @part
 def solve_lower(L, y):  # type: ignore[no-untyped-def]
-    """y overwritten by L^-1 y, zero in the rows left out."""
+    """Overwrite y by L^-1 y, with zeros in the rows left out."""
     n, b = len(L), L.shape[1] - 1
     for i in range(n):
         if L[i, b] == 0:
@@ -49,7 +49,7 @@ def solve_lower(L, y):  # type: ignore[no-untyped-def]
 
 @part
 def solve_upper(L, y):  # type: ignore[no-untyped-def]
-    """y overwritten by L'^-1 y, zero in the rows left out."""
+    """Overwrite y by L'^-1 y, with zeros in the rows left out."""
     n, b = len(L), L.shape[1] - 1
     for i in range(n - 1, -1, -1):
         if L[i, b] == 0:
@@ -62,14 +62,14 @@ def solve_upper(L, y):  # type: ignore[no-untyped-def]
 
 @kernel
 def whiten(L, rows):  # type: ignore[no-untyped-def]
-    """Each of the dense rows (k, n) overwritten by L^-1 of it."""
+    """Overwrite each of the dense rows (k, n) by L^-1 times it."""
     for row in rows:
         solve_lower(L, row)
 
 
 @kernel
 def inverse_in_band(L):  # type: ignore[no-untyped-def]
-    """The entries of X within the band, held as those of A."""
+    """The entries of X within the band, stored like those of A."""
     n, b = len(L), L.shape[1] - 1
     X = np.zeros(L.shape)
     for i in range(n - 1, -1, -1):
@@ -87,7 +87,7 @@ def inverse_in_band(L):  # type: ignore[no-untyped-def]
 
 @kernel
 def forms(X, start, column, value):  # type: ignore[no-untyped-def]
-    """c' X c and |c|' |X| |c| (rows, 2) of each row c of a matrix by rows whose columns lie within one band of each other."""
+    """c' X c and |c|' |X| |c| (rows, 2) for each row c of a matrix by rows, whose columns are at most b apart."""
     b, result = X.shape[1] - 1, np.zeros((len(start) - 1, 2))
     for i in range(len(result)):
         for k in range(start[i], start[i + 1]):
@@ -101,7 +101,7 @@ def forms(X, start, column, value):  # type: ignore[no-untyped-def]
 
 @kernel
 def hold(L, start, column, F, r_start, r_column, response, bias, velocity):  # type: ignore[no-untyped-def]
-    """velocity - R X (F velocity + bias), R = M^-1 F' by columns, twice: the second time for what rounding left."""
+    """velocity - R X (F velocity + bias), with R = M^-1 F' by columns; applied twice to reduce rounding errors."""
     v, y = velocity.copy(), np.empty(len(bias))
     for _ in range(2):
         for j in range(len(bias)):

@@ -1,6 +1,6 @@
 """Kernels for contact velocities and the Delassus matrix W = J M^-1 J'.
 
-J is given by contacts, M^-1 by rows (problems.rows); each function is one pass over the contacts.
+J is given by contacts, M^-1 by rows (problems.rows). Each function is one pass over the contacts.
 """
 
 from typing import NamedTuple
@@ -13,20 +13,20 @@ from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.islands import length, lowered, mechanical_units, spread
 from frictionbench.problems.rows import Array, Index32, row_of_entry
 
-LOST = 1e-9  # of the terms whose difference is a diagonal entry of W: below this it is found from the response that joints hold
-# Of the diagonal entry of W without joints: below this they lock the direction.
+LOST = 1e-9  # relative to its terms: a smaller diagonal entry of W has cancelled; Mechanics._held_response then computes it
+# Relative to the diagonal entry of W without joints: if the entry with joints is smaller, they lock the direction.
 LOCKED = 1000 * float(np.finfo(float).eps)
 
 
 class Dense(NamedTuple):
-    """W (nc*d, nc*d), 1/kg, by rows in memory, and q (nc*d,), m/s; float64, C-contiguous and read-only."""
+    """W (nc*d, nc*d), 1/kg, and q (nc*d,), m/s; float64, C-contiguous and read-only."""
 
     W: Array
     q: Array
 
 
 class CSR(NamedTuple):
-    """W in compressed rows: row i has data[k] in column indices[k] for k in indptr[i]:indptr[i+1], columns ascending, no zeros.
+    """W in compressed rows: row i has data[k] in column indices[k] for k in indptr[i]:indptr[i+1], sorted and without zeros.
 
     indptr (nc*d + 1,) and indices: int32; data: float64, 1/kg; q (nc*d,), m/s. C-contiguous and read-only.
     """
@@ -38,9 +38,9 @@ class CSR(NamedTuple):
 
 
 class Blocks(NamedTuple):
-    """A matrix by blocks: contact i and each of its neighbours[first[i]:first[i+1]], ascending, i among them, have a block.
+    """A matrix by blocks: contact i has a block with each of its neighbours[first[i]:first[i+1]], ascending and including i.
 
-    With a block ij there is a block ji.
+    If there is a block ij, there is a block ji.
     """
 
     first: Index32
@@ -48,7 +48,7 @@ class Blocks(NamedTuple):
     block: Array
 
     def matrix(self) -> sparse.csr_array:
-        """The matrix (nc*d, nc*d) as scipy's CSR array."""
+        """The matrix (nc*d, nc*d) as SciPy's CSR array."""
         n = (len(self.first) - 1) * self.block.shape[1]
         if not n:
             return sparse.csr_array((0, 0))
@@ -57,7 +57,7 @@ class Blocks(NamedTuple):
         return matrix
 
     def dense(self, q: Array) -> Dense:
-        """The matrix as one array, with q."""
+        """The matrix as a dense array, with q."""
         W = array_of_blocks(*self)
         set_read_only(W)
         return Dense(W, q)
@@ -70,7 +70,7 @@ class Blocks(NamedTuple):
 
 
 def blocks(W: sparse.csr_array, d: int) -> Blocks:
-    """A scipy matrix by blocks of d rows and columns: the diagonal's, and with every block ij that has entries the block ji."""
+    """A SciPy matrix by blocks (d, d): those on the diagonal, and those with entries in block ij or ji."""
     nc = W.shape[0] // d
     if not nc:
         return Blocks(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros((0, d, d)))
@@ -97,7 +97,7 @@ def array_of_blocks(first, neighbours, block):  # type: ignore[no-untyped-def]
 
 @kernel
 def blocks_of_array(W, d):  # type: ignore[no-untyped-def]
-    """The blocks (d, d) of a matrix (nc*d, nc*d) of which it or its transpose's is not zero, and those on the diagonal."""
+    """A matrix (nc*d, nc*d) by blocks (d, d): those on the diagonal, and those with a nonzero block ij or ji."""
     nc, at = len(W) // d, 0
     first, neighbours, block = np.zeros(nc + 1, np.int32), np.empty(nc * nc, np.int32), np.empty((nc * nc, d, d))
     for i in range(nc):
@@ -123,7 +123,7 @@ def velocity(start, column, J, m_start, m_column, m_value, free, impulse):  # ty
 def write_velocity(  # type: ignore[no-untyped-def]
     start, column, J, m_start, m_column, m_value, free, impulse, size, momentum, pushed
 ):
-    """The same over pushed (nv,); momentum (nv,) is workspace. size: of the terms, all in absolute values."""
+    """Write `velocity` to pushed (nv,); momentum (nv,) is workspace. size: sum the absolute values of all terms instead."""
     for v in range(len(free)):
         momentum[v] = 0.0
     for i in range(len(impulse)):
@@ -151,7 +151,7 @@ def contact_velocity(start, column, J, v, bias):  # type: ignore[no-untyped-def]
 
 @lean
 def write_contact_velocity(start, column, J, v, bias, size, u):  # type: ignore[no-untyped-def]
-    """The same over u (nc, d). size: as of write_velocity."""
+    """Write `contact_velocity` to u (nc, d). size: as in write_velocity."""
     nc, d = u.shape
     for i in range(nc):
         for a in range(d):
@@ -164,7 +164,7 @@ def write_contact_velocity(start, column, J, v, bias, size, u):  # type: ignore[
 
 @kernel
 def velocity_size(start, column, J, m_start, m_column, m_value, free, impulse, bias):  # type: ignore[no-untyped-def]
-    """|J| (|free| + |M^-1| |J'| |impulse|) + |bias| e_n (nc, d): the terms of pushed_contact_velocity in absolute values."""
+    """|J| (|free| + |M^-1| |J'| |impulse|) + |bias| e_n (nc, d): the sum of the absolute terms of pushed_contact_velocity."""
     u, pushed = np.empty(impulse.shape), np.empty(len(free))
     write_velocity(start, column, J, m_start, m_column, m_value, free, impulse, True, np.empty(len(free)), pushed)
     write_contact_velocity(start, column, J, pushed, bias, True, u)
@@ -192,7 +192,7 @@ def diagonal(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
 
 @kernel
 def product(start, column, value, right):  # type: ignore[no-untyped-def]
-    """A matrix by rows times a dense one (columns, k)."""
+    """A matrix by rows times a dense matrix (columns, k)."""
     result = np.zeros((len(start) - 1, right.shape[1]))
     for i in range(len(result)):
         for k in range(start[i], start[i + 1]):
@@ -213,7 +213,7 @@ def joint_response(start, column, F, m_start, m_column, m_value):  # type: ignor
 
 @kernel
 def coupling(start, column, J, response):  # type: ignore[no-untyped-def]
-    """F M^-1 J' (nj, nc*d), of M^-1 F' (nv, nj)."""
+    """F M^-1 J' (nj, nc*d). response: M^-1 F' (nv, nj)."""
     nc, d, nj = len(start) - 1, J.shape[1], response.shape[1]
     coupled = np.zeros((nj, nc * d))
     for i in range(nc):
@@ -247,12 +247,12 @@ def places_of_delassus(nc, nv, entries):  # type: ignore[no-untyped-def]
 def write_delassus(  # type: ignore[no-untyped-def]
     start, column, J, m_start, m_column, m_value, places, response, first, neighbours, block
 ):
-    """The same over first (nc+1,), neighbours and block; False where these are too short. response (nv, d): workspace.
+    """Write `delassus` to first (nc+1,), neighbours and block; False if these are too short. places, response: workspace.
 
-    For each contact i: y = M^-1 J_i', then J y over the contacts of each nonzero entry of y.
+    For each contact i, y = M^-1 J_i' is computed, and then J y for the contacts with an entry of J where y is nonzero.
     """
     nc, d, nv, entries = len(start) - 1, J.shape[1], len(m_start) - 1, len(column)
-    # The contacts that touch each velocity, and where: J by columns.
+    # J by columns: the contacts that touch each velocity, and the positions of their entries.
     c_start, end = places[: nv + 1], places[nv + 1 : 2 * nv + 1]
     reached, seen = places[2 * nv + 1 : 3 * nv + 1], places[3 * nv + 1 : 4 * nv + 1]
     contact, entry = places[4 * nv + 1 : 4 * nv + 1 + entries], places[4 * nv + 1 + entries : 4 * nv + 1 + 2 * entries]
@@ -293,7 +293,7 @@ def write_delassus(  # type: ignore[no-untyped-def]
                 for a in range(d):
                     for b in range(d):
                         block[at, a, b] = 0.0
-                _insert(neighbours, place, j, first[i], at)  # the blocks of this contact are still zero
+                _insert(neighbours, place, j, first[i], at)  # moves no blocks: those of this contact are still zero
                 at += 1
         for k in range(velocities):
             v = reached[k]
@@ -314,7 +314,7 @@ def write_delassus(  # type: ignore[no-untyped-def]
 
 @lean
 def write_partners(first, neighbours, partner, following):  # type: ignore[no-untyped-def]
-    """Write the place of block ji at that of block ij over partner. following (nc,) is workspace."""
+    """Write the position of block ji to partner at the position of block ij. following (nc,) is workspace."""
     nc = len(first) - 1
     for i in range(nc):
         following[i] = first[i]
@@ -337,7 +337,7 @@ def _insert(neighbours, place, j, begin, end):  # type: ignore[no-untyped-def]
 
 @kernel
 def act(first, neighbours, block, r, q, size):  # type: ignore[no-untyped-def]
-    """W r + q (nc, d); with size |W| |r| + |q|, its terms in absolute values."""
+    """W r + q (nc, d), or with size |W| |r| + |q|, the sum of the absolute terms."""
     u = np.empty(r.shape)
     write_act(first, neighbours, block, r, q, size, u)
     return u
@@ -345,7 +345,7 @@ def act(first, neighbours, block, r, q, size):  # type: ignore[no-untyped-def]
 
 @lean
 def write_act(first, neighbours, block, r, q, size, u):  # type: ignore[no-untyped-def]
-    """The same over u (nc, d)."""
+    """Write `act` to u (nc, d)."""
     for i in range(len(u)):
         for a in range(u.shape[1]):
             u[i, a] = 0.0
@@ -369,7 +369,7 @@ def block_scale(first, neighbours, block):  # type: ignore[no-untyped-def]
 
 @kernel
 def mean_diagonal(diagonal):  # type: ignore[no-untyped-def]
-    """The mean (nc,) of the positive entries of each contact's diagonal (nc, d); of all contacts where it has none, or 1."""
+    """The mean (nc,) of the positive entries of each contact's diagonal (nc, d); without any, that of all contacts or 1."""
     nc, d = diagonal.shape
     mean, whole, count = np.zeros(nc), 0.0, 0
     for i in range(nc):
@@ -399,14 +399,14 @@ def largest(q, d):  # type: ignore[no-untyped-def]
 
 @kernel
 def pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, impulse, bias):  # type: ignore[no-untyped-def]
-    """J v + bias e_n (nc, d), v the velocity after an impulse (nc, d)."""
+    """J v + bias e_n (nc, d), where v is the velocity after an impulse (nc, d)."""
     return contact_velocity(start, column, J, velocity(start, column, J, m_start, m_column, m_value, free, impulse), bias)
 
 
 @kernel
 def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f, mu):  # type: ignore[no-untyped-def]
-    """Without joints: the free contact velocities (nc*d,), the mean diagonal (nc,) of each contact's own block, max_i |q_i|,
-    the units (nc,) and their spread; with mu (nc,) the units of the convex relaxation, with none those of Coulomb's law."""
+    """For a problem without joints: q (nc*d,), the mean diagonal (nc,) of each contact's own block of W, max_i |q_i|, the units
+    (nc,) and their spread. With mu (nc,) the units are those of the convex relaxation, with empty mu those of Coulomb's law."""
     nc, d = len(bias), J.shape[1]
     q = contact_velocity(start, column, J, free, bias).reshape(nc * d)
     own = np.zeros((nc, d))

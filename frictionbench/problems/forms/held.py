@@ -1,7 +1,7 @@
-"""Joint equations F v + b_F = 0 held by a dense inverse of G = F M^-1 F', in compiled passes: for few equations, of any rank.
+"""Kernels that satisfy joint equations F v + b_F = 0 with a dense inverse of G = F M^-1 F', for few equations of any rank.
 
 Redundant equations make G singular; any X with G X G = G gives the same velocities, v - M^-1 F' X (F v + b_F). X is the
-inverse of the rows of G that a Cholesky factorisation with pivots takes, and zero elsewhere. Arrays are as in problems.rows;
+inverse of the rows of G that a pivoted Cholesky factorisation selects, and zero elsewhere. Arrays are as in problems.rows;
 there may be no equations.
 """
 
@@ -10,24 +10,24 @@ import numpy as np
 from frictionbench.problems.compiled import kernel
 from frictionbench.problems.forms.delassus import joint_response, product
 
-# Of its own diagonal entry of G, times nj: what a row adds to the rows before it is a rounding error below this.
 EPSILON = float(np.finfo(float).eps)
+# A row depends on earlier ones if its pivot, divided by its diagonal entry of G, is at most this times nj.
 DEPENDENT = 10 * EPSILON
-PASSES = 2  # of `hold`: the second removes what the rounding of the inverse leaves, where rows are nearly dependent
+PASSES = 2  # of `hold`: the second removes the defect that rounding of the inverse leaves if rows are nearly dependent
 
 
 @kernel
 def joint_inverse(f_start, f_column, F, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
-    """M^-1 F' (nv, nj) and X (nj, nj), symmetric."""
+    """M^-1 F' (nv, nj) and the symmetric X (nj, nj)."""
     response = joint_response(f_start, f_column, F, m_start, m_column, m_value)
     return response, generalised_inverse(product(f_start, f_column, F, response))
 
 
 @kernel
 def generalised_inverse(G):  # type: ignore[no-untyped-def]
-    """X with G X G = G of a symmetric positive semidefinite G (nj, nj).
+    """X with G X G = G for a symmetric positive semidefinite G (nj, nj).
 
-    The rank is that of G with a unit diagonal, so that it does not depend on the units of the joints' equations.
+    The rank is that of G scaled to a unit diagonal, so that it does not depend on the units of the joint equations.
     """
     nj, rank = len(G), 0
     unit, left, order, L = np.empty(nj), np.empty(nj), np.arange(nj), np.empty((nj, nj))  # L[k]: the factor's column k
@@ -55,7 +55,7 @@ def generalised_inverse(G):  # type: ignore[no-untyped-def]
             left[j] -= column[j] * column[j]
         column[p] = pivot
         rank += 1
-    root, X = np.zeros((rank, rank)), np.zeros((nj, nj))  # the inverse of the taken rows' factor
+    root, X = np.zeros((rank, rank)), np.zeros((nj, nj))  # the inverse of the selected rows' factor
     for i in range(rank):
         root[i, i] = 1.0
         for k in range(i):
@@ -78,7 +78,7 @@ def generalised_inverse(G):  # type: ignore[no-untyped-def]
 
 @kernel
 def hold(f_start, f_column, F, bias, response, X, velocity):  # type: ignore[no-untyped-def]
-    """The velocity (nv,) nearest in the kinetic metric that satisfies the equations."""
+    """The nearest velocity (nv,), in the kinetic metric, that satisfies the equations."""
     nv, nj = response.shape
     held, off = np.empty(nv), np.empty(nj)
     for v in range(nv):
@@ -99,8 +99,8 @@ def hold(f_start, f_column, F, bias, response, X, velocity):  # type: ignore[no-
 
 @kernel
 def hold_rounding(f_start, f_column, F, bias, response, X, velocity, held):  # type: ignore[no-untyped-def]
-    """(nv,) the size of the terms that `hold` adds to a velocity, which make it `held`: of the first pass, whose errors in F v
-    the second removes, its impulses; of the second what X makes of the terms of F v + b_F; and what it leaves, in roundings."""
+    """(nv,): the size of the terms that `hold` adds to a velocity; held: its result. They are the terms of the first pass, the
+    effect of X on the terms of F v + b_F in the second pass, and the change by another `hold` divided by 2 eps."""
     nv, nj = response.shape
     off, terms = np.empty(nj), np.empty(nj)
     size = np.abs(hold(f_start, f_column, F, bias, response, X, held) - held) / (2 * EPSILON)

@@ -1,55 +1,56 @@
 """The islands of a problem, and the velocity in which the residual of each contact is measured.
 
-Contacts are coupled where an impulse of one changes the velocity of the other. The impulse that stops contact j's own velocity
-|q_j| changes that of contact i by a share |W_ij| / s_j of it; below COUPLED the share counts as none, so that bodies which rest
-on one very heavy body are apart. An *island* is a connected component of this graph. A contact's *demand* is what impulses have
-to change at least of its velocity,
+Two contacts are coupled if an impulse at one changes the velocity of the other. The impulse that stops contact j's own velocity
+|q_j| changes that of contact i by a share |W_ij| / s_j of it. Shares below COUPLED are ignored, so that bodies that rest on one
+very heavy body are separate. An *island* is a connected component of this graph. A contact's *demand* is the least change of
+its velocity that impulses must cause,
 
-    c_i = max(-q_n,i, 0),      with a friction bias at least min(|q_t,i|, s_i b_f,i),
+    c_i = max(-q_n,i, 0),      with a friction bias at least min(|q_t,i|, s_i b_f,i).
 
-and the *unit* (m/s) of the contacts of an island is the largest demand in it: the residual of no impulses is 1. Where no
-contact of an island has a demand above rounding, no impulses are a solution, and the unit is the largest speed |q_i|. A
-contact's velocity is a sum of terms J v* and b and known to rounding only: a unit is at least CANCELLED of the largest terms in
-the island and of its own, and NOISE of the problem's largest unit. Where nothing in an island moves, its unit is the largest of
-the problem.
+The *unit* (m/s) of an island's contacts is the largest demand in it, so that the residual of zero impulses is 1. If no demand
+in an island exceeds rounding, zero impulses are a solution, and the unit is the largest speed |q_i|. A contact's velocity is a
+sum of terms J v* and b, known only to rounding. A unit is therefore at least CANCELLED times the largest terms in the island,
+CANCELLED times the contact's own terms, and NOISE times the problem's largest unit. If nothing in an island moves, its unit is
+the largest of the problem.
 
-A row of a joint, a limit without tangent or dry friction without normal, may be in rad/s beside contacts in m/s. The b of a row
-without normal, which only keeps it open, is no velocity and counts nowhere. Between a row and any other contact velocities are
-compared as |q_j| / sqrt(s_j), the root of an energy: the unit of contact i is the largest of c_j of the contacts in its island
-and of sqrt(s_i / s_j) c_j of the rows, that of row i is the largest sqrt(s_i / s_j) c_j.
+Rows of joints, that is limits without a tangent or dry friction without a normal, may be in rad/s beside contacts in m/s. The b
+of a row without a normal only keeps it open; it is not a velocity, and units do not depend on it. Velocities of rows and of
+other contacts are compared as |q_j| / sqrt(s_j), the root of an energy. The unit of a contact i is the largest of all c_j of
+contacts and all sqrt(s_i / s_j) c_j of rows in its island; the unit of a row i is the largest of all sqrt(s_i / s_j) c_j.
 
-A contact that opens, q_n,i > 0, bears only if others push it. From Coulomb's law r'u <= 0, hence r'Wr <= -r'q: the impulses
-have at most the energy of what they stop, and change contact i's velocity by at most sqrt(s_i) times its root. With
+A contact that opens, q_n,i > 0, carries load only if others push it. Coulomb's law implies r'u <= 0, hence r'Wr <= -r'q: the
+energy of the impulses is at most that of the motion they stop, and they change contact i's velocity by at most sqrt(s_i) times
+its root. With
 
     E_i = sum_j |q_j|^2 / s_j      over the contacts j of its island that close, q_n,j <= 0 to rounding,
 
-it counts as at most FAR sqrt(s_i E_i), however fast it slides, or as CANCELLED of its terms; where q_n,i exceeds FAR
-sqrt(s_i E_i), it is open in any answer by far, r_n,i = 0, and is left out as a link too, unless it has a friction bias. Its own
-unit is then the least of the islands that push it, or its own speed where none does; its defect s r_n has no rounding of u_n. A
-contact with a friction bias counts in the sum as what b_f can stop of its sliding. E_i is an estimate of the energy, invariant
+its speed counts as at most FAR sqrt(s_i E_i), however fast it slides, or as CANCELLED times its terms. If q_n,i exceeds
+FAR sqrt(s_i E_i), it is open in every answer, r_n,i = 0, and couples no other contacts, unless it has a friction bias. Its unit
+is then the smallest of the islands that push it, or its own speed if there are none; its defect s r_n has no rounding errors of
+u_n. A contact with a friction bias enters the sum with the sliding that b_f can stop. E_i estimates the energy and is invariant
 under changes of frame, of units and of the observer's velocity.
 
-Of given mechanics W is not formed: a contact acts on the velocities that it touches, |W_ij| <= sum_v |J_iv| |J_jv| / m_v, and
-bodies that the mass matrix or joints connect are one.
+If the mechanics are given, W is not formed: a contact acts on the velocities that it touches, with
+|W_ij| <= sum_v |J_iv| |J_jv| / m_v, and bodies coupled by the mass matrix or joints count as one.
 """
 
 import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
 
-COUPLED = 1e-10  # share of a velocity that is transmitted: mass ratios of neighbours up to 1e10 leave an island connected
-FAR = 10.0  # the sum is less than the energy where contacts share bodies: by the root of their number, for equal masses
-CANCELLED = 1e-6  # so that the rounding floor of contacts at rest on moving bodies is some 1e-9
-NOISE = 1e-14  # some fifty roundings: of a contact's speed, below which it is not known to open, and of the terms of a demand
+COUPLED = 1e-10  # share of a velocity that is transmitted: islands stay connected for mass ratios of neighbours up to 1e10
+FAR = 10.0  # E_i is less than the energy if contacts share bodies: for equal masses, by the root of their number
+CANCELLED = 1e-6  # so that the rounding floor of contacts at rest on moving bodies is about 1e-9
+NOISE = 1e-14  # about 50 roundings: relative to a contact's speed, to decide if it opens, and to the terms of a demand
 
 
 @kernel
 def mechanical_units(  # type: ignore[no-untyped-def]
     start, column, J, m_start, m_column, m_value, f_start, f_column, moves, bias, q, s, b_f
 ):
-    """The units (nc,) of given mechanics, and the island (nc,) of each contact.
+    """The units (nc,) of a mechanical problem, and the island (nc,) of each contact.
 
-    moves: (nv,), the size of the terms of each velocity. f_start, f_column: the entries of the joints' rows.
+    moves: (nv,), the size of the terms of each velocity. f_start, f_column: the sparsity pattern of F by rows.
     """
     nc, d = len(s), J.shape[1]
     size, closes, row, q = np.empty(nc), np.empty(nc, np.bool_), np.empty(nc, np.bool_), q.copy()
@@ -72,7 +73,7 @@ def mechanical_units(  # type: ignore[no-untyped-def]
 
 @kernel
 def delassus_units(first, neighbours, block, q, s, b_f):  # type: ignore[no-untyped-def]
-    """The same where only W, by blocks, and q are known."""
+    """`mechanical_units` for a problem of which only W, by blocks, and q are known."""
     nc, d = len(s), block.shape[1]
     size, closes, row, q = np.empty(nc), np.empty(nc, np.bool_), np.zeros(nc, np.bool_), q.copy()
     for i in range(nc):
@@ -100,40 +101,38 @@ def lowered(q, mu):  # type: ignore[no-untyped-def]
 
 @part
 def open_without_normal(q, i, d):  # type: ignore[no-untyped-def]
-    """q_n,i = inf for a row without a normal, whose b is no velocity: it is open by any distance, and no term of q_i."""
+    """Set q_n,i = inf for a row without a normal, so that it is open and its b, which is not a velocity, has no effect."""
     if q[i * d] >= 0:
         q[i * d] = np.inf
 
 
 @part
 def own_speed(q, i, d):  # type: ignore[no-untyped-def]
-    """|q_i|, of a row without a normal that of its tangents."""
+    """|q_i|, or |q_t,i| for a row without a normal."""
     return length(q, i, d) if q[i * d] < np.inf else length(q[i * d + 1 : i * d + d], 0, d - 1)
 
 
 @part
 def demand(q, i, d, s, b_f):  # type: ignore[no-untyped-def]
-    """c_i: what impulses have to change at least of contact i's velocity."""
+    """c_i, the least change of contact i's velocity that impulses must cause."""
     needed = max(-q[i * d], 0.0)
     return max(needed, min(length(q[i * d + 1 : i * d + d], 0, d - 1), s * b_f)) if b_f > 0 else needed
 
 
 @kernel
 def mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_column, s):  # type: ignore[no-untyped-def]
-    """Contacts and the nodes that they push and read, contact i at node[start[i]:start[i+1]]; the number of nodes.
+    """The graph start, node, push, read, in which contact i has the nodes node[start[i]:start[i+1]]; and the number of nodes.
 
-    A velocity is a node, in units in which its kinetic energy is v^2/2; velocities that are coupled otherwise share one.
-    push: what contact i's unit of velocity gives to a node; read: what a node's gives to the contact.
+    Nodes are velocities, scaled so that their kinetic energy is v^2/2. Velocities coupled by the mass matrix or joints share a
+    node. push: a node's velocity per own velocity of the contact. read: the contact's velocity per velocity of the node.
     """
     nv = len(m_start) - 1
     root, parent = np.empty(nv), np.empty(nv, np.int64)
     for v in range(nv):
         parent[v] = v
     for v in range(nv):
-        m = m_start[v]
-        parent[top(parent, v)] = top(
-            parent, m_column[m]
-        )  # M^-1 has dense blocks (problems.forms.mass), all with this first column
+        m = m_start[v]  # M^-1 has dense blocks (problems.forms.mass), whose rows all have this first column
+        parent[top(parent, v)] = top(parent, m_column[m])
         while m_column[m] != v:
             m += 1
         root[v] = np.sqrt(m_value[m])
@@ -153,7 +152,7 @@ def mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_co
 
 @kernel
 def delassus_graph(first, neighbours, block, s):  # type: ignore[no-untyped-def]
-    """The same where only W is known: the contacts themselves are the nodes."""
+    """`mechanical_graph` for a problem of which only W is known; the nodes are the contacts."""
     node, push, read = np.empty(len(neighbours), np.int64), np.empty(len(neighbours)), np.zeros(len(neighbours))
     for i in range(len(s)):
         for k in range(first[i], first[i + 1]):
@@ -167,8 +166,8 @@ def delassus_graph(first, neighbours, block, s):  # type: ignore[no-untyped-def]
 
 @part
 def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # type: ignore[no-untyped-def]
-    """The units and the islands. size: that of the terms of q_i, at least |q_i|. closes: q_n,i <= 0 to rounding. row: of a
-    joint."""
+    """The units and the islands. size: that of the terms of q_i, at least |q_i|. closes: whether q_n,i <= 0 to rounding. row:
+    whether a contact is a row of a joint."""
     nc, d = len(s), len(q) // max(len(s), 1)
     needed, speed, terms = np.empty(nc), np.empty(nc), size.copy()
     for i in range(nc):
@@ -176,7 +175,7 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
         speed[i] = max(CANCELLED * size[i], own_speed(q, i, d))
     bears = _bearing(start, node, push, read, nodes, closes, q, s, b_f, needed, speed, terms)
     parent = _components(start, node, push, read, nodes, bears)
-    # Of the bearing contacts of each tree: the largest in their own velocities, and of rows and of all over sqrt(s).
+    # For each tree, the largest demand, speed and terms: [0] of contacts, [1] of rows over sqrt(s), [2] of all over sqrt(s).
     worst = np.zeros((nc + nodes, 3, 3))
     for i in range(nc):
         if bears[i]:
@@ -212,14 +211,14 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
 
 @part
 def _unit(worst, row, s):  # type: ignore[no-untyped-def]
-    """The unit of a contact from the largest demand, speed and terms of an island, (3, 3), in its own dimension."""
+    """The unit of a contact, in its own dimension, from the largest demand, speed and terms of an island (3, 3)."""
     needed, fastest, terms = worst[:, 2] * np.sqrt(s) if row else np.maximum(worst[:, 0], worst[:, 1] * np.sqrt(s))
     return max(needed if needed > NOISE * terms else fastest, CANCELLED * terms)
 
 
 @kernel
 def spread(units):  # type: ignore[no-untyped-def]
-    """The largest unit over the smallest, 1 where nothing moves."""
+    """The largest unit divided by the smallest; 1 if nothing moves."""
     least = largest = units[0] if len(units) else 0.0
     for unit in units:
         least, largest = min(least, unit), max(largest, unit)
@@ -228,7 +227,7 @@ def spread(units):  # type: ignore[no-untyped-def]
 
 @part
 def _bearing(start, node, push, read, nodes, closes, q, s, b_f, needed, speed, terms):  # type: ignore[no-untyped-def]
-    """(nc,) whether each contact may bear. Of those that open, speed and terms are cut to what can matter to others."""
+    """(nc,): whether each contact may carry load. speed and terms of contacts that open are reduced to their bounds."""
     nc, d, bears, most = len(s), len(q) // max(len(s), 1), np.ones(len(s), np.bool_), speed.max() if len(s) else 0.0
     if closes.all() or most == 0:
         return bears
@@ -264,7 +263,7 @@ def islands(start, node, push, read, nodes):  # type: ignore[no-untyped-def]
 
 @part
 def _components(start, node, push, read, nodes, linked):  # type: ignore[no-untyped-def]
-    """A forest over contacts and nodes, one tree for each island of the contacts that are linked (nc,)."""
+    """A forest of contacts and nodes, with one tree for each island of the contacts that are linked (nc,)."""
     nc = len(start) - 1
     parent, pushed, felt = np.empty(nc + nodes, np.int64), np.zeros(nodes), np.zeros(nodes)
     for i in range(nc + nodes):
@@ -282,7 +281,7 @@ def _components(start, node, push, read, nodes, linked):  # type: ignore[no-unty
 
 @part
 def _readers(start, node, read, nodes):  # type: ignore[no-untyped-def]
-    """The contacts that read each node, and where: reader[first[v]:first[v+1]] = (contact, k)."""
+    """The contacts that read each node, and the positions k of their entries: reader[first[v]:first[v+1]] = (contact, k)."""
     nc = len(start) - 1
     first = np.zeros(nodes + 1, np.int64)
     for k in range(start[nc]):
@@ -309,7 +308,7 @@ def top(parent, i):  # type: ignore[no-untyped-def]
 
 @part
 def length(q, i, d):  # type: ignore[no-untyped-def]
-    """|q_i|, also where its square would overflow or vanish."""
+    """|q_i|, computed without overflow or underflow of its square."""
     square = most = 0.0
     for a in range(d):
         square += q[i * d + a] * q[i * d + a]

@@ -10,8 +10,8 @@ the sliding speeds lambda (nc),
         [ D'PN  D'PD  E ]
         [  U    -E'   0 ]
 
-with P the inverse mass on the joints' null space, U = diag(mu), E = blkdiag(1_K). In the plane K = 2 and D = (t, -t), and
-the polygon is Coulomb's cone itself.
+where P is the inverse mass on the joints' null space, U = diag(mu) and E = blkdiag(1_K). In the plane K = 2 and D = (t, -t),
+and the polygonal cone is Coulomb's cone itself.
 """
 
 from functools import cache, cached_property
@@ -31,7 +31,7 @@ from frictionbench.problems.rows import Rows
 class LCP(ReadOnly):
     """Find z >= 0 with w = M z + q >= 0 and z'w = 0.
 
-    M: (n, n), dense or sparse; stored sparse, as plain arrays in `rows`, of which M is scipy's view. q: (n,).
+    M: (n, n), dense or sparse; stored as plain sparse arrays in `rows`, of which M is a view as a SciPy matrix. q: (n,).
     contacts: number of contacts nc and dimension d, (0, 0) for a bare LCP. basis: (d, 1 + K) or None; a contact's impulse is
     basis @ (c, beta).
     Errors: InputError naming M or q for a wrong shape, NaN or infinity.
@@ -54,7 +54,7 @@ class LCP(ReadOnly):
 
     @classmethod
     def of_friction(cls, rows: Rows, q: Array, basis: Array | None, contacts: tuple[int, int]) -> Self:
-        """A friction problem's LCP, or a bare one, of parts that have been checked."""
+        """A friction problem's LCP, or a bare one, from parts that have been checked."""
         lcp = object.__new__(cls)
         lcp.rows, lcp.q, lcp.basis, lcp.contacts = rows, q, basis, contacts
         return lcp
@@ -83,16 +83,16 @@ class LCP(ReadOnly):
     def impulse(self, z: Array) -> Array:
         """The contact impulses (nc, d) in N s, normal first, of a friction LCP's z (n,); shape (0, 0) for a bare LCP.
 
-        Errors: InputError naming z where it does not have n entries.
+        Errors: InputError naming z if it does not have n entries.
         """
         if self.basis is None:
             return np.zeros((0, 0))
         return impulse(self.basis, check.entries("z", z, self.size), self.contacts[0])
 
     def residual(self, z: Array) -> float:
-        """max_i |min(z_i, w_i)| over max|q| (over 1 where q = 0) for z (n,): zero exactly at a solution, infinity for NaN.
+        """max_i |min(z_i, w_i)| / max|q| (not divided if q = 0) for z (n,): zero exactly at a solution, infinity for NaN.
 
-        Errors: InputError naming z where it does not have n entries.
+        Errors: InputError naming z if it does not have n entries.
         """
         z = check.entries("z", z, self.size)
         if not self.size:
@@ -108,7 +108,7 @@ class LCP(ReadOnly):
 
     @property
     def summary(self) -> str:
-        """Its size in words: LCP of 36 unknowns."""
+        """The size in words, for example: LCP of 36 unknowns."""
         return f"LCP of {counted(self.size, 'unknown')}"
 
     def __repr__(self) -> str:
@@ -119,7 +119,7 @@ class LCP(ReadOnly):
 def tangent_basis(dimension: int, facets: int = 8) -> Array:
     """(d, 1 + K): a contact's impulse is basis @ (c, beta): the normal, then K balanced unit tangent directions.
 
-    Errors: InputError naming facets where they are odd or fewer than 4.
+    Errors: InputError naming facets if it is odd or less than 4.
     """
     check.require(facets >= 4 and facets % 2 == 0, "facets", f"must be even and at least 4, got {facets!r}")
     basis = np.zeros((dimension, 3 if dimension == 2 else 1 + facets))
@@ -129,12 +129,12 @@ def tangent_basis(dimension: int, facets: int = 8) -> Array:
     else:
         angle = 2 * np.pi * np.arange(facets) / facets
         section = np.array([np.cos(angle), np.sin(angle)])
-        basis[1:, 1:] = np.where(np.abs(section) > 1e-15, section, 0.0)  # of a locked direction no rounding may be left
+        basis[1:, 1:] = np.where(np.abs(section) > 1e-15, section, 0.0)  # exact zeros, so that locked directions remain locked
     return basis
 
 
 def by_unknown(values: Array, unknowns: int) -> Array:
-    """Values of the contacts (nc,) as those of the LCP's unknowns (c, beta, lambda), (unknowns,)."""
+    """The contacts' values (nc,), repeated for the LCP's unknowns (c, beta, lambda), (unknowns,)."""
     return np.concatenate([values, np.repeat(values, unknowns // len(values) - 2), values])
 
 
@@ -148,7 +148,7 @@ def impulse(basis, z, nc):  # type: ignore[no-untyped-def]
 
 @lean
 def write_impulse(basis, z, r):  # type: ignore[no-untyped-def]
-    """The same, over r (nc, d)."""
+    """Write `impulse` to r (nc, d)."""
     nc, (d, width) = len(r), basis.shape
     for i in range(nc):
         for a in range(d):
@@ -159,13 +159,13 @@ def write_impulse(basis, z, r):  # type: ignore[no-untyped-def]
 
 @lean
 def contact_of(j, n, nc):  # type: ignore[no-untyped-def]
-    """The contact of unknown j of n among (c, beta, lambda)."""
+    """The contact to which unknown j of the n unknowns (c, beta, lambda) belongs."""
     return j if j < nc else j - (n - nc) if j >= n - nc else (j - nc) // ((n - 2 * nc) // nc)
 
 
 @kernel
 def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
-    """A square matrix by rows as a dense one."""
+    """A square matrix by rows as a dense array."""
     dense = np.zeros((n, n))
     for i in range(n):
         for k in range(start[i], start[i + 1]):
@@ -175,7 +175,7 @@ def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
 
 @kernel
 def friction_rows(first, neighbours, block, q, friction, friction_bias, basis):  # type: ignore[no-untyped-def]
-    """The friction LCP's matrix by rows, without zeros, and its right side.
+    """The friction LCP's matrix by rows, without zeros, and its right-hand side q.
 
     first, neighbours, block: W by blocks (problems.forms.delassus). q: (nc*d,), normal first. friction, friction_bias: (nc,).
     basis: (d, 1 + K), see tangent_basis.
@@ -216,8 +216,8 @@ def friction_rows(first, neighbours, block, q, friction, friction_bias, basis): 
 
 @lean
 def write_in_basis(block, entries, basis, part):  # type: ignore[no-untyped-def]
-    """basis' B basis for each block B of so many, over part (entries, width, width); diagonal entries that are rounding, of
-    directions that joints lock, are 0."""
+    """Write basis' B basis for the first `entries` blocks B to part (entries, width, width). Diagonal entries that are rounding
+    errors, in directions that joints lock, are set to 0."""
     d, width = basis.shape
     for k in range(entries):
         if d == 2:  # as below, unrolled: t and -t

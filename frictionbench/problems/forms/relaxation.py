@@ -1,17 +1,17 @@
 """The convex relaxation of a friction problem (Anitescu 2006; Anitescu and Tasora 2010).
 
-Coulomb's law without de Saxcé's shift: -u in the normal cone of K at r, which are the optimality conditions of
+Coulomb's law without de Saxcé's shift requires that -u is in the normal cone of K at r. This is the optimality condition of
 
     min  ½ v'Mv - (M v*)'v + b_f'y    subject to    u = J v + offset,   F v + b_F = 0,
          u_n >= mu |u_t|  at every contact,    y_i >= |u_t,i|  at contacts with b_f,i > 0.
 
 The multipliers are the impulses. A sliding contact separates at u_n = mu |u_t|, which is the error of the model.
-In the plane and with a polygonal section the constraints are linear; the slack y, one for each contact with a friction
-bias, carries the segment by which that contact's set K is wider than a cone.
+In the plane and with a polygonal section the constraints are linear. Each contact with a friction bias has a slack y, because
+its set K is wider than a cone by b_f.
 
-Every contact has m rows (e_k u_n + mu d_k.u_t) in both programs, and those with a friction bias m more, (e_k y + d_k.u_t): in a
-polygon e_k = 1 and d_k its corners; of a circular cone row 0 has e = 1, the others one component of u_t each. One pass
-thus assembles the matrices of both, by columns.
+In both programs every contact has m rows (e_k u_n + mu d_k.u_t), and a contact with a friction bias has m further rows
+(e_k y + d_k.u_t). For a polygon, e_k = 1 and the d_k are its corners. For a circular cone, row 0 has e = 1 and d = 0, and each
+other row is one component of u_t. One kernel therefore assembles the matrices of both programs, by columns.
 """
 
 from dataclasses import dataclass
@@ -24,15 +24,15 @@ from frictionbench.problems.compiled import kernel
 from frictionbench.problems.mechanics import Mechanics
 from frictionbench.problems.rows import Array, Rows
 
-LEAST_BIAS = 1e-12  # of a contact's unit: what a friction bias must be able to do to its velocity, to be part of a program
+LEAST_BIAS = 1e-12  # relative to a contact's unit: friction biases that change its velocity by less are left out of a program
 EDGES = np.array([[1.0, 1.0], [1.0, -1.0]])  # the section in the plane
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """min ½ x'Px + q'x,   x = (v, y),   with conditions on h - G x and A x = b.
+    """min ½ x'Px + q'x,   x = (v, y),   with constraints on h - G x and A x = b.
 
-    objective and bounds are P and G by columns (start, row, value), rows ascending; joints is A by rows.
+    objective and bounds are P and G by columns (start, row, value), with ascending rows; joints is A by rows.
     section: (m, d), the rows (e_k, d_k). impulse(z) turns the multipliers z of G into the contact impulses (nc, d).
     """
 
@@ -63,11 +63,11 @@ class Program:
 
 
 class QP(Program):
-    """The program in which h - G x >= 0."""
+    """The program with the constraints h - G x >= 0."""
 
 
 class ConeProgram(Program):
-    """The program in which h - G x is in second-order cones {s_0 >= |s_1:|}, blocks of d rows."""
+    """The program with h - G x in second-order cones {s_0 >= |s_1:|}, in blocks of d rows."""
 
 
 def relaxation_qp(problem: Mechanics, facets: int) -> QP:
@@ -102,7 +102,7 @@ def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:
 
 @kernel
 def matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, b_f, section):  # type: ignore[no-untyped-def]
-    """P's columns' starts, q, G by columns (start, row, value) without zeros, and h."""
+    """The starts of P's columns, q, G by columns (start, row, value) without zeros, and h."""
     nc, nv, m, d = len(mu), len(free), len(section), offset.shape[1]
     wide = 0
     for i in range(nc):
@@ -154,7 +154,7 @@ def matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, b_f
 
 @kernel
 def multiplied(section, mu, b_f, z):  # type: ignore[no-untyped-def]
-    """The contact impulses (nc, d): the rows' coefficients times their multipliers."""
+    """The contact impulses (nc, d): the coefficients of the rows times their multipliers z."""
     nc, (m, d) = len(mu), section.shape
     r, block = np.zeros((nc, d)), nc
     for i in range(nc):

@@ -24,14 +24,13 @@ def touching(
     weights: Array,
     velocity: Array,
     friction: float | Array,
-    bias: Array | None = None,
     joints: sparse.csr_array | None = None,
 ) -> FrictionProblem:
     """The problem of nc contacts between nb bodies.
 
     bodies: (nc, 2), the second may be GROUND. arms: (nc, 2, 3). frame: (nc, 3, 3), rows n, t1, t2. weights: (nb, 6), the mass
-    matrix's diagonal. velocity: (nb, 6), the free velocity. friction: one for all contacts or (nc,). bias: (nc,), zero by
-    default. joints: (nj, 6 nb), none by default.
+    matrix's diagonal. velocity: (nb, 6), the free velocity. friction: one for all contacts or (nc,). joints:
+    (nj, 6 nb), none by default.
     """
     nc, spins = len(bodies), np.cross(arms[:, None], frame[:, :, None])
     return FrictionProblem(
@@ -40,7 +39,7 @@ def touching(
         tangent=relative(bodies, frame[:, 1:], spins[:, 1:]),
         friction=np.broadcast_to(friction, nc),
         free_velocity=velocity.ravel(),
-        bias=np.zeros(nc) if bias is None else bias,
+        bias=np.zeros(nc),
         joints=joints,
         joint_bias=None if joints is None else np.zeros(joints.shape[0]),
         dimension=3,

@@ -1,13 +1,13 @@
 """The contacts of two convex planar shapes: the kernels of problems.planar.collision.
 
-Two polygons have contacts along the axis of largest separation or least overlap (separating axis theorem): the edge whose
-normal this axis is becomes the reference edge, the most antiparallel edge of the other shape is clipped to it, and each end of
-the clipped edge is a contact. Two shapes have at most two contacts, and none while they are corner to corner. A disc is a
+Two polygons have contacts along the axis of largest separation or least overlap (separating axis theorem). The edge with this
+axis as its normal is the reference edge. The most antiparallel edge of the other shape is clipped to it, and each end of the
+clipped edge is a contact. Two shapes have at most two contacts, and none if they face each other corner to corner. A disc is a
 corner with a radius; a hollow has a negative radius.
 
-Ties (equal boxes stacked flush, bricks side by side) are decided by order and not by round-off: a candidate beats an earlier
-one only by more than TIE times the length of the first shape's first edge, and corners that only touch each other have no
-contact.
+Ties (equal boxes stacked flush, bricks side by side) are decided by order and not by rounding: a candidate replaces an earlier
+one only if it is better by more than TIE times the length of the first shape's first edge, and corners that only touch each
+other have no contact.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index64
 
-TIE = 1e-7  # of an edge: far above the round-off of coordinates, far below any gap that matters
+TIE = 1e-7  # relative to an edge: far above the rounding errors of coordinates, far below any relevant gap
 
 
 @kernel
@@ -40,7 +40,7 @@ def meet(
             if gap[k] <= margin:
                 gap[nc], shape[nc, 0], shape[nc, 1] = gap[k], i, j
                 feature[nc, 0], feature[nc, 1] = feature[k, 0], feature[k, 1]
-                for a in range(4):  # entry by entry: assigning rows would also compile the error for unequal lengths
+                for a in range(4):  # by entries: assigning rows would also compile the error for unequal lengths
                     place[nc, a] = place[k, a]
                 nc += 1
     return gap[:nc], place[:nc], feature[:nc], shape[:nc]
@@ -73,7 +73,7 @@ def _widest(X: Array, a0: int, a1: int, b0: int, b1: int, edges: int, tie: float
 def _polygons(
     X: Array, i0: int, i1: int, j0: int, j1: int, endless: bool, margin: float, gap: Array, place: Array, feature: Index64
 ) -> int:
-    """Contacts of polygon i with polygon or half plane j; returns how many were written."""
+    """Contacts of polygon i with polygon or half plane j; returns the number of contacts written."""
     tie = TIE * np.hypot(X[i0, 0] - X[i0 + 1, 0], X[i0, 1] - X[i0 + 1, 1])
     reference, depth = _widest(X, j0, j1, i0, i1, 1 if endless else j1 - j0, tie)
     a0, a1, b0, b1, sign = j0, j1, i0, i1, 1.0
@@ -90,7 +90,7 @@ def _polygons(
         _, mx, my, _ = _edge(X, e, b0, b1)
         if mx * nx + my * ny < opposed - TIE:
             incident, opposed = e, mx * nx + my * ny
-    low, mx, my, incident_length = _edge(X, incident, b0, b1)  # the incident edge runs against the reference edge
+    low, mx, my, incident_length = _edge(X, incident, b0, b1)  # opposite in direction to the reference edge
     high = incident
     s_low = -ny * (X[low, 0] - X[reference, 0]) + nx * (X[low, 1] - X[reference, 1])
     s_high = -ny * (X[high, 0] - X[reference, 0]) + nx * (X[high, 1] - X[reference, 1])
@@ -98,7 +98,7 @@ def _polygons(
         low, high, s_low, s_high = high, low, s_high, s_low
     overlap = min(s_high, length) - max(s_low, 0.0)
     if not endless and overlap <= tie and (overlap < -tie or s_high - s_low > tie):
-        return 0  # no common part of the edges: side by side, or corner to corner
+        return 0  # the edges do not overlap: side by side, or corner to corner
     new = 0
     for corner, inside, limit in (
         (low, endless or s_low >= -tie, reference),
@@ -134,7 +134,7 @@ def _round(
     place: Array,
     feature: Index64,
 ) -> int:
-    """The contact of a disc with a disc, a polygon, a half plane or a hollow; returns how many were written: 1."""
+    """The contact of a disc with a disc, a polygon, a half plane or a hollow; returns the number of contacts written, 1."""
     c, a0, a1, sign = i0, j0, j1, 1.0
     if i1 - i0 > 1:
         c, a0, a1, sign = j0, i0, i1, -1.0

@@ -1,20 +1,14 @@
 """Safe opening of problem files, which may come from untrusted sources, and reading of their arrays.
 
-Files are opened only if they are regular and not too large. Reading a pipe or a device, or a link to one, might block or never
-end. results.files does the same for results, because the comparison and report of results do not import this package, which
-takes longer to load than everything else that they need.
-
 The headers of an archive (.npz) are checked before anything is unpacked. Pickled objects, text, more than MAX_BYTES bytes, more
 than MOST arrays and compression methods other than numpy's are refused. An array with an unknown name is refused too, because
 its data would be missing in the problem.
 """
 
-import os
 import re
-import stat
 import zipfile
 from collections.abc import Collection, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import IO, Any, BinaryIO
@@ -24,6 +18,7 @@ from numpy.lib import format as npy
 from scipy import sparse
 
 from frictionbench.problems.check import REAL, Array, InputError, require, require_consistent
+from frictionbench.regular import regular
 
 COMPRESSION = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the methods of numpy; unpacking others can need much memory
 MOST = 1000  # arrays: far more than a problem has
@@ -37,21 +32,13 @@ ANSWERS = re.compile(r"[ru](_\w+)?")  # impulses and velocities of answers, whic
 @contextmanager
 def opened(path: Path, most: int) -> Iterator[BinaryIO]:
     """A regular file of at most `most` bytes, open for reading. Errors: InputError naming the file."""
-    try:
-        _require_regular(path, os.stat(path), most)  # opening a device can have side effects
-        file = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")  # does not wait for a pipe's writer
-    except OSError as error:
-        raise InputError(f"{path}: {'no such file' if isinstance(error, FileNotFoundError) else error.strerror}") from None
-    with file:
-        found = os.fstat(file.fileno())
-        _require_regular(path, found, most)
-        require(found.st_size > 0 or not file.read(1), str(path), "not a regular file: it states no size")  # as files in /proc
+    with ExitStack() as stack:
+        try:
+            file = stack.enter_context(regular(path, most))
+        except OSError as error:
+            reason = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
+            raise InputError(f"{path}: {reason}") from None
         yield file
-
-
-def _require_regular(path: Path, found: os.stat_result, most: int) -> None:
-    require(stat.S_ISREG(found.st_mode), str(path), "not a regular file")
-    require(found.st_size <= most, str(path), f"larger than the limit of {most / 2**30:g} GiB")
 
 
 def read_arrays(path: Path) -> dict[str, Array]:

@@ -34,7 +34,7 @@ from frictionbench.problems.schemes.events.forces import accelerations, rates
 from frictionbench.problems.schemes.events.mode import Mode, project
 from frictionbench.problems.schemes.events.path import fly, typical_speed
 from frictionbench.problems.schemes.impact import impact
-from frictionbench.problems.schemes.stepping import Event, NoSolution, Scheme, Solve, Solved, Step, respond, scheme
+from frictionbench.problems.schemes.stepping import Event, NoSolution, Solve, Solved, Step, respond, scheme
 
 ACCURACY = 1e-10  # relative tolerance of the integrator
 CLOSED = 1e-9  # relative to the largest body: contacts with smaller gaps are closed; far above the error of a located event
@@ -53,23 +53,13 @@ def newton(scene: Scene, q: Array, v: Array, contacts: Contacts, solve: Solve) -
     return [solved], v
 
 
-def event_driven_scheme(name: str, law: Impact, accuracy: float = ACCURACY) -> Scheme:
-    """The scheme with this law of impact and accuracy of the integrator, registered under `name`."""
-
-    @scheme(name, events=True)
-    def advance(scene: Scene, now: Step, solve: Solve) -> Step:
-        return follow(scene, now, solve, law, accuracy)
-
-    return advance
-
-
-def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float) -> Step:
+def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float = ACCURACY) -> Step:
     """One step of length scene.step. Errors: NoSolution."""
     time, end, q, v = now.time, now.time + scene.step, now.q, now.v
     solved: list[Solved] = []
     smooth, events = [], []
     while True:
-        contacts, speed = _closed(scene, q), typical_speed(scene, q, v, time)
+        contacts, speed = scene.contacts(q, CLOSED * scene.reach), typical_speed(scene, q, v, time)
         still = AT_REST * speed
         meeting = contacts.only(contacts.normal @ v <= still)
         if (meeting.normal @ v < -still).any():
@@ -92,15 +82,13 @@ def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float) 
         flight = fly(scene, q, v, time, end, mode, solve, found.size, speed, accuracy)
         smooth.append(flight.smooth)
         time, q, v = flight.time, flight.q, flight.v
+        if flight.event in ("", "slip", "turn"):  # its contacts are closed up to there, to the integrator's accuracy
+            q, v = project(scene, q, v, mode)
         if flight.event not in ("", "touch"):  # a touch causes an impact or does not change the motion
             events.append(Event(time, flight.event, v, v))
         if len(smooth) > MOST:
             raise NoSolution(f"{MOST} events by t = {time:.9g} s: the events accumulate, and their limit is not known")
-    return Step(end, q, v, _closed(scene, q), tuple(solved), tuple(smooth), tuple(events))
-
-
-def _closed(scene: Scene, q: Array) -> Contacts:
-    return scene.contacts(q, CLOSED * scene.reach)
+    return Step(end, q, v, scene.contacts(q, CLOSED * scene.reach), tuple(solved), tuple(smooth), tuple(events))
 
 
 def _signs(values: Array, least: float) -> NDArray[np.int64]:
@@ -125,5 +113,11 @@ def _impact(
     return [inelastic], after, "accumulation", time + float(2 * rebound[0] / (-back[0] * (1 - e[0])))
 
 
-event_driven = event_driven_scheme("event_driven", impact)
-event_driven_newton = event_driven_scheme("event_driven_newton", newton)
+@scheme("event_driven", events=True)
+def event_driven(scene: Scene, now: Step, solve: Solve) -> Step:
+    return follow(scene, now, solve, impact)
+
+
+@scheme("event_driven_newton", events=True)
+def event_driven_newton(scene: Scene, now: Step, solve: Solve) -> Step:
+    return follow(scene, now, solve, newton)

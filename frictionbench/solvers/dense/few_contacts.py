@@ -1,12 +1,12 @@
-"""Problems of few contacts in space, joints' rows among them: form, solution and residual in one compiled call.
+"""Problems of few contacts in space, including rows of joints: form, solution and residual in one compiled call.
 
-The steps of a robot have some tens of rows, of contacts, limits and dry friction, and a mass matrix that couples all
-velocities. There the Delassus matrix is dense and cheap (solvers.dense.rows), and what costs is everything around the
-arithmetic. A few sweeps of Gauss-Seidel find most of what is open, closed, sticks and slides; steps of Newton's method from
-there have quadratic convergence (solvers.dense.newton). Where contacts are redundant, Newton's full steps go round in circles
-among active sets; then a step that does not lessen the residual ends just past the first change of a contact's state, from
-where the next one begins. Where that stalls, sweeps and a larger shift follow. What is not solved is
-left to other methods.
+A step of a robot has some tens of rows, of contacts, limits and dry friction, and a mass matrix that couples all velocities.
+Its Delassus matrix is dense and cheap (solvers.dense.rows), and most of the time is overhead around the arithmetic. A few
+sweeps of Gauss-Seidel find most of the active set: which contacts are open, closed, sticking or sliding. Newton's method
+converges quadratically from there (solvers.dense.newton). If contacts are redundant, full Newton steps cycle among active sets.
+A step that does not reduce the residual is then shortened to end just past the first change of a contact's state, from where
+the next step starts. If this stalls, more sweeps and a larger shift follow. Problems that remain unsolved are left to other
+methods.
 """
 
 import numpy as np
@@ -22,29 +22,30 @@ from frictionbench.solvers.dense.newton import measure, new_work, newton_step, p
 from frictionbench.solvers.dense.rows import dense_rows
 from frictionbench.solvers.many import impulses_of
 
-ROWS = 120  # of contacts and their friction, up to which this is tried: a step takes some tenths of a millisecond
-JOINTS = 40  # likewise
-# Of bodies that move by themselves, which other methods solve in the time of some steps: rows where there are more of them than
-# HYPERSTATIC times the velocities, so that W is singular.
+ROWS = 120  # the largest number of contact rows, normal and tangential: a step then takes some tenths of a millisecond
+JOINTS = 40  # the largest number of joint equations
+# Bodies without joints: above SINGULAR rows, Newton's method is used only if the rows do not exceed HYPERSTATIC times the
+# velocities. Otherwise W is singular, and other methods are faster.
 SINGULAR, HYPERSTATIC = 36, 1.25
-COUPLED = 6  # velocities that the mass matrix couples to each, on average, from which they do not
-SWEEPS, MORE_SWEEPS, MOST_SWEEPS = 5, 50, 100  # before the first step, before the first careful one, where those stall
-# Steps of each kind, full and careful. Of 241 steps of robots that six full ones leave unsolved, careful ones solve 240, in 6
-# in the median.
+COUPLED = 6  # entries of M^-1 for each velocity, on average, above which bodies count as coupled, as by joints
+SWEEPS, MORE_SWEEPS, MOST_SWEEPS = 5, 50, 100  # before the first step, before the first careful one, and when those stall
+# The numbers of full and of careful steps. Of 241 steps of robots that six full Newton steps leave unsolved, careful ones solve
+# 240, within 6 in the median.
 PLAIN, CAREFUL = 6, 54
-FULL = 0.9  # of the residual, above which a step is shortened
-PATIENCE, BETTER = 16, 0.9  # steps in which the residual must fall to this share
-SHIFT, SOFT = 1e-3, 0.05  # of full steps and of careful ones, times the residual
-SOFTER = 3.0  # factor of that where careful ones stall
-LEAST = 1e-9  # shift, for what is redundant at a residual of rounding's size
-MARGIN = 0.5  # of tol: the residual computed from W, and that from velocities, differ by rounding
+FREE = 20  # of both, for bodies without joints: with six full steps only, problems of singular W take 1.4 times as long
+FULL = 0.9  # a careful step is shortened if it leaves more than this share of the residual
+PATIENCE, BETTER = 16, 0.9  # the number of steps within which the residual must fall to this share
+SHIFT, SOFT = 1e-3, 0.05  # the shift of full steps and of careful ones, relative to the residual
+SOFTER = 3.0  # the factor of the shift when careful steps stall
+LEAST = 1e-12  # the least shift, for redundant rows when the residual is near rounding
+MARGIN = 0.5  # the share of tol that is requested, as residuals computed from W and from velocities differ by rounding
 
 NO_GUESS = np.zeros((0, 3))
 
 
 def few_steps(problem: FrictionProblem) -> int:
-    """The steps after which a problem is left to other methods; 0 where it is not taken: of many contacts, in the plane, or
-    known by W."""
+    """The largest number of Newton steps for a problem; 0 if the method does not take it, because it has many contacts, is in
+    the plane, or is known only by W."""
     if problem.dimension != 3 or not problem.mechanical:
         return 0
     rows = problem.contacts + 2 * np.count_nonzero(problem.friction)
@@ -54,19 +55,19 @@ def few_steps(problem: FrictionProblem) -> int:
 
 @kernel
 def most_steps(rows, nv, entries, nj):  # type: ignore[no-untyped-def]
-    """The steps after which a problem is left to other methods; 0 where it is not taken. entries: of M^-1."""
+    """The largest number of Newton steps for a problem; 0 if the method does not take it. entries: of M^-1."""
     if rows == 0 or rows > ROWS or nj > JOINTS:
         return 0
     if nj > 0 or entries > COUPLED * nv:
         return PLAIN + CAREFUL
-    return PLAIN if rows <= SINGULAR or rows <= HYPERSTATIC * nv else 0
+    return FREE if rows <= SINGULAR or rows <= HYPERSTATIC * nv else 0
 
 
 def few_contacts(
     problem: FrictionProblem, steps: int, tol: float, limit: int | None, start: Array | None
 ) -> tuple[Array, float, float, int, int]:
-    """The impulses (nc, 3), their residual and its floor, the sweeps and Newton's steps taken. steps: few_steps; limit: of
-    them."""
+    """The impulses (nc, 3), their residual and its floor, and the numbers of sweeps and Newton steps. steps: from few_steps.
+    limit: of the steps."""
     found: tuple[Array, float, float, int, int] = _one(
         *problem.contact_rows, *problem.inverse_rows, *problem.joint_rows, problem.joint_bias, problem.free_velocity,
         problem.bias, problem.friction, problem.friction_bias, NO_GUESS if start is None else start, tol,
@@ -77,7 +78,7 @@ def few_contacts(
 
 @loop
 def few_each(packed):  # type: ignore[no-untyped-def]
-    """(N,): the steps for each of the packed problems, which have no joints; 0 where one is not taken."""
+    """few_steps of each of the packed problems, which have no joints (N,)."""
     steps = np.zeros(len(packed.first) - 1, np.int64)
     for k in range(len(steps)):
         if packed.J.shape[1] == 3 and mechanical(packed, k):
@@ -90,7 +91,7 @@ def few_each(packed):  # type: ignore[no-untyped-def]
 def few_contacts_each(
     packed: Packed, steps: Index64, tol: float, limit: int | None, start: Array | None
 ) -> tuple[Array, Index64]:
-    """The impulses of all contacts of the packed problems that are allowed steps (N,), and their sweeps and steps (N, 2)."""
+    """The impulses of all contacts of the packed problems with steps (N,) > 0, and the sweeps and steps of each (N, 2)."""
     r = np.zeros((int(packed.contacts[-1]), 3)) if start is None else np.array(start)
     return r, _each(packed, steps if limit is None else np.minimum(steps, limit), r, tol)
 
@@ -109,7 +110,7 @@ def _one(  # type: ignore[no-untyped-def]
 
 @loop
 def _each(packed, most, r, tol):  # type: ignore[no-untyped-def]
-    """Overwrite r (contacts, 3): sweeps and steps (N, 2)."""
+    """Overwrite r (contacts, 3) with the impulses; return the sweeps and steps (N, 2)."""
     work = np.zeros((len(most), 2), np.int64)
     none, nothing = np.zeros(1, np.int32), np.zeros(0)
     for k in range(len(most)):
@@ -124,22 +125,36 @@ def _each(packed, most, r, tol):  # type: ignore[no-untyped-def]
 
 @part
 def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[no-untyped-def]
-    """Overwrite r by the impulses: residual, its floor, sweeps and steps."""
+    """Overwrite r with the impulses; return the residual, its floor, the sweeps and the steps.
+
+    V is J M^-1 J' minus the joints' part and may have lost digits. If the residual computed from velocities exceeds tol, the
+    velocities of the rows are corrected, and the remaining steps follow.
+    """
     inverse = joint_inverse(joints[0], joints[1], joints[2], bodies[3], bodies[4], bodies[5])
     rows = dense_rows(bodies, joints, inverse, free, bias, mu, b_f)
     for i in range(len(r)):
         for a in range(3):
             if rows.row[i, a] < 0:
                 r[i, a] = 0.0
-    sweeps, steps = _iterate(rows, r, MARGIN * tol, turns)
-    worst, floor = _residual(bodies, joints, inverse, free, bias, rows, r)
+    work, sweeps, steps, worst, floor = new_work(len(rows.V), len(r)), 0, 0, 0.0, 0.0
+    for most in (turns - PLAIN if len(joints[3]) and turns > PLAIN else turns, turns):
+        swept, stepped = _iterate(rows, r, work, MARGIN * tol, most - steps)
+        sweeps, steps = sweeps + swept, steps + stepped
+        worst, floor, u = _residual(bodies, joints, inverse, free, bias, rows, r)
+        if worst <= tol or steps == turns:
+            break
+        measure(rows, r, work)
+        for i in range(len(r)):
+            for a in range(3):
+                if rows.row[i, a] >= 0:
+                    rows.rest[rows.row[i, a]] += u[i, a] - work.w[rows.row[i, a]]
     return worst, floor, sweeps, steps
 
 
 @part
-def _iterate(rows, r, tol, turns):  # type: ignore[no-untyped-def]
-    """Overwrite r by the best impulses found: sweeps and steps."""
-    work, best, old = new_work(len(rows.V), len(r)), r.copy(), r.copy()
+def _iterate(rows, r, work, tol, turns):  # type: ignore[no-untyped-def]
+    """Overwrite r with the best impulses found; return the sweeps and steps."""
+    best, old = r.copy(), r.copy()
     found = least = measure(rows, r, work)
     sweeps = steps = stalled = 0
     shift = SHIFT
@@ -174,7 +189,7 @@ def _iterate(rows, r, tol, turns):  # type: ignore[no-untyped-def]
 
 @part
 def _residual(bodies, joints, inverse, free, bias, rows, r):  # type: ignore[no-untyped-def]
-    """The residual and its floor as problems.residual has them: from velocities, without W."""
+    """The residual and its floor as in problems.residual, from velocities without W, and the velocities (nc, 3)."""
     start, column, J = bodies[:3]
     f_start, f_column, F, b_F = joints
     v, terms = _moved(bodies, free, r)
@@ -192,7 +207,8 @@ def _residual(bodies, joints, inverse, free, bias, rows, r):  # type: ignore[no-
         for a in range(3):
             if rows.locked[i, a]:
                 u[i, a] = rows.q[i, a]
-    return largest_with_floor(r, u, size, rows.scale, rows.friction, rows.friction_bias, rows.units)
+    worst, floor = largest_with_floor(r, u, size, rows.scale, rows.friction, rows.friction_bias, rows.units)
+    return worst, floor, u
 
 
 @part

@@ -5,13 +5,13 @@ s r_n > u_n, has u_n = 0, an open one r = 0. With z = s r_t - u_t it sticks, u_t
 
     s r_t - s rho z/|z| = 0.
 
-A step solves the linearised equations of the closed contacts by LU with the term `shift` s added to those in velocities: W is
-singular where contacts are redundant. A small shift leaves Newton's convergence, a large one is a step of proximal points,
-which changes impulses by no more than they need. Full steps may cycle among active sets; from a point just past the first kink
-of the equations on the way (`past_first_change`) the next step follows another of their pieces. References: Alart and Curnier
-1991; Acary and Brogliato 2008, chapter 13.
+A step solves the linearised equations of the closed contacts by LU, with the term `shift` s added to the diagonal of W, which
+is singular if contacts are redundant. With a small shift Newton's method keeps its rate of convergence; with a large one a step
+is a proximal step, which changes impulses as little as possible. Full steps may cycle among active sets. From a point just past
+the first kink of the equations along the step (`past_first_change`) the next step uses another linear piece. References: Alart
+and Curnier 1991; Acary and Brogliato 2008, chapter 13.
 
-r (nc, 3) are the impulses, zero where a contact has no row; what is written over r goes with velocities in the workspace.
+r (nc, 3) are the impulses, zero where a contact has no row. Functions that overwrite r update the velocities in the workspace.
 """
 
 from typing import NamedTuple
@@ -25,7 +25,7 @@ from frictionbench.problems.rows import Index64
 from frictionbench.solvers.sweeps.laws import spatial_contact
 
 CLOSED, SLIDES, STICKS = 1, 2, 4
-LEAST_SHARE = 2.0**-15  # of a step
+LEAST_SHARE = 2.0**-15  # the shortest trial length of a step
 
 
 class Work(NamedTuple):
@@ -53,7 +53,7 @@ def new_work(n, nc):  # type: ignore[no-untyped-def]
 
 @lean
 def measure(rows, r, work):  # type: ignore[no-untyped-def]
-    """The residual of impulses r, whose velocities are written over w."""
+    """The residual of impulses r; work.w is overwritten with their velocities."""
     w, u = work.w, work.pair[1]
     for g in range(len(w)):
         w[g] = rows.rest[g]
@@ -72,7 +72,7 @@ def measure(rows, r, work):  # type: ignore[no-untyped-def]
 
 @lean
 def push(rows, w, g, change):  # type: ignore[no-untyped-def]
-    """Add to w what a change of row g's impulse does."""
+    """Add to w the effect of a change of the impulse of row g."""
     if change != 0:
         own = rows.V[g]
         for h in range(len(w)):
@@ -81,7 +81,7 @@ def push(rows, w, g, change):  # type: ignore[no-untyped-def]
 
 @lean
 def sweep(rows, r, work, times):  # type: ignore[no-untyped-def]
-    """Solve the law of each contact in turn, the others held; r and w are brought up to date."""
+    """Solve the law of each contact in turn with all other impulses fixed; r and w are updated."""
     w, new, u = work.w, work.pair[0], work.pair[1]
     for _ in range(times):
         for i in range(len(r)):
@@ -106,7 +106,7 @@ def sweep(rows, r, work, times):  # type: ignore[no-untyped-def]
 
 @lean
 def newton_step(rows, r, work, shift):  # type: ignore[no-untyped-def]
-    """Overwrite r by the impulses after a step from (r, w); False where its equations are singular."""
+    """Overwrite r with the impulses after a Newton step from (r, w); False if its equations are singular."""
     w, B, right, active, place, state, z = work.w, work.B, work.right, work.active, work.place, work.state, work.z
     nc, m = len(r), 0
     for i in range(nc):
@@ -115,7 +115,7 @@ def newton_step(rows, r, work, shift):  # type: ignore[no-untyped-def]
             g, place[i, a] = rows.row[i, a], -1
             if g < 0:
                 continue
-            dry = a > 0 and state[i] == SLIDES and rows.row[i, 3 - a] < 0  # in one direction alone: its impulse is known
+            dry = a > 0 and state[i] == SLIDES and rows.row[i, 3 - a] < 0  # slides in its only direction: its impulse is known
             if not dry and ((state[i] & CLOSED) if a == 0 else (state[i] & (STICKS | SLIDES))):
                 active[m], place[i, a] = g, m
                 m += 1
@@ -144,10 +144,10 @@ def newton_step(rows, r, work, shift):  # type: ignore[no-untyped-def]
 
 @part
 def past_first_change(rows, r, old, work):  # type: ignore[no-untyped-def]
-    """Overwrite r by a point between old and r just past where the first contact changes its state, at most half way.
+    """Overwrite r with a point between old and r, just past the first change of a contact's state.
 
-    Where contacts are redundant a step may be as long as what is inconsistent among their equations over the shift: far beyond
-    the bounds at which friction begins to slide or a contact to open, which would make the equations consistent.
+    If contacts are redundant, the length of a step is the inconsistency of their equations divided by the shift. It may reach
+    far beyond the point where a contact begins to slide or open, which would make the equations consistent.
     """
     w, state = work.w, work.state
     new, moved = r.copy(), w.copy()
@@ -170,7 +170,7 @@ def past_first_change(rows, r, old, work):  # type: ignore[no-untyped-def]
 
 @lean
 def _state(rows, r, w, i, z):  # type: ignore[no-untyped-def]
-    """Whether contact i is closed, and whether it sticks or slides, neither without friction; z (2,) is written over."""
+    """Whether contact i is closed, and whether it sticks, slides or, without friction, neither; z (2,) is overwritten."""
     s, state = rows.scale[i], 0
     normal = rows.row[i, 0]
     if normal >= 0 and s * r[i, 0] > w[normal]:
@@ -216,7 +216,7 @@ def _slide(rows, r, i, z, rho, place, active, m, B, right):  # type: ignore[no-u
 
 @lean
 def _solved(B, x, m):  # type: ignore[no-untyped-def]
-    """Overwrite x by the solution of B x (m rows), B by its factors, with row pivots; False where B is singular."""
+    """Overwrite x with B^-1 x (m rows) and B with its LU factors, with row interchanges; False if B is singular."""
     for k in range(m):
         p = k
         for i in range(k + 1, m):

@@ -1,8 +1,8 @@
-"""A problem of few contacts in space as u = V r + q over its rows that can move, with the measures of its residual.
+"""A problem of few contacts in space as u = V r + q over the rows that can move, with the units of its residual.
 
-Rows that have no say are left out: a normal or a tangent of a joint's row that is zero (a limit has no tangent, dry friction no
-normal), directions that joints lock, and the tangents of contacts without friction. With the inverse X of F M^-1 F' and
-C = F M^-1 J' (problems.forms.held), a few joint equations are eliminated by
+Rows without effect are left out: zero rows of J (a joint's limit has no tangents, its dry friction no normal), directions that
+joints lock, and the tangents of contacts without friction. With the inverse X of F M^-1 F' and C = F M^-1 J'
+(problems.forms.held), a few joint equations are eliminated by
 
     W = J M^-1 J' - C' X C.
 
@@ -23,9 +23,9 @@ from frictionbench.problems.rows import Index64
 
 
 class DenseRows(NamedTuple):
-    """V (n, n) over n rows. row: (nc, 3), the row of each contact's normal and tangents, -1 for none. V's other rows are zero.
+    """V (n, n) for n rows. row: (nc, 3), the row of each contact's normal and tangents, -1 for none. V's other rows are zero.
 
-    block: (nc, 3, 3), each contact's own of V. q: (nc, 3), u where r = 0. rest: (n,), the same by rows.
+    block: (nc, 3, 3), each contact's block of V. q: (nc, 3), u for r = 0. rest: (n,), the same by rows.
     locked: (nc, 3), directions that joints lock. scale, units, friction, friction_bias: (nc,).
     """
 
@@ -83,7 +83,7 @@ def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no
     block, rest = np.zeros((nc, 3, 3)), np.zeros(len(V))
     for i in range(nc):
         for a in range(3):
-            # A tangent that nothing can move, but that slides, still decides where the friction points.
+            # A tangent in which no impulse can change the velocity still determines the direction of friction if it slides.
             if row[i, a] >= 0 and locked[i, a] and (a == 0 or q[i, a] == 0):
                 row[i, a] = -1
         for a in range(3):
@@ -97,9 +97,9 @@ def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no
 
 @part
 def _without_joints(start, column, J, m_start, m_column, m_value, mu, b_f):  # type: ignore[no-untyped-def]
-    """J M^-1 J' over the rows that matter, these rows' numbers, and the diagonal (nc, 3) of all.
+    """J M^-1 J' over the rows with an effect, their numbers, and the diagonal (nc, 3) of all rows.
 
-    Row by row: y = M^-1 J_i', then J y over the row itself and those before it.
+    Row by row: y = M^-1 J_i', then J y for this row and the previous ones.
     """
     nc, nv = len(start) - 1, len(m_start) - 1
     diagonal, row, n = np.zeros((nc, 3)), np.full((nc, 3), -1), 0
@@ -151,7 +151,7 @@ def _respond(first, end, m_column, m_value, lever, y, moved, turn):  # type: ign
 
 @lean
 def _hold_rows(V, row, C, XC, locked):  # type: ignore[no-untyped-def]
-    """Take C' X C from V; rows and columns of locked directions are zero."""
+    """Subtract C' X C from V, and set rows and columns of locked directions to zero."""
     for p in range(3 * len(row)):
         for q in range(p + 1):
             g, h = row[p // 3, p % 3], row[q // 3, q % 3]
@@ -164,9 +164,9 @@ def _hold_rows(V, row, C, XC, locked):  # type: ignore[no-untyped-def]
 
 @part
 def _lock(i, bodies, joints, inverse, moves, bias, C, XC, q, diagonal, locked, lost):  # type: ignore[no-untyped-def]
-    """Take the joints' share from contact i's diagonal, 0 in the directions that they lock; all of it stays where they lock
-    the whole contact. What rounding leaves of q in a locked direction is 0. lost: directions in which the difference of W's
-    terms has too few digits."""
+    """Subtract the joints' share from contact i's diagonal, which becomes 0 in directions that they lock; if they lock all
+    three, the diagonal is kept. q in a locked direction is set to 0 if it is rounding. lost: directions in which the
+    difference of W's terms has too few digits."""
     (start, column, J), X, left = bodies[:3], inverse[1], diagonal[i].copy()
     for a in range(3):
         held, terms, at = 0.0, 0.0, 3 * i + a

@@ -4,7 +4,7 @@ From a start x0, s0 > 0 with defect d0, the curve of all z = (x, s) and t with
 
     x ∘ s = t x0 ∘ s0,      H'u + K x - s = t d0,      F v + b_F = t times its value at the start,      t from 1 to 0,
 
-leads to a solution. The problem is not monotone, so t need not decrease along it: the curve is followed by its length. Each
+leads to a solution. The problem is not monotone, so t need not decrease along it: the curve is parametrised by its length. Each
 iteration factorises Newton's matrix once (solvers.interior.newton) and solves with it three times, for
 
     correction   towards the curve, orthogonal to its tangent; if it is short the next step is predicted, else it is repeated,
@@ -12,19 +12,20 @@ iteration factorises Newton's matrix once (solvers.interior.newton) and solves w
     curvature    z'', t'', orthogonal to the tangent: the second derivative of x ∘ s is 2 z'_x ∘ z'_s, that of the rest 0,
 
 and predicts z + tau z' + tau^2 z''/2, with tau such that the last term is small. Lengths and angles are measured in the
-logarithms of x, s and t (the geodesics of solvers.interior.point), in which the cones' boundaries disappear; but steps are
-straight in x and s, which keeps all equations but the products exact for every step length. Otherwise the velocities would
-no longer match the impulses, and path-following would fail where many contacts act on few bodies.
+logarithms of x, s and t (the geodesics of solvers.interior.point), in which the cones have no boundaries. Steps, however, are
+straight in x and s, so that all equations except the products hold exactly for every step length. Otherwise the velocities
+would no longer match the impulses, and path following would fail where many contacts act on few bodies.
 
 The direction along the tangent follows from the sign of det A: along a curve dt changes its sign together with the determinant
-of the derivative by (x, s), and nowhere else (Allgower and Georg 1990, section 2.1), and that of the eliminated contacts is
-positive. If this direction is opposite to that of the last step, the step has jumped to another branch and is shortened.
+of the derivative with respect to (x, s), and nowhere else (Allgower and Georg 1990, section 2.1); that of the eliminated
+contacts is positive. If this direction is opposite to that of the last step, the step has jumped to another branch and is
+shortened.
 
-A path that has used up its share of the work can be followed further later on: all that it takes is kept in a Path.
+A path that has used up its share of the work can be continued later: its state is kept in a Path.
 
-Where t is small the faster predictor_corrector is tried from there. The curve may also leave to t > 1, or be very long; then
-another start is tried. Speeds s0 large against W x0 make that rare: the problem at t = 1 then has nearly q > 0, as for the ray
-on which Lemke's method starts. This is an observation, not a theorem.
+When t is small, the faster predictor_corrector is tried from there. The curve may also go to t > 1, or be very long; then
+another start is tried. This is rare if the speeds s0 are large compared with W x0: the problem at t = 1 then has nearly q > 0,
+as on the ray on which Lemke's method starts. This is an observation, not a theorem.
 
 References: Kojima, Megiddo, Noda and Yoshise 1991 (the path); Allgower and Georg 1990, chapters 2 to 6 (tracing a curve).
 """
@@ -42,13 +43,12 @@ from frictionbench.solvers.interior.predictor_corrector import Best, evaluate_an
 from frictionbench.solvers.interior.system import SOFTNESS, Space, System
 from frictionbench.solvers.sparse_lu.multifrontal import determinant_sign
 
-# Chosen by experiment, by what a change costs in solved problems and factorisations. Steps are measured by their largest
-# component in logarithms.
-TERM = 0.08  # the last term of a prediction: larger steps need corrections, smaller ones more predictions
-NEAR, FAR = 0.1, 0.2  # a correction up to NEAR lets the next step be predicted; a first one beyond FAR shortens the last step
-TOO_LARGE = 1.0  # and a later one beyond this
-TURN = 0.7  # cosine between the end of a step and the tangent there, below which the step is shortened: it jumped branches
-SHARP = 1e-3  # steps shorter than this are not checked for it: there the curve itself may turn
+# Tuned by the numbers of solved problems and of factorisations. Steps are measured by their largest component in logarithms.
+TERM = 0.08  # the second-order term of a prediction: larger steps need corrections, smaller ones more predictions
+NEAR, FAR = 0.1, 0.2  # after a correction up to NEAR a step is predicted; a first one beyond FAR shortens the last step
+TOO_LARGE = 1.0  # a later correction beyond this shortens the last step
+TURN = 0.7  # a step whose end makes an angle of smaller cosine with the tangent there has jumped branches, and is shortened
+SHARP = 1e-3  # steps shorter than this are not checked for jumps: the curve itself may turn
 SHORTER, SHORTEST = 0.4, 1e-7  # the factor of a shortened step, and the length at which the path is given up
 MOST = 3  # corrections of one prediction: Newton's method converges quadratically from NEAR
 INSIDE = 0.98  # largest share of the way to the boundary, or to t = 0
@@ -57,18 +57,18 @@ END, DIVERGED = 1e-20, 20.0  # t at which rounding hides all progress, and t bey
 
 
 class Path(NamedTuple):
-    """A path: its start, where it is, and the last step, from a point of the curve by length ahead + length² curvature."""
+    """A path: its start, the current point, and the last step, length * ahead + length² * curvature from the point `saved`."""
 
     start: Point
     point: Point
     saved: Point
     ahead: Point
     curvature: Point
-    numbers: Array  # (8,): t, or nan at the path's end; t at the saved point, rate, bend, length, hand_over, corrections, sign
+    numbers: Array  # (8,): t, NaN once the path has ended, t at `saved`, rate, bend, length, hand_over, corrections, sign
 
     @property
     def ended(self) -> bool:
-        """Whether the path is solved or abandoned, so that it is not followed further."""
+        """Whether the path has led to a solution or was abandoned."""
         return bool(np.isnan(self.numbers[0]))
 
 
@@ -81,10 +81,9 @@ def new_path(start: Point) -> Path:
 
 @kernel
 def trace(system: System, space: Space, path: Path, work: Work, best: Best, tol: float, patience: int, history: Array) -> int:
-    """Follow the path on; stop where the residual is within tol, history is full, or the path is abandoned.
+    """Continue the path until the residual is within tol, history is full, or the path is abandoned.
 
-    patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
-    number is returned.
+    patience: of the predictor-corrector. history receives the residual of every iterate; their number is returned.
     """
     point, saved, ahead, curvature, numbers = path.point, path.saved, path.ahead, path.curvature, path.numbers
     first, defect, correction, tangent, log_step = _five_points(system)
@@ -192,7 +191,7 @@ def _set_target(space: Space, target: Array, t: float, product: Array, share: fl
 def _orthogonal(
     system: System, space: Space, point: Point, step: Point, log_step: Point, tangent: Point, log_tangent: Point, square: float
 ) -> float:
-    """Make a step orthogonal to the tangent by d/dlog t, in logarithms; the change of log t that this takes."""
+    """Make the step (step, 0) orthogonal to (tangent, 1), in logarithms of (z, t); return its component for t."""
     set_step(log_step, 1.0, step)
     to_geodesics(system, space, point, log_step)
     back = -_dot(log_step, log_tangent) / square
@@ -212,7 +211,7 @@ def _dot(a: Point, b: Point) -> float:
 
 @lean
 def _size(step: Point) -> float:
-    """The largest component, infinity where one is not a number."""
+    """The largest component, infinity if one is NaN."""
     largest = 0.0
     for i in range(len(step.x)):
         for k in range(4):

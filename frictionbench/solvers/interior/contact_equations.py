@@ -4,7 +4,7 @@ In the plane the unknowns are those of the friction LCP,
 
     (diag(s/x) + K) dx = g - H'du,      H'du = (du_n, du_t, -du_t, 0),      g = target/x - defect,
 
-and K for the parts in which a contact's own unknowns act on its s. c is eliminated first, then beta+ and beta-, lambda last:
+with K the matrix by which a contact's own unknowns act on its s. c is eliminated first, then beta+ and beta-, and lambda last:
 every pivot is a sum of positive numbers.
 
 In space they are c, s_0 = u_n - shift lambda and the pair y = (mu c + b_f, r_t), z = (lambda, u_t) in Lorentz' cone. The
@@ -23,7 +23,7 @@ which is 2 y_0 z_0 where the contact slides, r_t opposite to u_t, and positive f
     dlambda = (z_0 t_0 - z_t . t_t - (z_0 y_t - y_0 z_t) . dz_t - det(z) dy_0) / D,      dy_0 = mu dc + defect_3,
     dy_t = (t_t - y_0 dz_t - y_t dlambda - z_t dy_0) / z_0.
 
-The delta of solvers.interior.newton comes in as z + delta y in place of z, which adds delta dy to dz.
+The delta of solvers.interior.newton replaces z by z + delta y, which adds delta dy to dz.
 """
 
 from frictionbench.problems.check import Array
@@ -31,14 +31,14 @@ from frictionbench.problems.compiled import inlined
 from frictionbench.solvers.interior.point import Point, Vector
 from frictionbench.solvers.interior.system import System
 
-INSIDE = 0.1  # det y / y_0^2 above which a contact clearly sticks, and dlambda may be divided by det y without loss of digits
+INSIDE = 0.1  # det y / y_0^2 above which a contact clearly sticks, so that a division by det y loses no digits of dlambda
 
 
 @inlined
 def planar_stiffness(
     system: System, point: Point, i: int, softness: float, inverse: Array, pivot: Array
 ) -> tuple[Vector, Vector, Vector]:
-    """C = H B^-1 H' by rows, the third zero; the inverses of x and of the pivots (nc, 4) are kept."""
+    """C = H B^-1 H' by rows, the third zero; the inverses of x and of the pivots (nc, 4) are stored."""
     x, s, soft = point.x, point.s, softness * system.weight[i]
     inverse[i, 0] = 1 / x[i, 0]
     pivot[i, 0] = 1 / (s[i, 0] * inverse[i, 0] + soft)
@@ -77,7 +77,7 @@ def planar_step(
 
 @inlined
 def _eliminate(x: Array, s: Array, i: int, mu: float, shift: float, soft: float) -> tuple[float, ...]:
-    """z softened, D, the two factors a of dlambda = .. - a . du_t - share mu dc, the share, and the inverse pivot of c."""
+    """The softened z, D, the vector a and the share in dlambda = ... - a . du_t - share mu dc, and the inverse pivot of c."""
     z0, z1, z2 = x[i, 3] + soft * s[i, 3], s[i, 1] + soft * x[i, 1], s[i, 2] + soft * x[i, 2]
     D = s[i, 3] * z0 - x[i, 1] * z1 - x[i, 2] * z2
     a1, a2 = (z0 * x[i, 1] - s[i, 3] * z1) / D, (z0 * x[i, 2] - s[i, 3] * z2) / D
@@ -107,7 +107,7 @@ def spatial_step(
 ) -> None:
     """Fill dx = (dc, dr_t, dlambda) and ds for a change u of the contact's velocity.
 
-    The dlambda of a contact that sticks follows from the products: du_t carries the rounding of large impulses, while
+    For a sticking contact dlambda follows from the products, because du_t carries the rounding errors of large impulses while
     lambda and u_t go to zero.
     """
     x, s, dx, ds = point.x, point.s, step.x, step.s
@@ -126,7 +126,7 @@ def spatial_step(
         y = mu * c + defect[i, 3]
         r1 = (t1 - y0 * d1 - y1 * slide - z1 * y) / z0
         r2 = (t2 - y0 * d2 - y2 * slide - z2 * y) / z0
-        # z as it is: what of the products is left for dlambda and du_t
+        # With the original z: what the products leave for dlambda and du_t.
         z0, z1, z2 = x[i, 3], s[i, 1], s[i, 2]
         t1, t2, t3 = t1 - z0 * r1 - z1 * y, t2 - z0 * r2 - z2 * y, t3 - z0 * y - z1 * r1 - z2 * r2
         det = y0 * y0 - y1 * y1 - y2 * y2

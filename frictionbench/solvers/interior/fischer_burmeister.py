@@ -4,19 +4,19 @@ The pairs x, s of planar contacts (solvers.interior.point) are complementary exa
 
     Phi = phi(x, s),     phi(a, b) = a + b - sqrt(a² + b²),
 
-all in units of velocity: of a pair, the one that is an impulse is multiplied by the contact's weight. Other than in an
-interior point method, x is any vector, and s = H'u + K x all the time. A and B, the derivatives of phi by x and by s, are
-between 0 and 2, and a step solves
+all in units of velocity: the impulse of each pair is multiplied by the contact's weight. Unlike in an interior point method, x
+is any vector, and s = H'u + K x always holds. A and B, the derivatives of phi with respect to x and s, are between 0 and 2, and
+a step solves
 
     A dx + B ds = -Phi,     ds = H'du + K dx,
 
-the equations of an interior point whose s and x are A and B (solvers.interior.newton), so that it costs one sparse
-factorisation. Its length is halved until |Phi|²/2 is below the largest of the last MEMORY ones (De Luca, Facchinei and
-Kanzow 1996; Grippo, Lampariello and Lucidi 1986). The softness that keeps Newton's matrix regular falls after a full step and
-grows after a short one, as the damping of Levenberg and Marquardt's method does.
+which are the equations of an interior point with A and B in place of s and x (solvers.interior.newton), so that a step costs
+one sparse factorisation. Its length is halved until |Phi|²/2 is below the largest of the last MEMORY merits (De Luca, Facchinei
+and Kanzow 1996; Grippo, Lampariello and Lucidi 1986). The softness that keeps Newton's matrix regular is reduced after a full
+step and increased after a short one, like the damping of Levenberg and Marquardt's method.
 
-There is no path to be followed: most random contact graphs take some twenty steps, whatever their size. The problem is not
-monotone, so that the iteration may end in a local minimum of |Phi|.
+No path is followed: most random contact graphs take some twenty steps, whatever their size. The problem is not monotone, so
+that the iteration may end in a local minimum of |Phi|.
 """
 
 import numpy as np
@@ -32,23 +32,23 @@ from frictionbench.solvers.interior.system import Space, System
 ARMIJO = 1e-4  # required share of the predicted decrease: the usual constant
 MEMORY = 20  # merits with which a step is compared
 SHORTEST = 1e-6  # length at which a step is given up
-FIRST, LEAST, MOST = 0.1, 1e-6, 1.0  # softness of the first step, and its bounds; beyond the upper one there is no descent
-ADAPT, SHORT = 3.0, 0.3  # the factor by which softness changes, and the length of steps after which it grows
-INSIDE = 1e-10  # least A and B: the equations of an interior point divide by them
+FIRST, LEAST, MOST = 0.1, 1e-6, 1.0  # softness of the first step, its least value, and the value above which the method stops
+ADAPT, SHORT = 3.0, 0.3  # the factor by which softness changes, and the step length below which it grows
+INSIDE = 1e-10  # lower bound of A and B, by which the equations of an interior point divide
 
 
 @kernel
 def fischer_burmeister(
     system: System, space: Space, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array
 ) -> int:
-    """Move the point's x to a solution; stop where the residual is within tol, history is full, or nothing descends.
+    """Move the point's x to a solution; stop when the residual is within tol, history is full, or no step descends.
 
     history receives the residual of every iterate; their number is returned.
     """
     step, defect, target = work.step, work.defect, work.target
     derivative, trial, merits = new_point(system), new_point(system), np.zeros(MEMORY)
     none = np.zeros((len(point.x), 4))
-    exact, along = Point(none, none, defect.joint), Point(step.x, none, step.joint)  # s is no unknown: it follows from x
+    exact, along = Point(none, none, defect.joint), Point(step.x, none, step.joint)  # s is not an unknown: it follows from x
     work.softness[0] = FIRST
     for i in range(len(point.s)):
         for k in range(4):
@@ -81,7 +81,7 @@ def fischer_burmeister(
 
 @lean
 def _equation(system: System, point: Point, partner: Point, target: Array, derivative: Point) -> float:
-    """|Phi|²/2 with the joints' velocities; -Phi in target, and B, A in units of x and s in derivative."""
+    """|Phi|²/2, including the joints' velocities. Writes -Phi to target, and B and A, as x and s of a point, to derivative."""
     x, s, merit = point.x, partner.x, 0.0
     for i in range(len(x)):
         for k in range(system.pairs[i]):

@@ -1,21 +1,21 @@
 """Newton's method on contacts with Coulomb friction, reduced to the velocities.
 
-With the unknowns x and partners s of solvers.interior.point, r = H x a contact's impulse and K for the parts in which its own
+With the unknowns x and partners s of solvers.interior.point, a contact's impulse r = H x, and the matrix K by which its own
 unknowns act on its s, a step of an interior point method is the linear system
 
     x ∘ ds + dx ∘ s = target,      ds = H'du + K dx + defect,      M dv = J'H dx + F'dlam,      du = J dv,
     F dv = -joint defect.
 
-Given du, each contact is four equations for itself, B dx = g - H'du, solved by formula (solvers.interior.contact_equations).
-What is left is A dv = b in the velocities with
+Given du, each contact has four equations of its own, B dx = g - H'du, solved by formula (solvers.interior.contact_equations).
+There remains A dv = b in the velocities with
 
     A = M + sum_i J_i' C_i J_i + F'F/delta,      C_i = H B^-1 H',
 
-a sum of small matrices, factorised by solvers.sparse_lu.multifrontal. A is singular where the impulses are not unique, so
-delta, a tiny multiple of the contacts' own size, is added to the diagonals of B: Newton's matrix is inexact by it, the defects
-are not, and the error is driven out by the next step. Where the impulses are far from unique, a tiny delta lets rounding of the
-velocities end all progress, so that the predictor-corrector enlarges it there. A joint is a row of C = 1/delta for the same
-reason: redundant joints are allowed.
+a sum of small matrices, factorised by solvers.sparse_lu.multifrontal. A is singular if the impulses are not unique. Therefore
+delta, a tiny multiple of the contacts' own size, is added to the diagonals of B: Newton's matrix becomes inexact, the defects
+do not, and the next step removes the error. If the impulses are far from unique, rounding errors of the velocities can end
+progress when delta is tiny, and the predictor-corrector enlarges it. A joint is a row with C = 1/delta for the same reason, so
+that redundant joints are allowed.
 """
 
 from typing import NamedTuple
@@ -32,11 +32,11 @@ from frictionbench.solvers.interior.point import Point, Vector
 from frictionbench.solvers.interior.system import JOINT_SOFTNESS, SOFTNESS, Elements, Space, System
 from frictionbench.solvers.sparse_lu.multifrontal import factorise, operations, solve_factorised
 
-PIVOT = 1e-14  # the least pivot of A, a hundred units of rounding, as the mass matrix is scaled to a unit diagonal
+PIVOT = 1e-14  # the least pivot of A: a hundred units of rounding, since the mass matrix has a unit diagonal
 
 
 class Work(NamedTuple):
-    """Workspace of Newton's method on one system: arrays created inside its loops would cost reference counting in every call.
+    """Workspace of Newton's method on one system, as arrays created inside its loops would be reference-counted in every call.
 
     softness (1,): delta. storage, swap: the factors of A. inverse, pivot (nc, 4): 1/x and the pivots' inverses, in the plane.
     impulse (nc, d), vector and momentum (nv,). step, defect, target: those of the method. until: when the last factorisation
@@ -85,7 +85,7 @@ def push(contacts: Elements, space: Space, i: int, r: Vector, momentum: Array) -
 
 @inlined
 def read(contacts: Elements, space: Space, i: int, v: Array) -> Vector:
-    """read v of contact i; in the plane the third is zero."""
+    """read v of contact i; in the plane the third component is zero."""
     u0 = u1 = u2 = 0.0
     for a in range(contacts.start[i], contacts.start[i + 1]):
         along = v[contacts.column[a]]
@@ -98,7 +98,7 @@ def read(contacts: Elements, space: Space, i: int, v: Array) -> Vector:
 
 @inlined
 def add_stiffness(system: System, space: Space, i: int, n: Vector, s: Vector, t: Vector, storage: Array) -> None:
-    """Add push' C read of contact i, C by its rows n, s, t, to its front."""
+    """Add push' C read of contact i to its front; n, s, t: the rows of C."""
     contacts, fronts = system.contacts, system.fronts
     f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]
     begin, width = fronts.start[f], fronts.first[f + 1] - fronts.first[f]
@@ -123,7 +123,7 @@ def _impulse(space: Space, x: Array, i: int) -> Vector:
 
 @lean
 def larger(a: float, b: float) -> float:
-    """max(a, b) for a >= 0, infinity where b is not a number."""
+    """max(a, b) for a >= 0, infinity if b is NaN."""
     if b <= a:
         return a
     return b if b > a else np.inf
@@ -131,13 +131,13 @@ def larger(a: float, b: float) -> float:
 
 @lean
 def _norm(a: float, b: float) -> float:
-    return np.sqrt(a * a + b * b) if b else abs(a)  # in the plane b is 0, and a root a good part of a contact's time
+    return np.sqrt(a * a + b * b) if b else abs(a)  # in the plane b is 0; a root would take a good part of a contact's time
 
 
 @lean
 def natural(r: Vector, u: Vector, mu: float, bias: float, shift: float, weight: float) -> float:
-    """weight |r - P_K(r - (u + shift |u_t| e_n) / weight)| for one contact, and with a shift, for Coulomb's law, at least the
-    defect of Signorini's (problems.residual)."""
+    """weight |r - P_K(r - (u + shift |u_t| e_n) / weight)| for one contact. With a shift, that is for Coulomb's law, at least
+    the defect of Signorini's law (problems.residual)."""
     compliance = 1 / weight
     n = r[0] - (u[0] + shift * _norm(u[1], u[2])) * compliance
     t1, t2 = r[1] - u[1] * compliance, r[2] - u[2] * compliance
@@ -173,7 +173,7 @@ def read_joints(joints: Elements, v: Array, velocity: Array) -> None:
 
 @lean
 def pull_joints(system: System, drift: Array, step: Array, momentum: Array) -> None:
-    """momentum += F' step, step = -drift/delta: the joints' part of the right side of A dv = b. drift, step: (nj, 1)."""
+    """momentum += F' step, step = -drift/delta: the joints' part of the right-hand side of A dv = b. drift, step: (nj, 1)."""
     for j in range(len(drift)):
         step[j, 0] = -drift[j, 0] / JOINT_SOFTNESS
     push_joints(system.joints, step, momentum)
@@ -189,7 +189,7 @@ def joint_step(system: System, drift: Array, dv: Array, step: Array) -> None:
 
 @lean
 def evaluate_point(system: System, space: Space, point: Point, defect: Point, work: Work) -> float:
-    """The residual of problems.residual at a point's impulses, infinity where it is not a number.
+    """The residual of problems.residual at a point's impulses, infinity if it is NaN.
 
     defect: overwritten with H'u + K x - s and F v + b_F. work.impulse: with the impulses.
     """
@@ -231,7 +231,7 @@ def evaluate_point(system: System, space: Space, point: Point, defect: Point, wo
 
 @lean
 def clear(system: System, storage: Array) -> None:
-    """Set the fronts to what the mass matrix and the joints add to them."""
+    """Set the fronts to the contributions of the mass matrix and the joints."""
     for k in range(len(storage)):
         storage[k] = 0.0
     for k in range(len(system.slot)):
@@ -240,7 +240,7 @@ def clear(system: System, storage: Array) -> None:
 
 @lean
 def assemble(system: System, space: Space, point: Point, work: Work) -> None:
-    """Add up Newton's matrix at a point in the fronts."""
+    """Assemble Newton's matrix at a point in the fronts."""
     clear(system, work.storage)
     for i in range(len(point.x)):
         if space is None:
@@ -252,7 +252,7 @@ def assemble(system: System, space: Space, point: Point, work: Work) -> None:
 
 @lean
 def linearise(system: System, space: Space, point: Point, work: Work) -> None:
-    """Newton's matrix at a point, factorised."""
+    """Assemble and factorise Newton's matrix at a point."""
     assemble(system, space, point, work)
     factorise(system.fronts, work.storage, work.swap, PIVOT)
 

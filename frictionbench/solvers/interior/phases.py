@@ -1,7 +1,7 @@
 """The driver of the interior point methods: phases, each with its own start, are run in turn until one solves the problem.
 
-For packed problems there is the first phase alone, the predictor-corrector from one start, in a compiled loop; what it does not
-solve, and problems of which only W is known, are left to be solved alone.
+For packed problems only the first phase, the predictor-corrector from one start, is run, in a compiled loop. Problems that it
+does not solve, and problems known only by W, are then solved one by one.
 """
 
 from collections.abc import Callable, Iterable
@@ -24,15 +24,15 @@ from frictionbench.solvers.interior.system import System, build_system, space_of
 from frictionbench.solvers.many import ALONE, impulses_of, is_alone, solved, unsolved
 
 POLISHABLE = 1e-5  # residual up to which polishing is tried: from there Newton's method mostly converges
-ROUNDING = 4 * np.finfo(float).eps  # of the residual relative to the largest impulse: four roundings of a contact's terms
-MARGIN = 0.5  # of tol: the same residual in other units, added up in another order
-Phase = tuple[Callable[..., int], Point | Path, int]  # a method, the point or path on which to go on, and its factorisations
+ROUNDING = 4 * np.finfo(float).eps  # of the residual, relative to the largest impulse: four roundings of a contact's terms
+MARGIN = 0.5  # the share of tol that is requested, as the residual is computed in other units and summed in another order
+Phase = tuple[Callable[..., int], Point | Path, int]  # a method, where it starts, and its largest number of factorisations
 Measure = Callable[[FrictionProblem, Array], float]
 Polish = Callable[[Array], Array]
 Prepared = tuple[FrictionProblem, System]
 
-SOLVED, NEARLY = range(2)  # how a packed problem ends: solved, or to be judged by the exact residual
-NO_GUESS = -1.0  # the distance of a packed problem without given impulses
+SOLVED, NEARLY = range(2)  # how a packed problem ends: solved, or the exact residual must decide
+NO_GUESS = -1.0  # the distance for a packed problem without given impulses
 work_of, nothing_of = part(new_work), part(nothing_yet)
 
 
@@ -42,7 +42,7 @@ class Phased:
     relaxed = False
 
     def form(self, problem: FrictionProblem) -> FrictionProblem:
-        _ = problem.units, problem.scale, problem.mechanical or problem.blocks  # what build_system reads is computed
+        _ = problem.units, problem.scale, problem.mechanical or problem.blocks  # computes what build_system reads
         return problem
 
     def setup(self, problem: FrictionProblem) -> Prepared:
@@ -50,12 +50,12 @@ class Phased:
 
 
 def first_point(system: System) -> Point:
-    """The first start: impulses between zero and the weight of all other contacts."""
+    """The first start: impulses sqrt(nc) times those that stop a unit velocity, between the load of one contact and of all."""
     return start_point(system, float(np.sqrt(len(system.friction))), 1.0)
 
 
 def one_start(problem: FrictionProblem, tol: float, limit: int, patience: int) -> Answer:
-    """Mehrotra's predictor-corrector on Coulomb's law from the first start, and nothing after it."""
+    """Mehrotra's predictor-corrector on Coulomb's law, from the first start only."""
     prepared = Phased().setup(problem)
     return run(prepared, [(predictor_corrector, first_point(prepared[1]), limit)], tol, limit, patience, residual)
 
@@ -69,16 +69,16 @@ def run(
     measure: Measure,
     polish: Polish | None = None,
 ) -> Answer:
-    """The third step, within limit factorisations; measure: the exact residual.
+    """The step solve, within limit factorisations; measure: the exact residual.
 
     phases: generated one by one, each after the previous one has failed.
     patience: iterations of the predictor-corrector without progress.
     polish: refines the best impulses (nc, d) of a phase where their residual is at most POLISHABLE.
     """
     problem, system = prepared
-    sharp = tol / problem.spread  # of the largest unit, in which the system measures all contacts
+    sharp = tol / problem.spread  # relative to the largest unit, in which the system measures all contacts
     nothing = np.zeros_like(system.offset)
-    if not _closing(problem, tol) and measure(problem, nothing) <= tol:  # contacts neither closing nor opening converge slowly
+    if not _closing(problem, tol) and measure(problem, nothing) <= tol:  # contacts that do not move converge slowly
         return Answer(nothing, Status.SOLVED, {"iterations": 0, "factorisations": 0})
     space, workspace = space_of(system), new_work(system, last_step(system))
     best = nothing_yet(*nothing.shape)
@@ -102,19 +102,19 @@ def run(
             break
     work = {"iterations": len(history), "factorisations": int(best.factorisations[0])}
     impulse = best.impulse * system.impulse
-    # The first points are far inside the cones.
+    # The first iterates are far inside the cones, where zero impulses may be the better answer.
     if status is Status.TIME_LIMIT and measure(problem, impulse) > measure(problem, nothing):
         impulse = nothing
     return Answer(impulse, status, work, tuple(history))
 
 
 def _closing(problem: FrictionProblem, tol: float) -> bool:
-    """Whether a contact approaches in the free motion, faster than no impulses may leave it."""
+    """Whether a contact closes in the free motion, faster than tol permits."""
     return bool((problem.q[:: problem.dimension] < -tol * problem.units).any())
 
 
 def _is_solved(best: Best, tol: float, sharp: float, system: System, problem: FrictionProblem, measure: Measure) -> bool:
-    """Whether the best residual is within sharp; within rounding of that, the exact residual within tol decides."""
+    """Whether the best impulses are a solution. Unless their residual plus rounding is within sharp, the exact one decides."""
     rounding = ROUNDING * np.max(system.weight * best.impulse[:, 0], initial=0.0)
     if best.residual[0] + rounding > sharp:
         best.residual[0] = measure(problem, best.impulse * system.impulse)
@@ -122,7 +122,7 @@ def _is_solved(best: Best, tol: float, sharp: float, system: System, problem: Fr
 
 
 def _is_polished(best: Best, tol: float, prepared: Prepared, measure: Measure, polish: Polish) -> bool:
-    """Whether the best impulses are solved once they are polished."""
+    """Polish the best impulses; return whether the result is within tol."""
     problem, system = prepared
     impulse = polish(best.impulse * system.impulse)
     found = measure(problem, impulse)
@@ -134,7 +134,7 @@ def _is_polished(best: Best, tol: float, prepared: Prepared, measure: Measure, p
 def first_phase(packed: Packed, guess: Array, distance: Array, tol: float, limit: int, patience: int) -> Solved:
     """The first phase of each packed problem, in at most limit factorisations.
 
-    guess (contacts, d): the impulses to start around; distance (N,): how far from the boundary, or NO_GUESS.
+    guess (contacts, d): the impulses to start around; distance (N,): of the start from the boundary, or NO_GUESS.
     """
     space = True if packed.dimension == 3 else None
     r, ended, work = _first_phases(packed, guess, distance, space, False, tol, limit, patience)
@@ -146,7 +146,7 @@ def first_phase(packed: Packed, guess: Array, distance: Array, tol: float, limit
 
 @loop
 def _first_phases(packed, guess, distance, space, relaxed, tol, limit, patience):  # type: ignore[no-untyped-def]
-    """Packed problems one after the other: impulses, how each ended, and iterations and factorisations (N, 2)."""
+    """Solve packed problems in turn; return impulses, how each ended, and iterations and factorisations (N, 2)."""
     r, ended, work = unsolved(packed, 2)
     history, none, no_joints = np.empty(limit), np.zeros(1, np.int32), np.empty(0)
     for k in range(len(ended)):

@@ -1,30 +1,30 @@
 """A point inside the cones of a contact problem: unknowns x, partners s, and their products x ∘ s.
 
-A contact has four unknowns and four partners, the exact problem and its convex relaxation alike. In the plane they are the
-complementary pairs of the friction LCP (problems.forms.lcp), x >= 0, s >= 0, x ∘ s = 0 number by number:
+A contact has four unknowns and four partners, in the exact problem and in its convex relaxation. In the plane they are the
+complementary pairs of the friction LCP (problems.forms.lcp), x >= 0, s >= 0, x ∘ s = 0 component by component:
 
     c:       u_n - shift lambda              its normal impulse, and the speed at which it opens,
     beta+:   lambda + u_t                    its impulse along the tangent,
     beta-:   lambda - u_t                    and against it,
-    lambda:  mu c - beta+ - beta- + b_f      its sliding speed, and the friction left.
+    lambda:  mu c - beta+ - beta- + b_f      its sliding speed, and the unused friction.
 
 In space they are one such pair and a pair of elements of Lorentz' cone, {a: a_0 >= |a_t|} with two components in a_t, the
 positive elements of a Jordan algebra (Faraut and Korányi 1994):
 
     c:                 u_n - shift lambda,
-    (lambda, u_t)      (mu c + b_f, r_t)     sliding speed and velocity, the friction there is and the one in use,
+    (lambda, u_t)      (mu c + b_f, r_t)     sliding speed and velocity, the friction limit and the friction impulse,
 
     a ∘ b = (a_0 b_0 + a_t . b_t,  a_0 b_t + b_0 a_t),      identity (1, 0),      det a = a_0^2 - |a_t|^2,
 
-stored as x = (c, r_t, lambda) and s = (u_n - shift lambda, u_t, mu c + b_f), so that the sum of the numbers' products is the
-same in both. The shift is 0 for Coulomb's law and mu for its relaxation (problems.forms.relaxation).
+stored as x = (c, r_t, lambda) and s = (u_n - shift lambda, u_t, mu c + b_f), so that the complementarity gap is the sum of all
+x_k s_k in both. The shift is 0 for Coulomb's law and mu for its relaxation (problems.forms.relaxation).
 
 Steps are measured along geodesics: for a pair of numbers, in their logarithms. Every a has the eigenvalues a_0 ± |a_t|, and
-functions of a are those of its eigenvalues; at a point a inside the cone the geodesic a -> Q(sqrt a) exp(w) leaves along
+functions of a act on its eigenvalues. At a point a inside the cone the geodesic a -> Q(sqrt a) exp(w) leaves along
 Q(sqrt a) w, with Q(a) b = 2 (a . b) a - det(a) (b_0, -b_t). For a number, Q(sqrt a) w = a w.
 
-A guess of impulses and velocities becomes a point by smoothing. A complementary pair is what is positive and what is negative
-of its difference, x = y_+ and s = (-y)_+ with y = x - s. The smooth function
+A guess of impulses and velocities is turned into a point by smoothing. A complementary pair consists of the positive and the
+negative part of its difference y = x - s, that is x = y_+ and s = (-y)_+. The smooth function
 
     phi(y) = (y + sqrt(y^2 + 4 g^2)) / 2          in place of y_+
 
@@ -41,7 +41,7 @@ from frictionbench.problems.compiled import kernel, lean, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interior.system import Space, System, space_of
 
-ROUNDING = 1e-15  # the smallest eigenvalue that differs from zero, relative to a_0: a few units of rounding
+ROUNDING = 1e-15  # lower bound of the eigenvalues, relative to a_0: a few units of rounding
 
 Vector = tuple[float, float, float]
 
@@ -49,7 +49,7 @@ Vector = tuple[float, float, float]
 class Point(NamedTuple):
     """Unknowns x (nc, 4), their partners s (nc, 4), the joints' impulses (nj, 1); a step and a defect have the same shape.
 
-    A contact without friction has its first pair alone; the others are zero, and so is all that is computed from them.
+    A contact without friction has only its first pair; the other entries are zero, and so is all that is computed from them.
     """
 
     x: Array
@@ -64,7 +64,7 @@ def new_point(system: System) -> Point:
 
 
 def start_point(system: System, impulse: float, speed: float) -> Point:
-    """Impulses of `impulse` times what stops a unit velocity at their contact, and `speed`; nothing tangential in space."""
+    """Impulses `impulse` times those that stop a unit velocity, and velocities `speed`; in space, tangential ones are zero."""
     x, s = start_pairs(system.weight, system.pairs, space_of(system), impulse, speed)
     return Point(x, s, np.zeros((len(system.joint_bias), 1)))
 
@@ -168,7 +168,7 @@ def add_step(to: Point, factor: float, step: Point) -> None:
 
 @lean
 def longest_in_cone(a: Vector, step: Vector, limit: float) -> float:
-    """The largest length <= limit with a + length step in the cone, for a in it up to rounding."""
+    """The largest length <= limit with a + length step in the cone, for a in the cone up to rounding."""
     size = np.sqrt(a[1] * a[1] + a[2] * a[2])
     det = max(a[0] - size, ROUNDING * a[0]) * (a[0] + size)
     half = a[0] * step[0] - a[1] * step[1] - a[2] * step[2]
@@ -177,7 +177,7 @@ def longest_in_cone(a: Vector, step: Vector, limit: float) -> float:
     if a[0] + length * step[0] < 0:
         length = -a[0] / step[0]
     inner = half * half - square * det
-    if inner >= 0:  # det(a + t step) = det + 2 half t + square t^2 has zeros; its first above 0, without cancellation
+    if inner >= 0:  # the smallest positive root of det(a + t step) = det + 2 half t + square t^2, without cancellation
         root = np.sqrt(inner)
         if half <= 0 and det < length * (root - half):
             length = det / (root - half)
@@ -227,7 +227,7 @@ def _phi_in_cone(y: Vector, g: float) -> Vector:
 
 @kernel
 def centred_point(system: System, space: Space, r: Array, u: Array, g: float) -> Point:
-    """The point for impulses r and velocities u (nc, d), in the problem's units; g relative to the largest free velocity."""
+    """The centred point of impulses r and velocities u (nc, d) in the problem's units; g is relative to system.speed."""
     point = new_point(system)
     x, s = point.x, point.s
     for i in range(len(x)):

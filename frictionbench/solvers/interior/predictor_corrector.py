@@ -6,9 +6,9 @@ the centring sigma; the corrector aims at
 
     x ∘ s = sigma mean(x s),      sigma = (mean(x s) after the predictor / mean(x s))^2,
 
-with the predictor's second-order term, and goes .995 of the way to the boundary, x and s together, for the problem is not
-monotone. Nor is there a guarantee: where the central path folds, no step is left that decreases x s, which the method must
-detect. References: Mehrotra 1992; Wright 1997, chapter 10.
+with the predictor's second-order term, and takes .995 of the way to the boundary, the same step length for x and s, because the
+problem is not monotone. Convergence is not guaranteed: where the central path folds, no step decreases x s, and the method
+stops for lack of progress. References: Mehrotra 1992; Wright 1997, chapter 10.
 """
 
 from typing import NamedTuple
@@ -23,8 +23,8 @@ from frictionbench.solvers.interior.newton import Work, direction, evaluate_poin
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, set_identity
 from frictionbench.solvers.interior.system import SOFTNESS, Space, System
 
-SOFTER, SOFTEST = 100.0, 1e-10  # the factor by which delta grows near an answer without progress, and the largest
-NEAR = 1e-5  # the residual up to which rounding, not a fold of the path, may be what ends progress
+SOFTER, SOFTEST = 100.0, 1e-10  # the factor by which delta grows if progress ends near a solution, and the largest delta
+NEAR = 1e-5  # the residual up to which rounding, rather than a fold of the path, may end progress
 TO_BOUNDARY = 0.995  # share of the way to the boundary: Mehrotra's choice, close enough to 1 for superlinear convergence
 
 
@@ -56,10 +56,10 @@ def evaluate_and_record(system: System, space: Space, point: Point, defect: Poin
 def predictor_corrector(
     system: System, space: Space, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array
 ) -> int:
-    """Move the point to a solution; stop where the residual is within tol, history is full, or no progress is made.
+    """Move the point to a solution; stop when the residual is within tol, history is full, or no progress is made.
 
-    Progress is that mean(x s) and the largest defect, added, halve within `patience` iterations. Where they do not at a
-    residual up to NEAR, the softness of Newton's matrix (solvers.interior.newton) grows up to SOFTEST first.
+    Progress means that the sum of mean(x s) and the largest defect halves within `patience` iterations. Without progress at a
+    residual up to NEAR, the softness delta of Newton's matrix (solvers.interior.newton) is first increased, up to SOFTEST.
     history receives the residual of every iterate; their number is returned.
     """
     x, s, step, defect, target = point.x, point.s, work.step, work.defect, work.target

@@ -1,11 +1,11 @@
 """A friction problem laid out for Newton's method in the velocities (solvers.interior.newton).
 
-All is in units of one velocity and one impulse, the velocities of the bodies in those in which the mass matrix has a unit
-diagonal. The variables are numbered in the order in which solvers.sparse_lu.multifrontal eliminates them, contacts and joints
-are elements of its fronts, and what does not change from step to step, the mass matrix and the joints, is a list of numbers to
-be added to them. Where only the Delassus matrix W is known, the contact velocities take the place of the bodies': M = I, J' =
-W on the left of C and J = I on its right, so that an unsymmetric W is solved as given. (The other way round the rows of A = I
-+ C W would be as unlike in size as sticking and open contacts, and partial pivoting misled.)
+Contact velocities and impulses are scaled by one velocity and one impulse, velocities of bodies such that the mass matrix has a
+unit diagonal. Variables are numbered in the order of elimination of solvers.sparse_lu.multifrontal; contacts and joints are
+elements of its fronts. The mass matrix and the joints do not change from step to step and are a list of numbers to be added to
+the fronts. If only the Delassus matrix W is known, contact velocities replace those of the bodies: M = I, J' = W on the left of
+C and J = I on its right, so that an unsymmetric W is solved as given. (In the opposite arrangement, A = I + C W, the rows would
+differ in size as much as sticking and open contacts, which misleads partial pivoting.)
 """
 
 from typing import NamedTuple
@@ -20,14 +20,15 @@ from frictionbench.problems.residual import largest
 from frictionbench.problems.rows import Index32, Index64
 from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, place_of_entry, position_in_front
 
-SOFTNESS = 1e-14  # delta, relative to a contact's mean diagonal of W: 1e-16 drowns in rounding, 1e-12 fails tall stacks
-JOINT_SOFTNESS = 1e-8  # delta of a joint; its stiffness is added to a mass matrix of size 1, so not as small as a contact's
+SOFTNESS = 1e-14  # delta, relative to a contact's mean diagonal of W: 1e-16 is lost in rounding, tall stacks fail with 1e-12
+JOINT_SOFTNESS = 1e-8  # delta of a joint: larger than a contact's, because 1/delta is added to a mass matrix of size 1
 
 
 class Elements(NamedTuple):
     """Constraints as elements of A: rows push and read (entries, d) on the variables column[start[e]:start[e+1]].
 
-    u = read v and M dv = push' r; the two differ for a Delassus problem only. front, place: where an element is added.
+    u = read v and M dv = push' r; the two differ for a Delassus problem only. front: to which an element is added; place: the
+    positions of its variables there.
     """
 
     start: Index64
@@ -39,12 +40,11 @@ class Elements(NamedTuple):
 
 
 class System(NamedTuple):
-    """A friction problem in units of velocity `speed`, the largest of its contacts', and impulse `impulse`, its variables in
-    order of elimination.
+    """A friction problem in units `speed`, the largest of its contacts, and `impulse`, with variables in order of elimination.
 
-    slot, constant: what M + F'F/delta adds to the fronts, and where. inverse, indices, indptr: M^-1 by rows.
+    slot, constant: the places in the fronts and the values of M + F'F/delta. inverse, indices, indptr: M^-1 by rows.
     shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual.
-    pairs: the products of a contact (solvers.interior.point): 4 in the plane, 2 in space, 1 where there is no friction at all.
+    pairs: number of products of a contact (solvers.interior.point): 4 in the plane, 2 in space, 1 without any friction.
     pushes: whether a contact's normal impulse acts on anything; that of a joint's dry friction does not.
     """
 
@@ -69,7 +69,7 @@ class System(NamedTuple):
     impulse: float
 
 
-# None in the plane, True in space: a type of its own for each, so that what is of the other is not compiled.
+# None in the plane, True in space: different types, so that only the branches of one are compiled.
 Space = bool | None
 
 
@@ -80,8 +80,8 @@ def space_of(system: System) -> Space:
 class Units(NamedTuple):
     """The units of a system.
 
-    speed, impulse: those of the contacts' velocities and impulses. own, ratio: what the mass matrix is divided by to find those
-    of the bodies' velocities, and what it is multiplied by.
+    speed, impulse: of the contacts' velocities and impulses. own: the unit of a body's velocity is speed * sqrt(own / M_ii).
+    ratio: the factor of the mass matrix in these units.
     """
 
     speed: float
@@ -107,8 +107,8 @@ def build_system(problem: FrictionProblem, relaxed: bool = False) -> System:
 
 @kernel
 def units_of(units, scale):  # type: ignore[no-untyped-def]
-    """The largest unit of the contacts, 1 where nothing moves, the impulse that it takes at the geometric mean of s, and what
-    makes v = speed * unit * v^ of the bodies' velocities."""
+    """The Units: speed is the largest unit of the contacts, 1 if nothing moves, and impulse is speed over the geometric mean of
+    s. Velocities of bodies are v = speed * unit * v^."""
     speed, total = largest(units), 0.0
     if speed == 0:
         speed = 1.0
@@ -164,7 +164,7 @@ def _laws(friction, friction_bias, scale, offset, free, place, unit, relaxed, un
 
 @part
 def _pushes(elements, friction):  # type: ignore[no-untyped-def]
-    """Whether a normal impulse moves anything, or lets friction do so (nc,)."""
+    """Whether a normal impulse changes a velocity, or permits friction to do so (nc,)."""
     pushes = np.empty(len(friction), np.bool_)
     for i in range(len(friction)):
         pushes[i] = friction[i] > 0
@@ -188,7 +188,7 @@ def _units(start, column, value, ratio):  # type: ignore[no-untyped-def]
 def _delassus_elements(
     first: Index32, neighbours: Index32, block: Array, ratio: float
 ) -> tuple[Index32, Index32, Array, Array]:
-    """Where only W is known: push = W' by contacts, times the ratio, and read = I on the same columns."""
+    """The elements if only W is known: push = W' by contacts, times ratio, and read = I on the same columns."""
     nc, d = len(first) - 1, block.shape[1]
     order = np.argsort(neighbours, kind="stable")
     source = np.repeat(np.arange(nc), np.diff(first))[order]
@@ -200,7 +200,7 @@ def _delassus_elements(
 
 @part
 def _normalise(joined: Elements) -> Array:
-    """Scale the joints' rows to length 1; their lengths, 1 where a row is zero."""
+    """Scale the joints' rows to length 1; return their former lengths, 1 for rows of zeros."""
     length = np.empty(len(joined.front))
     for j in range(len(length)):
         square = 0.0
@@ -215,9 +215,9 @@ def _normalise(joined: Elements) -> Array:
 
 @part
 def _find_fronts(contacts, joined, m_start, m_column):  # type: ignore[no-untyped-def]
-    """The fronts and the variables' places in the order of elimination; contacts and joints are put in their places.
+    """The fronts and the variables' places in the order of elimination; contacts and joints are placed in the fronts.
 
-    The elements are the contacts, the joints and the rows of the mass matrix with more than their diagonal.
+    The elements are the contacts, the joints and the rows of the mass matrix with off-diagonal entries.
     """
     n, nc, nj = len(m_start) - 1, len(contacts.front), len(joined.front)
     begin = np.empty(nc + nj + n + 1, np.int64)
@@ -246,7 +246,7 @@ def _find_fronts(contacts, joined, m_start, m_column):  # type: ignore[no-untype
 
 @part
 def _constants(fronts, place, joined, m_start, m_column, m_value, unit, ratio):  # type: ignore[no-untyped-def]
-    """What the mass matrix and the joints add to the fronts, and where: slots and constants."""
+    """The contributions of the mass matrix and the joints to the fronts: slots and constants."""
     entries, at = len(m_column), 0
     for j in range(len(joined.front)):
         entries += (joined.start[j + 1] - joined.start[j]) ** 2
@@ -269,9 +269,9 @@ def _constants(fronts, place, joined, m_start, m_column, m_value, unit, ratio): 
 
 @part
 def _gather(start, column, push, read, unit):  # type: ignore[no-untyped-def]
-    """push and read by contacts, or by joints, as elements, columns times unit; not yet placed.
+    """Elements of contacts or joints, the columns of push and read multiplied by unit, not yet placed in the fronts.
 
-    The columns that the first row has come first, then those of the second, as the order of elimination follows them.
+    The columns of the first row come first, then those of the second, because the order of elimination follows them.
     """
     count, d, entries = len(start) - 1, push.shape[1], len(column)
     own_start, own_column, taken = np.zeros(count + 1, np.int64), np.empty(entries, np.uint32), np.zeros(entries, np.bool_)
@@ -291,7 +291,7 @@ def _gather(start, column, push, read, unit):  # type: ignore[no-untyped-def]
 
 @lean
 def _place_in_fronts(elements: Elements, fronts: Fronts, place: Index64, home: Index64) -> None:
-    """Renumber the elements' variables by the order of elimination, and find them in the fronts `home` of the elements."""
+    """Renumber the elements' variables in the order of elimination, and find their positions in the elements' fronts `home`."""
     for e in range(len(elements.front)):
         elements.front[e] = home[e]
         for a in range(elements.start[e], elements.start[e + 1]):
@@ -302,7 +302,7 @@ def _place_in_fronts(elements: Elements, fronts: Fronts, place: Index64, home: I
 
 @part
 def _reorder(start, column, value, place, unit, ratio):  # type: ignore[no-untyped-def]
-    """The inverse of the mass matrix in the system's units and order: values, columns, starts."""
+    """The inverse of the mass matrix in the system's units and order: values, columns, row starts."""
     n = len(place)
     row = np.empty(n, np.int64)
     for i in range(n):

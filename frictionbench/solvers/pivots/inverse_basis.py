@@ -4,12 +4,12 @@ Lemke's method moves among solutions of
 
     w = M z + d z0 + q,      one of w_i, z_i basic for every i but one (the missing pair), and z0 basic.
 
-Rows whose w_i is basic only define that w_i. What has to be inverted is the kernel K: the rows whose w_i is nonbasic, the
-columns of the basic z_j and of z0; a square matrix, for as many w are nonbasic as z are basic. InverseBasis stores K^-1. A
-pivot replaces, adds or drops a row and a column of it by a rank-one update. Where M is sparse and few z are basic, as in
-friction problems, that is far less work than a tableau of n rows.
+Rows whose w_i is basic only define that w_i. The matrix to be inverted is the kernel K, with the rows whose w_i is nonbasic and
+the columns of the basic z_j and of z0. It is square, because as many w are nonbasic as z, including z0, are basic. InverseBasis
+stores K^-1. A pivot replaces, adds or drops a row and a column of it by a rank-one update. If M is sparse and few z are basic,
+as in friction problems, this is far less work than a tableau of n rows.
 
-Vectors over the basis are indexed by pair: entry i belongs to w_i or z_i, whichever is basic, entry n to z0.
+Vectors over the basis are indexed by pair: entry i belongs to w_i or z_i, whichever is basic, and entry n to z0.
 """
 
 from typing import NamedTuple
@@ -25,8 +25,8 @@ from frictionbench.problems.rows import Index64
 class Matrix(NamedTuple):
     """A square matrix on its symmetrised pattern.
 
-    For start[j] <= e < start[j+1] and i = rows[e], column[e] is M_ij and row[e] is M_ji. The rows are unsigned and short, as
-    they are read throughout: no check for a negative index, and half the bytes.
+    For start[j] <= e < start[j+1] and i = rows[e], column[e] is M_ij and row[e] is M_ji. Row numbers are unsigned and short:
+    they are read all the time, need no check for a negative index, and take half the memory.
     """
 
     start: Index64
@@ -38,8 +38,8 @@ class Matrix(NamedTuple):
 class InverseBasis(NamedTuple):
     """A basis of the columns of M (n, n) and d (n,); the arrays after d may be longer, for larger problems.
 
-    inverse[c, r], for r, c < size[0], is (K^-1)_rc: r belongs to z_{z[r]} (z0 where z[r] = n), c to the nonbasic w_{w[c]}.
-    row[j] is the r of z_j, column[i] the c of w_i, -1 where there is none. work (4, n+1) is workspace.
+    inverse[c, r], for r, c < size[0], is (K^-1)_rc: r belongs to z_{z[r]} (z0 if z[r] = n), c to the nonbasic w_{w[c]}.
+    row[j] is the r of z_j, column[i] the c of w_i, -1 if there is none. work (4, n+1) is workspace.
     """
 
     M: Matrix
@@ -55,9 +55,9 @@ class InverseBasis(NamedTuple):
 
 @kernel
 def symmetrised(indptr, indices, data):  # type: ignore[no-untyped-def]
-    """The Matrix of rows."""
+    """The Matrix of a matrix stored by rows."""
     n, entries = len(indptr) - 1, len(indices)
-    below = np.zeros(n + 1, np.int64)  # the columns of M, by counting
+    below = np.zeros(n + 1, np.int64)  # where the columns of M start, by counting
     for k in range(entries):
         below[indices[k] + 1] += 1
     for j in range(n):
@@ -93,7 +93,7 @@ def symmetrised(indptr, indices, data):  # type: ignore[no-untyped-def]
 
 @part
 def slack_basis(M: Matrix, n: int) -> InverseBasis:
-    """All w basic, and d = 0, of up to n unknowns."""
+    """The basis of all w, with d = 0, for up to n unknowns."""
     index, vectors = np.empty((5, n + 1), np.int64), np.zeros((5, n + 1))
     basis = InverseBasis(
         M, vectors[0, :n], np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], vectors[1:]
@@ -114,9 +114,9 @@ def make_slack(basis: InverseBasis) -> None:
 def transform(basis: InverseBasis, rhs: Array, a: Array, accuracy: float) -> tuple[float, float]:
     """a (n+1,) = (inverse of the whole basis) rhs, by K^-1 and iterative refinement; returns the relative defect and the size.
 
-    With rhs = M_p or -e_p it is the rate at which the basic variables fall as z_p or w_p enters; with rhs = -q their value.
-    The size is the largest entry of the z part and of rhs. Refinement goes on while the defect, relative to that, is above
-    `accuracy`.
+    With rhs = M_p or -e_p, a is the rate at which the basic variables fall as z_p or w_p enters; with rhs = -q it is their
+    values. The size is the largest entry of the z part and of rhs. Refinement continues while the defect relative to the size
+    exceeds `accuracy`.
     """
     M, d, k, G, g, out = basis.M, basis.d, basis.size[0], basis.inverse, basis.work[0], basis.work[2]
     n = len(d)
@@ -159,13 +159,13 @@ def transform(basis: InverseBasis, rhs: Array, a: Array, accuracy: float) -> tup
 
 @lean
 def exchange_pair(basis: InverseBasis, a: Array, p: int, z_enters: bool, s: int) -> None:
-    """Let z_p (z0 where p = n) or w_p enter, a its transformed column, and the basic member of pair s leave."""
+    """Let z_p (z0 if p = n) or w_p enter, with its transformed column a, and the basic member of pair s leave."""
     M, d, k, G, g, h = basis.M, basis.d, basis.size[0], basis.inverse, basis.work[0], basis.work[1]
     n = len(d)
     out = basis.row[s]  # -1 where w_s leaves
     pivot = a[s]
 
-    # The pivot row over the columns of K^-1, divided by the pivot, times the transformed column over its rows.
+    # The rank-one update: the pivot row in the columns of K^-1, divided by the pivot, times the entering column in its rows.
     if out >= 0:
         for c in range(k):
             g[c] = G[c, out] / pivot
@@ -228,7 +228,7 @@ def exchange_pair(basis: InverseBasis, a: Array, p: int, z_enters: bool, s: int)
 
 @part
 def refactor(basis: InverseBasis) -> bool:
-    """Recompute K^-1 by Gauss-Jordan elimination with row exchanges; False where K is singular to working accuracy."""
+    """Recompute K^-1 by Gauss-Jordan elimination with row exchanges; False if K is singular to working accuracy."""
     M, d, k = basis.M, basis.d, basis.size[0]
     n = len(d)
     K = np.zeros((k, k))
@@ -273,7 +273,7 @@ def refactor(basis: InverseBasis) -> bool:
 
 @part
 def invert(basis: InverseBasis, active: Index64) -> bool:
-    """Make the z of these indices basic in a slack basis, and their w nonbasic; False where that is singular."""
+    """Make the z of these indices basic in a slack basis, and their w nonbasic; False if the new basis is singular."""
     for c in range(len(active)):
         j = active[c]
         basis.z[c] = basis.w[c] = j

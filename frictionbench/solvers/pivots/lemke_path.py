@@ -1,8 +1,8 @@
 """Following the path of Lemke's method from a complementary basis, in floating point.
 
-The problem is scaled, so that the tolerances here are dimensionless. Entering columns come from the inverse of the basis's
-active part with iterative refinement against M; where that is no longer accurate the inverse is recomputed. Near ties
-go to the largest pivot (Harris 1973); the caller excludes exact ties by perturbing q.
+The problem is scaled, so that the tolerances here are dimensionless. Entering columns are computed with the inverse of the
+active part of the basis and iterative refinement against M; the inverse is recomputed when it becomes inaccurate. Near ties are
+resolved in favour of the largest pivot (Harris 1973); the caller excludes exact ties by perturbing q.
 """
 
 from typing import NamedTuple
@@ -20,23 +20,23 @@ from frictionbench.solvers.pivots.vectors import put
 Flags = NDArray[np.bool_]
 
 COMPLEMENTARY, RAY, LIMIT, INACCURATE, STUCK = range(5)  # how a path ends
-PERTURBATION = 1e-7  # of q, whose largest entry is 1: the root of rounding, half the digits for it, half for the solution
-HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation, which must still resolve ties
-PIVOT = 1e-10  # the smallest pivot, relative to its column: smaller entries may be the error of the column
+PERTURBATION = 1e-7  # of q, whose largest entry is 1: half of the digits for the perturbation, half for the solution
+HARRIS = 1e-4  # how far below zero a variable may go at a near tie, relative to the perturbation, which must still resolve ties
+PIVOT = 1e-10  # the smallest pivot, relative to its column: smaller entries may be errors of the column
 ACCURACY = 1e-12  # relative defect above which a transformed column is refined: some thousand units of rounding
 FINEST = 4e-16  # relative defect that refinement can reach: twice the unit of rounding
-# The smallest pivot and the accuracy of columns, usually and in restarts.
+# The smallest pivot and the accuracy of columns: usually, and in restarts.
 USUAL, FULL = (PIVOT, ACCURACY), (1e-13, FINEST)
-CERTIFICATE = ACCURACY  # largest defect of a ray, relative to its size: that of entering columns
-LOSS = 1e-9  # relative defect after refinement above which the inverse is computed anew
+CERTIFICATE = ACCURACY  # largest defect of a ray, relative to its size: as accurate as entering columns
+LOSS = 1e-9  # relative defect after refinement above which the inverse is recomputed
 
 
 class LemkeState(NamedTuple):
-    """A point of the path w = M z + q + d z0, and the workspace of the methods that follow one.
+    """A point of the path w = M z + q + d z0, and the workspace of the methods that follow it.
 
-    basis: with M and d. q (n,): the right side, perturbed. x (n+1,): the values of the basic variables. a (n+1,): the column
-    that enters, at the end of a ray its direction (z, z0). blocking (n+1,): the variables that are to stay nonnegative.
-    y, v (n,): a solution, and workspace. work (2,): the pivots and inversions so far.
+    basis: with M and d. q (n,): the perturbed right-hand side. x (n+1,): the values of the basic variables. a (n+1,): the
+    entering column, on a ray the ray's direction (z, z0). blocking (n+1,): the variables that must stay nonnegative.
+    y (n,): a solution. v (n,): workspace. work (2,): the pivots and inversions so far.
     """
 
     basis: InverseBasis
@@ -51,7 +51,7 @@ class LemkeState(NamedTuple):
 
 @part
 def lemke_state(M: Matrix, n: int) -> LemkeState:
-    """The slack basis of M, of up to n unknowns, with d = 0."""
+    """The state at the slack basis of M, with d = 0, for up to n unknowns."""
     vectors, blocking = np.zeros((5, n + 1)), np.ones(n + 1, np.bool_)
     x, a, q, y, v = vectors[0], vectors[1], vectors[2, :n], vectors[3, :n], vectors[4, :n]
     return LemkeState(slack_basis(M, n), q, x, a, blocking, y, v, np.zeros(2, np.int64))
@@ -59,7 +59,7 @@ def lemke_state(M: Matrix, n: int) -> LemkeState:
 
 @inlined
 def first_unknowns(state: LemkeState, n: int) -> LemkeState:
-    """The same memory for a smaller problem of n unknowns, whose M is in that of the larger one."""
+    """The state of a smaller problem of n unknowns in the same memory; its M is stored in the arrays of the larger one."""
     b = state.basis
     basis = InverseBasis(b.M, b.d[:n], b.inverse, b.z, b.w, b.row, b.column, b.size, b.work)
     x, a, blocking = state.x[: n + 1], state.a[: n + 1], state.blocking[: n + 1]
@@ -68,7 +68,7 @@ def first_unknowns(state: LemkeState, n: int) -> LemkeState:
 
 @lean
 def ratio_test(x: Array, a: Array, blocking: Flags, z0: int, least: float, slack: float) -> int:
-    """The basic variable that blocks x - t a >= 0 first, the z0-th if possible; the largest pivot among near ties; -1 on a ray.
+    """The basic variable that first blocks x - t a >= 0: z0 if possible, else the largest pivot of near ties; -1 on a ray.
 
     least: the smallest entry of a that counts. slack: how far below zero a variable may go for the sake of a larger pivot.
     """
@@ -87,7 +87,7 @@ def ratio_test(x: Array, a: Array, blocking: Flags, z0: int, least: float, slack
 
 @lean
 def basic_values(basis: InverseBasis, q: Array, x: Array, accuracy: float) -> float:
-    """x (n+1,) = the basic variables' values for the right side q; returns the relative defect."""
+    """x (n+1,) = the basic variables' values for the right-hand side q; returns the relative defect."""
     rhs = basis.work[1]
     for i in range(len(q)):
         rhs[i] = -q[i]
@@ -96,7 +96,7 @@ def basic_values(basis: InverseBasis, q: Array, x: Array, accuracy: float) -> fl
 
 @lean
 def entering_column(state: LemkeState, p: int, z_enters: bool, accuracy: float) -> tuple[float, float]:
-    """a = the column of z_p (z0 where p = n) or w_p as it enters; the relative defect and the size, as in transform."""
+    """a = the column of z_p (z0 if p = n) or w_p as it enters; returns the relative defect and the size, as transform does."""
     basis, rhs = state.basis, state.basis.work[3]
     M, n = basis.M, len(basis.d)
     if p == n:
@@ -114,7 +114,7 @@ def entering_column(state: LemkeState, p: int, z_enters: bool, accuracy: float) 
 
 @lean
 def exchange(state: LemkeState, p: int, z_enters: bool, s: int, t: float) -> None:
-    """Exchange the basic member of pair s for z_p or w_p, which rises to t."""
+    """Exchange the basic member of pair s for z_p or w_p, which increases to t."""
     exchange_pair(state.basis, state.a, p, z_enters, s)
     for i in range(len(state.x)):
         state.x[i] -= t * state.a[i]
@@ -125,10 +125,10 @@ def exchange(state: LemkeState, p: int, z_enters: bool, s: int, t: float) -> Non
 
 @lean
 def follow_lemke_path(state: LemkeState, slack: float, precision: tuple[float, float], limit: int, until: float) -> int:
-    """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and return how it ended.
+    """Follow Lemke's path from a complementary basis whose basic variables all increase with z0, and return how it ended.
 
-    slack: how far near ties may reach. precision: USUAL or FULL, which also computes x anew with every pivot. limit: of the
-    pivots in state.work. until: the deadline.
+    slack: how far below zero near ties may reach. precision: USUAL or FULL, which also recomputes x after every pivot.
+    limit: of the pivots in state.work. until: the deadline.
     """
     basis, x, a, n = state.basis, state.x, state.a, len(state.q)
     pivot, accuracy = precision
@@ -139,7 +139,7 @@ def follow_lemke_path(state: LemkeState, slack: float, precision: tuple[float, f
         if p < n:
             s = ratio_test(x, a, state.blocking, n, pivot * size, slack)
             t = max(x[s], 0.0) / a[s] if s >= 0 else 0.0
-        else:  # to the level at which the last basic variable becomes nonnegative
+        else:  # z0 rises until the last basic variable becomes nonnegative
             s, t = -1, 0.0
             for i in range(n):
                 if state.blocking[i] and x[i] < t * a[i]:
@@ -173,7 +173,7 @@ def follow_lemke_path(state: LemkeState, slack: float, precision: tuple[float, f
 
 @part
 def renew(state: LemkeState, accuracy: float) -> bool:
-    """Compute the inverse and x anew; False where the basis is singular to working accuracy."""
+    """Recompute the inverse and x; False if the basis is singular to working accuracy."""
     state.work[1] += 1
     if not refactor(state.basis):
         return False
@@ -192,7 +192,7 @@ def add_matrix_product(M: Matrix, v: Array, u: Array) -> None:
 
 @lean
 def is_ray(M: Matrix, d: Array, v: Array, v0: float, s: Array) -> bool:
-    """Whether v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0; s is written."""
+    """Whether v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0; s is overwritten."""
     size = 0.0
     for i in range(len(v)):
         s[i] = d[i] * v0
@@ -221,7 +221,7 @@ def add_coordinates(basis: InverseBasis, y: Array, size: float, v: Array) -> Non
 
 @lean
 def draw(seed: int, drawn: Array) -> None:
-    """Numbers from [1, 2), the same ones for the same seed, by Knuth's MMIX congruence."""
+    """Pseudorandom numbers from [1, 2), determined by the seed, by Knuth's MMIX linear congruential generator."""
     state = np.uint64(seed)
     for i in range(-4, len(drawn)):
         state = state * np.uint64(6364136223846793005) + np.uint64(1442695040888963407)

@@ -4,11 +4,11 @@ Methods that pivot on w = M z + q work with n columns chosen from
 
     z_i:  M e_i        w_i:  -e_i        t:  cover
 
-numbered i, n + i and 2n. Where a basis holds w_i it leaves row i to it, so that only the other rows, the core, need an LU.
-Its columns are eliminated from the left and kept sparse (Gilbert and Peierls 1988), with pivots on the diagonal of M where
-they are large enough, so that its unknowns can be ordered for little fill (solvers.pivots.ordering). A pivot is a product-form
-update (Dantzig and Orchard-Hays 1954); after UPDATES of them the basis is refactorised, which also removes the accumulated
-round-off. Values are in M's units; scale M first.
+numbered i, n + i and 2n. If w_i is basic, row i determines it, so that only the other rows, the core, need an LU factorisation.
+It is sparse and left-looking (Gilbert and Peierls 1988), with pivots on the diagonal of M where they are large enough, so that
+the unknowns can be ordered for little fill (solvers.pivots.ordering). A pivot is a product-form update (Dantzig and
+Orchard-Hays 1954); after UPDATES of them the basis is refactorised, which also removes the accumulated round-off. Values are in
+the units of M, which should be scaled first.
 """
 
 from typing import NamedTuple
@@ -23,13 +23,13 @@ from frictionbench.solvers.clock import late
 from frictionbench.solvers.pivots.vectors import fill, put
 
 DENSE = 512  # unknowns up to which there is storage for full factors
-FILL = 24  # entries of L, and of U, for every entry of a larger M, for which there is storage at first
-ON_DIAGONAL = 0.1  # of the largest entry of a column: what an entry on M's diagonal needs to be the pivot
-UPDATES = 96  # of a factorisation; each costs n products in every later solve, n numbers, and its rounding
+FILL = 24  # for larger M: initial storage of L, and of U, in entries for each entry of M
+ON_DIAGONAL = 0.1  # share of the largest entry of a column that an entry on M's diagonal needs to be the pivot
+UPDATES = 96  # of a factorisation; each costs n products in every later solve, n numbers of storage, and rounding errors
 
 
 class Columns(NamedTuple):
-    """The columns to choose from: M (n, n) compressed by columns, cover (n,)."""
+    """The columns from which bases are chosen: M (n, n) compressed by columns, cover (n,)."""
 
     start: Index64
     rows: Index64
@@ -38,7 +38,7 @@ class Columns(NamedTuple):
 
 
 class Factor(NamedTuple):
-    """A triangular factor by columns: start (n+1,), number and value of its entries."""
+    """A triangular factor by columns: start (n+1,) of the columns, row number and value of their entries."""
 
     start: Index64
     number: Index64
@@ -46,27 +46,27 @@ class Factor(NamedTuple):
 
 
 class LUBasis(NamedTuple):
-    """head (n,): the variable that stands at position i. The rest is its factorisation, internal to this file."""
+    """head (n,): the variable at position i. The rest is the factorisation, which is internal to this file."""
 
     head: Index64
-    size: Index64  # of the core; of the updates; 1 where the factors were not finished, 0 where they were
+    size: Index64  # number of core columns; of updates; 1 if the factorisation was not finished, else 0
     core: Index64  # the variable of the k-th core column
-    order: Index64  # its row, and so its position
+    order: Index64  # its pivot row, which is also its position
     L: Factor  # the k-th column's multipliers, by row
     U: Factor  # the k-th column of U above its diagonal, by elimination order
     diagonal: Array
-    slack: NDArray[np.bool_]  # rows left to their own w
-    place: Index64  # of each row: k of order, -1 where it is none of them
-    column: Array  # the column at work: zeros between factorisations
-    listed: Index64  # its rows
-    seen: Index64  # of each row: the last column's variable that listed it
+    slack: NDArray[np.bool_]  # whether a row's own w is basic
+    place: Index64  # the position of a row in order, -1 if it is not there
+    column: Array  # workspace for the current column: zeros between factorisations
+    listed: Index64  # rows of its nonzeros
+    seen: Index64  # for each row, the variable whose column listed it last
     update: Array
     updated: Index64
 
 
 @kernel
 def new_basis(n, storage):  # type: ignore[no-untyped-def]
-    """A basis of n columns, all w and not yet factorised, for at most UPDATES updates, with so much storage for each factor."""
+    """A basis of n columns, all w and not yet factorised. storage: the entries for which each factor has space."""
     L = Factor(np.zeros(n + 1, np.int64), np.empty(storage, np.int64), np.empty(storage))
     U = Factor(np.zeros(n + 1, np.int64), np.empty(storage, np.int64), np.empty(storage))
     rows, values = np.zeros((5, n), np.int64), np.zeros((2, n))
@@ -78,13 +78,13 @@ def new_basis(n, storage):  # type: ignore[no-untyped-def]
 
 @kernel
 def room(n, entries):  # type: ignore[no-untyped-def]
-    """Entries of a factor that suffice for most bases of n unknowns and so many entries of M."""
+    """Storage of a factor that suffices for most bases, for n unknowns and so many entries of M."""
     return min(n * n, max(DENSE * DENSE, FILL * entries))
 
 
 @part
 def overflowed(basis):  # type: ignore[no-untyped-def]
-    """Whether a factor did not fit into its storage, or the time, when the basis was last factorised."""
+    """Whether the last factorisation was not finished, for lack of storage or time."""
     return basis.size[2] > 0
 
 
@@ -97,7 +97,7 @@ def set_complementary_basis(basis, A):  # type: ignore[no-untyped-def]
 
 @part
 def basic_z(basis, A):  # type: ignore[no-untyped-def]
-    """Write over A (n, bool) which z the basis holds."""
+    """Overwrite A (n, bool) with whether each z is basic."""
     fill(A, False)
     for i in range(len(A)):
         if basis.head[i] < len(A):
@@ -106,7 +106,7 @@ def basic_z(basis, A):  # type: ignore[no-untyped-def]
 
 @kernel
 def column(columns, j, y):  # type: ignore[no-untyped-def]
-    """Write the column of variable j over y (n,); its largest magnitude."""
+    """Overwrite y (n,) with the column of variable j; return its largest magnitude."""
     n = len(y)
     if j == 2 * n:
         put(y, columns.cover)
@@ -122,7 +122,7 @@ def column(columns, j, y):  # type: ignore[no-untyped-def]
 
 @part
 def largest_magnitude(y):  # type: ignore[no-untyped-def]
-    """max |y_i|; infinity if y holds a NaN."""
+    """max |y_i|; infinity if an entry is NaN."""
     most = 0.0
     for i in range(len(y)):
         if not abs(y[i]) <= most:
@@ -134,11 +134,11 @@ def largest_magnitude(y):  # type: ignore[no-untyped-def]
 
 @part
 def factorise_basis(basis, columns, floor, until):  # type: ignore[no-untyped-def]
-    """Factorise head, placing its variables anew; the number of linearly dependent columns.
+    """Factorise the basis head, whose variables are reordered; return the number of linearly dependent columns.
 
-    A column of which elimination leaves no more than `floor` of its size counts as dependent. The w of a row that is then
-    left over takes its place, so that head is a regular basis in any case; so it does for columns that exceed the storage, or
-    that are left at the deadline `until`.
+    A column counts as dependent if elimination leaves no more than `floor` of its size. It is replaced by the w of a row
+    without a pivot, so that head is always a regular basis. Columns that exceed the storage, or are not reached before the
+    deadline `until`, are replaced as well.
     """
     head, order, L, U, slack, place, y = basis.head, basis.order, basis.L, basis.U, basis.slack, basis.place, basis.column
     n, listed, seen = len(head), basis.listed, basis.seen
@@ -161,7 +161,7 @@ def factorise_basis(basis, columns, floor, until):  # type: ignore[no-untyped-de
             continue
         filled, least, first = scatter(columns, j, y, listed, seen, place, slack)
         least *= floor
-        for k in range(first, m):  # columns before the first have no entry in its rows
+        for k in range(first, m):  # y is zero in the pivot rows of earlier columns
             u = y[order[k]]
             if u != 0.0:
                 U.number[u_at], U.value[u_at] = k, u
@@ -200,9 +200,9 @@ def factorise_basis(basis, columns, floor, until):  # type: ignore[no-untyped-de
 
 @part
 def scatter(columns, j, y, listed, seen, place, slack):  # type: ignore[no-untyped-def]
-    """Write the rows of the core of the column of z_j or t over y, which is zero, and list those that are not zero.
+    """Write the core rows of the column of z_j or t to y, which must be zero, and list its nonzeros.
 
-    Returns their number, the largest magnitude in all rows of the column, and the first place of the listed rows.
+    Returns their number, the largest magnitude in all rows of the column, and the least place of the listed rows.
     """
     n, count, most, first = len(y), 0, 0.0, len(y)
     begin, end = (0, n) if j == 2 * n else (columns.start[j], columns.start[j + 1])
@@ -219,7 +219,7 @@ def scatter(columns, j, y, listed, seen, place, slack):  # type: ignore[no-untyp
 
 @part
 def ftran(basis, columns, y):  # type: ignore[no-untyped-def]
-    """Solve B x = y, in place, x by position."""
+    """Overwrite y with the solution x of B x = y, indexed by position."""
     order, L, U, slack, n = basis.order, basis.L, basis.U, basis.slack, len(y)
     m, updates = basis.size[0], basis.size[1]
     x = np.empty(m)
@@ -257,7 +257,7 @@ def ftran(basis, columns, y):  # type: ignore[no-untyped-def]
 
 @part
 def replace_column(basis, p, j, d):  # type: ignore[no-untyped-def]
-    """Let variable j take position p, d being its column in terms of the basis; whether a factorisation is due."""
+    """Replace the variable at position p by j, whose column is d in terms of the basis; return whether to refactorise."""
     k = basis.size[1]
     basis.head[p], basis.updated[k] = j, p
     put(basis.update[k], d)
@@ -267,7 +267,7 @@ def replace_column(basis, p, j, d):  # type: ignore[no-untyped-def]
 
 @part
 def basic_point(basis, columns, b, z, w):  # type: ignore[no-untyped-def]
-    """Write over z and w (n,) the basis's own solution of M z - w = b, t = 0."""
+    """Overwrite z and w (n,) with the basic solution of M z - w = b, with t = 0."""
     n = len(b)
     x = np.empty(n)
     put(x, b)
@@ -284,7 +284,7 @@ def basic_point(basis, columns, b, z, w):  # type: ignore[no-untyped-def]
 
 @part
 def orientation(basis):  # type: ignore[no-untyped-def]
-    """The sign of det M_AA, A the z of a complementary basis just factorised; +1 where there are none."""
+    """The sign of det M_AA, where A are the basic z of a complementary basis just factorised; +1 if A is empty."""
     sign = 1
     seat = np.empty(len(basis.head), np.int64)
     put(seat, basis.head)
@@ -292,7 +292,7 @@ def orientation(basis):  # type: ignore[no-untyped-def]
         sign = -sign if basis.diagonal[k] < 0.0 else sign
     for k in range(basis.size[0]):
         i = basis.order[k]
-        while seat[i] != i:  # undo the row exchanges, one by one
+        while seat[i] != i:  # undo the row exchanges one by one
             j = seat[i]
             seat[i], seat[j] = seat[j], j
             sign = -sign

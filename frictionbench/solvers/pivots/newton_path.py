@@ -1,9 +1,9 @@
 """A pivotal path: from a basic point at t = 0 towards t = 1 along  M z - w + t cover = b,  0 <= z ⟂ w >= 0.
 
-t enters the basis first; from then on the complement of what left, as in Lemke's method, until t reaches 1. The ratio test
-is Harris's (1973): among the basic variables that would be the first to pass a small slip below zero, the one with the
-largest pivot leaves. Small pivots and rays are accepted only after a fresh factorisation. Ties are not ordered: a caller
-who starts from a random point meets none before t = 1, where they no longer matter.
+t enters the basis first, then always the complement of the variable that left, as in Lemke's method, until t reaches 1. The
+ratio test is Harris's (1973): among the basic variables that would be the first to pass a small slip below zero, the one with
+the largest pivot leaves. Small pivots and rays are accepted only after a fresh factorisation. There is no rule for exact ties:
+from a random starting point none occur before t = 1, where they no longer matter.
 """
 
 import numpy as np
@@ -19,20 +19,20 @@ from frictionbench.solvers.pivots.lu_basis import (
 )
 from frictionbench.solvers.pivots.vectors import fill, put
 
-DEPENDENT = 1e-12  # a column of which elimination leaves less than this share is rounding, and depends on the others
+DEPENDENT = 1e-12  # a column is dependent if elimination leaves less than this share of it, which is then rounding
 PIVOT = 1e-9  # smaller rates of change, relative to the largest, count as zero: they may be rounding of 96 updates
 UNRELIABLE = 1e-7  # smaller pivots are taken only from a fresh factorisation, without the rounding of updates
 SLIP = 1e-10  # how far below zero a basic variable may go for the sake of a larger pivot, in units of the scaled q
 
-NEWTON, RAY, LIMIT, SINGULAR, RETURNED = range(5)  # how a path ends, as STATUSES: t = 1, a ray, the limit, no basis, t = 0
-PIVOTS, FACTORISATIONS = 0, 1  # counted in work
+NEWTON, RAY, LIMIT, SINGULAR, RETURNED = range(5)  # how a path ends, as STATUSES: t = 1, ray, limit, no regular basis, t = 0
+PIVOTS, FACTORISATIONS = 0, 1  # indices of work
 
 
 @part
 def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignore[no-untyped-def]
-    """Follow M z - w + t cover = b from the factorised basis at t = 0 towards t = 1; how the path ends.
+    """Follow M z - w + t cover = b from the factorised basis at t = 0 towards t = 1; return how the path ends.
 
-    v (n,) receives z: at NEWTON of the end point, whose basis is then held, at RAY of the ray.
+    v (n,) receives z of the end point (NEWTON), whose basis is then stored, or of the ray (RAY).
     """
     n = len(b)
     t = entering = 2 * n
@@ -49,7 +49,7 @@ def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignor
         remaining = 1.0 if entering == t else np.inf  # until t = 1
         if t_at >= 0 and d[t_at] < -PIVOT * size:
             remaining = max(1.0 - x[t_at], 0.0) / -d[t_at]
-        reach = np.inf  # until a basic variable is at zero, but for the slip
+        reach = np.inf  # until a basic variable is at minus SLIP
         for i in range(n):
             if d[i] > PIVOT * size:
                 reach = min(reach, (max(x[i], 0.0) + SLIP) / d[i])
@@ -100,7 +100,7 @@ def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignor
 
 @part
 def write_z(basis, x, z):  # type: ignore[no-untyped-def]
-    """Write over z (n,) the z among the basic variables' values x (n,)."""
+    """Overwrite z (n,) with the basic z of the values x (n,), and zeros."""
     fill(z, 0.0)
     for i in range(len(z)):
         if basis.head[i] < len(z):

@@ -10,9 +10,9 @@ from frictionbench.solvers.sparse_lu.minimum_degree import minimum_degree
 
 @kernel
 def in_order(M, q, unit, nc):  # type: ignore[no-untyped-def]
-    """A scaled LCP of nc contacts, or a bare one with nc = 0, with its unknowns in this order, a contact's together.
+    """Reorder a scaled LCP of nc contacts, or a bare LCP (nc = 0); the unknowns of a contact stay together.
 
-    Returns the columns to choose from, rows ascending, q (n,), the unit (2, n) and the order (n,).
+    Returns the columns, with ascending rows, q (n,), the unit (2, n) and the order (n,).
     """
     n = len(q)
     order = _least_fill(M.start, M.rows, n, nc)
@@ -29,7 +29,7 @@ def _least_fill(start, rows, n, nc):  # type: ignore[no-untyped-def]
     group, width, entries = np.empty(n, np.int64), np.full(groups, n // max(groups, 1)), start[groups]
     for i in range(n):
         group[i] = contact_of(i, n, nc) if nc else i
-    # The elements: each group for itself, and pairs of neighbours. Normal rows hold all neighbours of a contact but rare ones.
+    # The elements: each group, and each pair of neighbours. A contact's normal row has entries for nearly all its neighbours.
     first, member = np.empty(groups + entries + 1, np.int64), np.empty(groups + 2 * entries, np.int64)
     seen, pairs = np.empty(groups, np.int64), 0
     for g in range(groups):

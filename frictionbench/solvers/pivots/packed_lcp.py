@@ -13,11 +13,11 @@ from frictionbench.problems.rows import Index32
 from frictionbench.solvers.pivots.inverse_basis import Matrix
 from frictionbench.solvers.pivots.scaled_lcp import most_entries, write_scaled_lcp
 
-FULL, NEIGHBOURS = 64, 64  # contacts up to which all may be coupled, and with how many others each of more may be on average
+FULL, NEIGHBOURS = 64, 64  # there is storage for FULL + NEIGHBOURS blocks of W a contact, on average
 
 
 class LCPSpace(NamedTuple):
-    """Workspace for the LCP of any of some packed problems: see write_delassus, write_in_basis and write_scaled_lcp."""
+    """Workspace for the LCP of any one of the packed problems; see write_delassus, write_in_basis and write_scaled_lcp."""
 
     places: Index32
     response: Array
@@ -60,7 +60,7 @@ def _lcp_space(nc, nv, touched, blocks, d, width):  # type: ignore[no-untyped-de
 
 @inlined
 def scaled_lcp_of(packed, k, basis, space):  # type: ignore[no-untyped-def]
-    """Whether space is enough for problem k's scaled LCP, and there its stretch, M, q and unit as in ScaledLCP."""
+    """Form problem k's scaled LCP in `space`; whether it fits, and its stretch, M, q and unit as in ScaledLCP."""
     mu, wider, scale, units = law_of(packed, k)
     nc, width, q = len(mu), basis.shape[1], packed.q[packed.first[k, Q] : packed.first[k + 1, Q]]
     n, fits = nc * (width + 1), True
@@ -82,7 +82,7 @@ def scaled_lcp_of(packed, k, basis, space):  # type: ignore[no-untyped-def]
 
 @lean
 def write_stretched(basis, y, stretch, r):  # type: ignore[no-untyped-def]
-    """Write the impulses of z = stretch * y over r (nc, d); y is overwritten by z."""
+    """Overwrite r (nc, d) with the impulses of z = stretch * y, and y with z."""
     for i in range(len(y)):
         y[i] *= stretch[i]
     write_impulse(basis, y, r)

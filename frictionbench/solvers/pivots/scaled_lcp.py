@@ -1,12 +1,12 @@
-"""The scaled LCP that all methods on it work on, its residual, and the conversion back to impulses.
+"""The scaled LCP that all LCP methods of this package solve, its residual, and the conversion back to impulses.
 
 With a positive diagonal D and a number theta, z = theta D y turns LCP(M, q) into
 
     w^ = (D M D) y + (D q) / theta,      D_i = 1/sqrt(M_ii),      theta = max |D q|,
 
-which has a unit diagonal and a unit right side, the same solutions, the same signs, so that tolerances inside a method are
-dimensionless. A row without a diagonal (the sliding speed of a friction contact) is scaled by the column through which it acts:
-D_i = 1 / max_j D_j |M_ji|. Rows and columns of zeros are not scaled.
+which has a unit diagonal, a right-hand side of unit size, and the same solutions and signs, so that tolerances inside a method
+are dimensionless. A row without a diagonal entry (the sliding speed of a friction contact) is scaled by the column through
+which it acts: D_i = 1 / max_j D_j |M_ji|. Rows and columns of zeros are not scaled.
 """
 
 from typing import NamedTuple
@@ -25,15 +25,15 @@ from frictionbench.solvers.pivots.lemke_path import FINEST, LemkeState, add_matr
 from frictionbench.solvers.pivots.vectors import put
 
 EPSILON = float(np.finfo(float).eps)
-MARGIN = 0.5  # of tol: rows measure a contact's normal and tangent apart, and add up in another order
-# By how a path ends (solvers.pivots.lemke_path).
+MARGIN = 0.5  # share of tol that is requested: rows measure normal and tangential defects apart, and sum in another order
+# Indexed by how a path ends (solvers.pivots.lemke_path).
 STATUSES = Status.SOLVED, Status.RAY, Status.WORK_LIMIT, Status.BREAKDOWN, Status.STALLED
 
 
 class ScaledLCP(NamedTuple):
-    """w = M y + q, scaled; z = stretch * y. unit (2, n) is what the residual multiplies y and w by.
+    """The scaled LCP w = M y + q, with z = stretch * y. unit (2, n): the factors of y and w in the residual.
 
-    problem: the friction problem, with so many facets, or the LCP itself; contacts and basis as in LCP.
+    problem: the friction problem, with a polygon of so many facets in space, or a bare LCP. contacts, basis: as in LCP.
     """
 
     problem: FrictionProblem | LCP
@@ -57,7 +57,7 @@ class ScaledLCP(NamedTuple):
         return Answer(r, status, work, z=z, detail=detail, clock=clock)
 
     def residual(self, y: Array) -> float:
-        """What `tol` refers to: the residual of the friction problem in the plane, of its polygon in space, of a bare LCP."""
+        """The residual to which tol refers: of the friction problem, of its polygon if it is in space, or of a bare LCP."""
         z = self.stretch * y
         if isinstance(self.problem, LCP):
             return self.problem.residual(z)
@@ -67,7 +67,7 @@ class ScaledLCP(NamedTuple):
 
 
 def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
-    """The scaled LCP of a friction problem, in space with so many facets, or a bare LCP scaled."""
+    """The scaled LCP of a friction problem, in space with so many facets, or of a bare LCP."""
     if isinstance(problem, LCP):
         return ScaledLCP(problem, facets, problem.contacts, problem.basis, *scaled_bare_lcp(*problem.rows, problem.q))
     d, mu, b_f = problem.dimension, problem.friction, problem.friction_bias
@@ -78,7 +78,7 @@ def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
 
 @kernel
 def scaled_bare_lcp(start, column, value, q):  # type: ignore[no-untyped-def]
-    """The stretch, the scaled matrix on its symmetrised pattern, the scaled right side and the units, those of LCP.residual."""
+    """The stretch, the scaled matrix on its symmetrised pattern, the scaled right-hand side, and the units of LCP.residual."""
     M, n, size = symmetrised(start, column, value), len(q), 0.0
     D, right, unit = np.zeros(n), np.empty(n), np.empty((2, n))
     for j in range(n):
@@ -97,7 +97,7 @@ def scaled_bare_lcp(start, column, value, q):  # type: ignore[no-untyped-def]
 
 @kernel
 def scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, basis, scale, units):  # type: ignore[no-untyped-def]
-    """The same of a friction LCP; the units are those of problems.residual."""
+    """The same for a friction LCP; the units are those of problems.residual."""
     nc, width = len(friction), basis.shape[1]
     n, partner = nc * (width + 1), np.empty(len(neighbours), np.int32)
     write_partners(first, neighbours, partner, np.empty(nc, np.int32))
@@ -122,7 +122,7 @@ def most_entries(blocks, nc, width):  # type: ignore[no-untyped-def]
 def write_scaled_lcp(  # type: ignore[no-untyped-def]
     first, neighbours, part, partner, q, friction, friction_bias, basis, scale, units, start, rows, column, row, D, right, unit
 ):
-    """The results of scaled_friction_lcp, D the stretch, over arrays that are long enough.
+    """Write the results of scaled_friction_lcp, D being the stretch, to arrays that are long enough.
 
     part, partner: of the blocks of W, see write_in_basis and write_partners.
     """
@@ -178,9 +178,9 @@ def write_scaled_lcp(  # type: ignore[no-untyped-def]
 
 @lean
 def _scale_symmetrised(start, rows, column, row, q, D, reach):  # type: ignore[no-untyped-def]
-    """Scale the matrix, D given where the diagonal is not zero; theta. reach (n,): workspace.
+    """Scale the matrix and complete D, which is given for nonzero diagonal entries; return theta. reach (n,): workspace.
 
-    Rows without a diagonal are scaled by their columns, then the remaining ones by their rows.
+    Rows without a diagonal entry are scaled by their columns, then the remaining ones by their rows.
     """
     n, theta = len(q), 0.0
     for by_rows in range(2):
@@ -205,9 +205,9 @@ def _scale_symmetrised(start, rows, column, row, q, D, reach):  # type: ignore[n
 
 @lean
 def _write_residual_units(D, theta, scale, friction, units, unit):  # type: ignore[no-untyped-def]
-    """Over unit (2, n), what turns y and w into velocities relative to the contact's unit, as problems.residual measures them.
+    """Write to unit (2, n) the factors that make y and w velocities relative to the contact's unit, as in problems.residual.
 
-    An impulse counts s times, in its own row and in the friction row mu c - e'beta; a tangential defect counts 1 + mu times.
+    Impulses are multiplied by s, also in the friction row mu c - e'beta, and tangential defects by 1 + mu.
     """
     n, nc = len(D), len(scale)
     K = n // nc - 2 if nc else 0
@@ -227,7 +227,7 @@ def _write_unit(unit, D, theta, j, force, speed):  # type: ignore[no-untyped-def
 
 @lean
 def scaled_residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
-    """The residual of y; w = M y + q is written."""
+    """The residual of y; w is overwritten with M y + q."""
     put(w, q)
     add_matrix_product(M, y, w)
     return measured(unit, y, w)
@@ -235,7 +235,7 @@ def scaled_residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> flo
 
 @lean
 def measured(unit: Array, y: Array, w: Array) -> float:
-    """max |min(unit_0 y, unit_1 w)|; infinity where that is not a number."""
+    """max |min(unit_0 y, unit_1 w)|; infinity if an entry is NaN."""
     worst = 0.0
     for i in range(len(y)):
         defect = abs(min(unit[0, i] * y[i], unit[1, i] * w[i]))
@@ -261,7 +261,7 @@ def scaled_rounding(M: Matrix, q: Array, unit: Array, y: Array, size: Array) -> 
 
 @lean
 def finish(state: LemkeState, q: Array, unit: Array) -> float:
-    """Solve a complementary basis for q itself, as exactly as can be: y = the z part of x, cut off at 0; the residual."""
+    """Solve a complementary basis for the unperturbed q; y is the z part, without negative entries. Returns the residual."""
     basis = state.basis
     basic_values(basis, q, state.x, FINEST)
     for i in range(len(q)):

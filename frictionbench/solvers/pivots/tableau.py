@@ -1,12 +1,12 @@
 """Lemke's path on a dense tableau: for LCPs of some dozens of unknowns, where arithmetic costs less than bookkeeping.
 
-The basic variables are x - T' t for values t of the nonbasic ones, from the slack basis w = q + M z + d z0 on; T_p is the rate
-at which they fall as the p-th one rises. If that enters with a = T_p, and the basic variable of row s leaves,
+The basic variables are x - T' t for values t of the nonbasic ones, at first those of the slack basis w = q + M z + d z0. T_p is
+the rate at which they fall as the p-th nonbasic one rises. If it enters, with a = T_p, and the variable of row s leaves,
 
     T_js /= a_s,    T_ji -= a_i T_js  for all other columns j,      and    T_ps = 1 / a_s,    T_pi = -a_i / a_s
 
-is the column of the one that left. The rules for ties and pivots are those of solvers.pivots.lemke_path, so that the path is
-the same. But nothing is refined on the way, and rounding errors add up: the caller checks how the path ends.
+is the column of the variable that left. The rules for ties and pivots are those of solvers.pivots.lemke_path, and so is the
+path. Nothing is refined on the way, and rounding errors accumulate: the caller must check the solution.
 """
 
 from typing import NamedTuple
@@ -20,12 +20,12 @@ from frictionbench.solvers.pivots.inverse_basis import InverseBasis
 from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, INACCURATE, LIMIT, PIVOT, LemkeState, ratio_test
 from frictionbench.solvers.pivots.vectors import fill
 
-SMALL = 64  # unknowns up to which it is the faster way: from some 80 on lemke_path is, as it leaves out zeros of M
+SMALL = 64  # unknowns up to which it is used: from some 80 on lemke_path is faster, as it exploits the zeros of M
 
 
 class Tableau(NamedTuple):
-    """T (n+1, n), and at (3n+1,): the variable of each row, and from n on the column of each nonbasic variable, where w_i is
-    variable i, z_i n + i and z0 2n. The arrays may be longer, for larger problems."""
+    """T (n+1, n). at (3n+1,): at[i] is the basic variable of row i < n, at[n + k] the column of the nonbasic variable k. w_i is
+    variable i, z_i is n + i, z0 is 2n. The arrays may be longer, for larger problems."""
 
     T: Array
     at: Index64
@@ -33,7 +33,7 @@ class Tableau(NamedTuple):
 
 @part
 def new_tableau(n: int) -> Tableau:
-    """Of n unknowns, at most SMALL."""
+    """A tableau for n unknowns, at most SMALL."""
     n = min(n, SMALL)
     return Tableau(np.empty((n + 1, n)), np.empty(3 * n + 1, np.int64))
 
@@ -42,7 +42,7 @@ def new_tableau(n: int) -> Tableau:
 def follow_in_tableau(state: LemkeState, tableau: Tableau, slack: float, limit: int) -> int:
     """Follow Lemke's path from the slack basis, and return how it ended, as follow_lemke_path; a ray is INACCURATE.
 
-    At a complementary basis y is the solution for the right side v in place of q, cut off at 0; v is overwritten.
+    At a complementary basis y is the solution for the right-hand side v in place of q, cut off at 0. v is overwritten.
     """
     T, at, x, exact, q, d = tableau.T, tableau.at, state.x, state.v, state.q, state.basis.d
     n = len(q)
@@ -96,7 +96,7 @@ def _fill(tableau: Tableau, state: LemkeState) -> None:
 
 @lean
 def _most_negative(q: Array, d: Array) -> int:
-    """The row of the largest -q/d, which is z0 as it enters; -1 where none is positive."""
+    """The row of the largest -q/d, at which z0 enters; -1 if none is positive."""
     s, t = -1, 0.0
     for i in range(len(q)):
         if -q[i] > t * d[i]:
@@ -106,7 +106,7 @@ def _most_negative(q: Array, d: Array) -> int:
 
 @lean
 def exchange(T: Array, a: Array, p: int, s: int) -> None:
-    """Column p, of which a is a copy, enters in row s."""
+    """Pivot: column p enters in row s. a: a copy of column p."""
     n, pivot = len(a), a[s]
     for j in range(n + 1):
         entry = T[j, s]
@@ -122,7 +122,7 @@ def exchange(T: Array, a: Array, p: int, s: int) -> None:
 
 @lean
 def store(tableau: Tableau, basis: InverseBasis) -> None:
-    """Store the complementary basis at the end of a path: a z is basic where its w is not, and T holds -K^-1."""
+    """Store the complementary basis at the end of a path, for whose kernel K the tableau holds -K^-1."""
     T, at, n, k = tableau.T, tableau.at, len(basis.d), 0
     for i in range(n):
         j = at[i] - n

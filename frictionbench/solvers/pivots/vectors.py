@@ -19,7 +19,7 @@ def fill(v, value):  # type: ignore[no-untyped-def]
 
 @lean_kernel
 def least(v, count):  # type: ignore[no-untyped-def]
-    """The least of the first entries of v, NaN where one is."""
+    """The least of the first `count` entries of v, NaN if one is NaN."""
     smallest = v[0]
     for i in range(count):
         if not v[i] >= smallest:
@@ -29,7 +29,7 @@ def least(v, count):  # type: ignore[no-untyped-def]
 
 @lean
 def largest(v, count):  # type: ignore[no-untyped-def]
-    """The largest of the first entries of v, NaN where one is."""
+    """The largest of the first `count` entries of v, NaN if one is NaN."""
     most = v[0]
     for i in range(count):
         if not v[i] <= most:

@@ -1,15 +1,15 @@
-"""Elimination in a dense front whose first p columns are the pivots', eight columns at a time.
+"""Elimination of the first p columns of a dense front, the pivots, eight columns at a time.
 
     [ P  R ]        P = L U with rows interchanged,        S <- S - C P^-1 R.
     [ C  S ]
 
-The front (w, w) is overwritten with the factors: L, below the diagonal of ones, reaches down through C, U to the right through
-R, and the diagonal holds the inverse pivots. The remaining S is added to the parent's front.
+The front (w, w) is overwritten with the factors: L, whose unit diagonal is not stored, extends down through C, U to the right
+through R, and the diagonal holds the inverse pivots. The remaining S is added to the parent's front.
 
-A - B C is computed by tiles with its sums kept in registers: a tile of A, four rows by two vectors of eight, is read once,
-takes up a row of C for each column of B, and is written once, so that nearly every instruction multiplies and adds. From plain
-loops the compiler generates code several times slower, most of all for the last columns that do not fill a vector, which it
-processes one by one; here they use the same instruction under a mask. (Goto and van de Geijn 2008, for sums in registers.)
+A - B C is computed by tiles with sums kept in registers: a tile of A, four rows by two vectors of eight, is read once, updated
+for every column of B and row of C, and written once, so that nearly every instruction multiplies and adds. Plain loops compile
+to code that is several times slower, above all for the last columns, which do not fill a vector and are processed one by one;
+here the same instructions process them under a mask. (Goto and van de Geijn 2008, for sums in registers.)
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ from frictionbench.solvers.sparse_lu.vectors import LANES, load, minus, store
 
 @inlined
 def pivot(F: Array, k: int, p: int, floor: float) -> tuple[int, int]:
-    """Bring the largest of F[k:p, k] to the diagonal and invert it: the row it came from, and whether it had to be replaced."""
+    """Bring the largest of F[k:p, k] to the diagonal and invert it; return its former row, and whether it was replaced."""
     best, replaced = k, 0
     for i in range(k + 1, p):
         if abs(F[i, k]) > abs(F[best, k]):
@@ -40,9 +40,9 @@ def pivot(F: Array, k: int, p: int, floor: float) -> tuple[int, int]:
 
 @lean
 def eliminate(F: Array, p: int, swap: Index, floor: float) -> int:
-    """Eliminate p columns of a wide front; the number of pivots replaced.
+    """Eliminate p columns of a wide front; return the number of pivots replaced.
 
-    Within eight columns each pivot acts on all rows below it; then the eight rows are completed, and act on all that is left.
+    In a block of eight columns each pivot updates all rows below. Then the eight rows of U are completed and update the rest.
     """
     w, replaced = len(F), 0
     for begin in range(0, p, LANES):
@@ -64,7 +64,7 @@ def eliminate(F: Array, p: int, swap: Index, floor: float) -> int:
 
 @lean
 def extend_add(F: Array, p: int, above: NDArray[np.uint32], G: Array) -> None:
-    """Add what is left of a wide front to its parent G, up to eight neighbouring columns at a time."""
+    """Add the remaining S of a front to its parent G, up to eight neighbouring columns at a time."""
     w, j = len(F), p
     while j < w:
         n, column = 1, above[j]

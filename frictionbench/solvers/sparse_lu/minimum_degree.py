@@ -1,14 +1,14 @@
 """An order of elimination with little fill: minimum degree, for a sum of elements.
 
 Where A = sum_e A_e, each A_e dense in the few variables of element e, eliminating a variable v merges the elements it
-belongs to into a new one: their union without v, the front of v. So the graph is never more than a list of elements, and
-it never needs more storage than at the start. Each time a variable is taken whose front is (about) the smallest:
+belongs to into a new one: their union without v, the front of v. The graph is therefore always a list of elements, and never
+needs more storage than at the start. In each step a variable is eliminated whose front is (about) the smallest:
 
-* variables with the same elements, the coordinates of one body mostly, go together from the beginning, and a variable left
-  with the new element alone is eliminated at once, for its front adds nothing;
-* an element within the new one is merged into it too;
-* the size of a variable's front is bounded by the new element and what the others have outside it, which costs one pass
-  over the lists of the new element's variables.
+* variables with the same elements, mostly the coordinates of one body, are merged from the beginning, and a variable that
+  belongs to the new element only is eliminated at once, because its front adds nothing;
+* an element contained in the new one is merged into it, too;
+* the size of a variable's front is bounded by the size of the new element plus those of its other elements outside the new one,
+  which takes one pass over the lists of the new element's variables.
 
 References: George and Liu 1989 (minimum degree); Amestoy, Davis and Duff 1996 (the bound).
 """
@@ -23,7 +23,7 @@ Index = NDArray[np.int64]
 
 @part
 def _minus_one(n: int) -> Index:
-    """-1 in n places."""
+    """n entries of -1."""
     index = np.empty(n, np.int64)
     for i in range(n):
         index[i] = -1
@@ -32,9 +32,9 @@ def _minus_one(n: int) -> Index:
 
 @part
 def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
-    """Number the variables (n,) so that those of just the same elements share a number, and how many numbers there are.
+    """Number the variables (n,) so that those with the same elements share a number; also the number of different numbers.
 
-    Element e has the variables member[start[e]:start[e+1]]. Splitting the parts by one element after another.
+    Element e has the variables member[start[e]:start[e+1]]. The set of variables is split by one element after another.
     """
     label = np.zeros(n, np.int64)
     labels = len(member) + n + 1
@@ -50,7 +50,7 @@ def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
     number = _minus_one(labels)
     groups = 0
     for v in range(n):
-        if label[v] == 0:  # of no element: on its own
+        if label[v] == 0:  # in no element: a number of its own
             label[v] = made
             made += 1
         if number[label[v]] < 0:
@@ -82,8 +82,8 @@ def transpose(start: Index, member: Index, n: int) -> tuple[Index, Index]:
 def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, Index, Index, Index, Index]:
     """Eliminate variables of the given widths (n,) front by front: (first, variable, pivots, parent, home).
 
-    Front f has variable[first[f]:first[f+1]], those eliminated in it first, pivots[f] in number; parent[f] is the front
-    that takes up the rest, later than f, or -1; home[e] the one that takes up element e, whose variables must be distinct.
+    Front f has the variables variable[first[f]:first[f+1]]; the first pivots[f] of them are eliminated in it. The rest is added
+    to front parent[f] > f, -1 at a root, and element e to front home[e]. The variables of an element must be distinct.
     """
     n, elements = len(width), len(start) - 1
     begin, element = transpose(start, member, n)
@@ -91,7 +91,7 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
     for v in range(n):
         count[v] = begin[v + 1] - begin[v]
         total += width[v]
-    # Elements, the fronts' after the given ones: where their variables stand, their size, the front that took them up.
+    # The given elements, then those of the fronts: the range of their variables, their size, and the front that absorbed them.
     low, high, size = np.zeros(elements + n, np.int64), np.zeros(elements + n, np.int64), np.zeros(elements + n, np.int64)
     taken, outside = _minus_one(elements + n), np.zeros(elements + n, np.int64)
     for e in range(elements):
@@ -103,7 +103,7 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
     for k in range(end):
         storage[k] = member[k]
 
-    # Variables by the bound on their degree, in doubly linked lists; the last one put in comes first.
+    # Doubly linked lists of the variables, by the bounds of their degrees; the last one inserted comes first.
     degree = np.zeros(n, np.int64)
     head, after, before, seen = _minus_one(total + 1), _minus_one(n), _minus_one(n), _minus_one(n)
     for v in range(n - 1, -1, -1):
@@ -142,7 +142,7 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
                     storage[end] = i
                     end += 1
                     border += width[i]
-        for m in range(first[f] + 1, end):  # what every other element has outside the new one
+        for m in range(first[f] + 1, end):  # the size of every other element outside the new one
             i = storage[m]
             _remove(i, degree[i], head, after, before)
             for k in range(begin[i], begin[i] + count[i]):

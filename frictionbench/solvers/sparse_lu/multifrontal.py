@@ -2,19 +2,19 @@
 
     A = sum_e A_e,      A_e nonzero only where rows and columns belong to the few variables of element e,
 
-unsymmetric in value, symmetric in pattern: a mass matrix and one matrix for each contact, say. Eliminating a set of variables
-with the same neighbours is dense work on a front,
+unsymmetric in value, symmetric in pattern, such as a mass matrix and one matrix a contact. Eliminating a set of variables with
+the same neighbours is a dense elimination in a front,
 
     [ P  R ]        P = LU of the pivots,        S <- S - C P^-1 R,
     [ C  S ]
 
 whose S is added to the front of the first variable left in it. Everything that depends on the pattern alone (an order of
-elimination with little fill, the fronts, the place of each entry in them) is found once, by `analyse`; `factorise` and `solve`
-are compiled and allocate nothing. Rows are interchanged within the pivots of a front only, and a pivot below `floor` is
-replaced by it, so that `factorise` always ends; callers that need more digits refine (Li and Demmel 1998).
+elimination with little fill, the fronts, the place of each entry in them) is computed once, by `analyse`; `factorise` and
+`solve_factorised` are compiled and allocate nothing. Rows are interchanged within the pivots of a front only, and a pivot below
+`floor` is replaced by it, so that `factorise` always succeeds; callers that need more digits refine (Li and Demmel 1998).
 
 On the matrices of an interior point it is 2 to 28 times as fast as scipy's splu with the best of its orderings, which splu
-computes each time; in an order given to it, splu is 1 to 6 times as slow (tests/benchmarks/test_sparse_lu.py).
+computes in every call. With a given ordering, splu takes 1 to 6 times as long (tests/benchmarks/test_sparse_lu.py).
 
 The order is that of solvers.sparse_lu.minimum_degree. References: Duff and Reid 1983; Liu 1992.
 """
@@ -30,15 +30,15 @@ from frictionbench.solvers.sparse_lu.dense_front import eliminate, extend_add, p
 from frictionbench.solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
 
 Place = NDArray[np.uint32]  # unsigned, so that compiled code need not check for negative indices
-NARROW = 12  # fronts of at most so many columns go by plain loops: tiles gain nothing (tests/benchmarks/test_sparse_lu.py)
+NARROW = 12  # fronts up to this width use plain loops: tiles gain nothing (tests/benchmarks/test_sparse_lu.py)
 
 
 class Fronts(NamedTuple):
     """The symbolic factorisation. Variables are numbered by their place in the order of elimination.
 
     variable: the variables of front f are variable[first[f]:first[f+1]], ascending, the pivots[f] eliminated ones first.
-    above[j]: where variable[j] stands in the parent's front, 0 for a pivot. parent: -1 at a root. start: front f is row-major
-    at start[f] of the storage of factorise, start[-1] numbers. owner (n,): the front that eliminates each variable.
+    above[j]: the position of variable[j] in the parent's front, 0 for a pivot. parent: -1 at a root. start: front f is stored
+    by rows from start[f] on; start[-1] is the size of the storage. owner (n,): the front that eliminates each variable.
     """
 
     first: Index
@@ -52,9 +52,9 @@ class Fronts(NamedTuple):
 
 @part
 def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
-    """The fronts, the place (n,) of each variable in the order of elimination, and the front to add each element to.
+    """The fronts, the place (n,) of each variable in the order of elimination, and the front to which each element is added.
 
-    Element e has the variables member[start[e]:start[e+1]], distinct. Every variable is given an entry on the diagonal.
+    Element e has the distinct variables member[start[e]:start[e+1]]. Every variable has an entry on the diagonal.
     """
     group, groups = same_elements(start, member, n)
     width, seen = np.zeros(groups, np.int64), np.empty(groups, np.int64)
@@ -71,7 +71,7 @@ def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
                 end += 1
         begin[e + 1] = end
     first, listed, pivots, parent, home = minimum_degree(begin, part[:end], width)
-    # Number groups, then their variables, as they are eliminated.
+    # Number groups, then their variables, in the order of elimination.
     fronts, rank, turn = len(pivots), np.empty(groups, np.int64), 0
     offset = np.zeros(groups + 1, np.int64)
     for f in range(fronts):
@@ -87,7 +87,7 @@ def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
         free[rank[group[v]]] += 1
     for k in range(len(listed)):
         listed[k] = rank[listed[k]]
-    begin, front = transpose(first, listed, groups)  # and back: so each front's groups come in ascending order
+    begin, front = transpose(first, listed, groups)  # and below back again, which sorts the groups of each front
     free = np.empty(fronts, np.int64)
     for f in range(fronts):
         free[f] = first[f]
@@ -133,7 +133,7 @@ def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: 
 
 @lean
 def position_in_front(fronts: Fronts, front: int, variable: int) -> int:
-    """Where a variable stands in a front, which must have it."""
+    """The position of a variable in a front, which must contain it."""
     low, high = fronts.first[front], fronts.first[front + 1] - 1
     while low < high:
         middle = (low + high) // 2
@@ -146,7 +146,7 @@ def position_in_front(fronts: Fronts, front: int, variable: int) -> int:
 
 @lean
 def place_of_entry(fronts: Fronts, row: int, column: int) -> int:
-    """Where in the storage of `factorise` an entry of A is added, by its row and column in the order of elimination."""
+    """The index in the storage of `factorise` of an entry of A, by its row and column in the order of elimination."""
     f = fronts.owner[min(row, column)]
     width = fronts.first[f + 1] - fronts.first[f]
     return int(fronts.start[f] + position_in_front(fronts, f, row) * width + position_in_front(fronts, f, column))
@@ -154,7 +154,7 @@ def place_of_entry(fronts: Fronts, row: int, column: int) -> int:
 
 @lean_kernel
 def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
-    """Factorise in place what was added into storage (start[-1],); the number of pivots replaced.
+    """Factorise the matrix assembled in storage (start[-1],) in place; return the number of pivots replaced.
 
     swap: (n,), filled with the row interchanges.
     """
@@ -198,7 +198,7 @@ def operations(fronts: Fronts) -> float:
 
 @lean
 def solve_factorised(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
-    """Overwrite b (n,) with A^-1 b, after factorise, whose factors it leaves as they are."""
+    """Overwrite b (n,) with A^-1 b, after factorise; the factors are not changed."""
     eliminated = 0
     for f in range(len(fronts.pivots)):
         p, begin, w = fronts.pivots[f], fronts.first[f], fronts.first[f + 1] - fronts.first[f]
@@ -226,7 +226,7 @@ def solve_factorised(fronts: Fronts, storage: Array, swap: Index, b: Array) -> N
 
 @lean
 def determinant_sign(fronts: Fronts, storage: Array, swap: Index) -> int:
-    """The sign of det A, after factorise: that of its pivots and row interchanges."""
+    """The sign of det A, after factorise, from the pivots and the row interchanges."""
     sign, eliminated = 1, 0
     for f in range(len(fronts.pivots)):
         w = fronts.first[f + 1] - fronts.first[f]

@@ -1,14 +1,14 @@
-"""Eight numbers at a time, double or single: the instructions of which solvers.sparse_lu.dense_front makes its loops.
+"""Vectors of eight numbers, double or single: the instructions of the loops in solvers.sparse_lu.dense_front.
 
-`load`, `store` and `minus` stand for instructions of LLVM, which compiles them for the machine at hand,
-to several narrower ones if it has none of this width. A vector that is not full is loaded and stored under a mask. Their bodies
-in Python define them, and run if compilation is disabled. A product and its sum may be rounded together, once; the order of all
-sums is the one written here.
+`load`, `store` and `minus` stand for LLVM instructions, which are compiled for the present machine, into several narrower ones
+if it has none of this width. Vectors that are not full are loaded and stored under a mask. The bodies in Python define the
+meaning, and run if compilation is disabled. A multiplication and an addition may be fused, with a single rounding; all sums are
+in the order written here.
 
-What they gain is measured by tests/benchmarks/test_sparse_lu.py beside the same factorisation with plain loops: nothing where
-fronts are narrow (stacks), a factor of 2 on planar pyramids of 40 rows, and of 4 on pyramids of spheres.
+The gain over the same factorisation with plain loops is measured by tests/benchmarks/test_sparse_lu.py: none where fronts are
+narrow (stacks), a factor of 2 on planar pyramids of 40 rows, and of 4 on pyramids of spheres.
 
-Kernels depend on this file: frictionbench.problems.compiled, named here, finds it by this name for the fingerprint of kernels.
+Kernels depend on this file. frictionbench.problems.compiled is named here so that the hash of all kernel files includes it.
 """
 
 from typing import Any
@@ -22,7 +22,7 @@ from numba.extending import lower_builtin, models, register_model, type_callable
 
 from frictionbench.problems.check import Array
 
-LANES = 8  # doubles in a register of AVX-512; narrower machines use two or four registers, the order of sums being the same
+LANES = 8  # doubles in a register of AVX-512; narrower machines use two or four registers, with the same order of sums
 
 
 def load(F: Array, i: int, j: int, n: int) -> Array:
@@ -43,7 +43,7 @@ def minus(vector: Array, a: float, other: Array) -> Array:
 
 
 class _Vector(types.Type):
-    """numba's type of a vector. number: that of its numbers."""
+    """numba's type of a vector. number: the type of its entries."""
 
     def __init__(self, number: Any) -> None:
         super().__init__(f"vector of {number}")
@@ -51,7 +51,7 @@ class _Vector(types.Type):
 
     @property
     def lanes(self) -> Any:
-        """LLVM's type of it."""
+        """The LLVM type."""
         return ir.VectorType(ir.DoubleType() if self.number == types.float64 else ir.FloatType(), LANES)
 
 
@@ -86,7 +86,7 @@ def _all_lanes(builder: Any, value: Any, kind: Any) -> Any:
 
 
 def _place(context: Any, builder: Any, kind: Any, F: Any, i: Any, j: Any, n: Any) -> tuple[Any, Any, Any, str]:
-    """Where F[i, j] lies, its alignment, that of a number, which lanes come before the n-th, and LLVM's name of the vector."""
+    """The address of F[i, j], its alignment (a number's size), the mask of the first n lanes, and LLVM's name of the vector."""
     matrix = context.make_array(kind)(context, builder, F)
     columns = builder.extract_value(matrix.shape, 1)
     at = builder.gep(matrix.data, [builder.add(builder.mul(i, columns), j)])

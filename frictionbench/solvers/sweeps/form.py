@@ -1,15 +1,15 @@
-"""The form of contact-wise methods: a state x from which a contact reads its velocity, and which its impulse changes.
+"""The form of contact-wise methods: each contact reads its velocity from a state x, which its impulse changes.
 
     u_i = offset_i + G_i x,        x = rest + sum_i R_i r_i,        G R = W.
 
-Of a mechanical problem x holds the velocities, G = J and R = M^-1 J': a contact touches its two bodies only, so a sweep
-over all contacts costs O(nc) operations and bytes, and W is never formed. With joints, or where only W is known, x holds
-the impulses themselves, G = W and R = I.
+For a mechanical problem x holds the velocities of the bodies, G = J and R = M^-1 J'. A contact involves its two bodies only, so
+that a sweep over all contacts costs O(nc) operations and bytes, and W is never formed. With joints, or if only W is known, x
+holds the impulses themselves, G = W and R = I.
 
-In single precision (`single`) all its numbers are float32, and so are x, the impulses and the velocities, which are stored and
-summed in it. Only the scalars of one contact's law, or of a whole step, are double, as their literals are.
+G and R are stored alike: contact i reads the columns read_column[read_start[i]:read_start[i+1]], with d coefficients in each.
 
-Both are packed alike: contact i reads columns read_column[read_start[i]:read_start[i+1]] with d coefficients in each.
+In single precision (`single`) all these numbers are float32, and so are x, the impulses and the velocities. Only scalars of one
+contact's law, or of a whole step, are double, as their literals are.
 """
 
 from typing import Any, NamedTuple
@@ -23,11 +23,11 @@ from frictionbench.problems.packed import Q, known_blocks, law_of, mechanical, m
 from frictionbench.problems.rows import Index32, normal_first
 from frictionbench.solvers.interface import impulses
 
-ROUNDING = 3e-7  # of a residual in single precision: seen on steps of robots
+ROUNDING = 3e-7  # rounding error of a residual in single precision, as observed on steps of robots
 
 
 class ContactForm(NamedTuple):
-    """Packed G (read) and R (push), one column of d coefficients an entry; nc contacts of dimension d, nx states.
+    """G (read) and R (push), stored with d coefficients for each entry; nc contacts of dimension d, nx states.
 
     read_start, push_start: (nc+1,). read_column, push_column: (entries,). read, push: (entries, d).
     offset: (nc, d) and rest: (nx,). block: (nc, d, d), each contact's own block of W.
@@ -50,9 +50,9 @@ class ContactForm(NamedTuple):
 
 
 def contact_form(problem: FrictionProblem, relaxed: bool = False, precision: str = "double") -> ContactForm:
-    """Pack a problem, or its convex relaxation; in velocities where each contact touches few of them, in impulses otherwise.
+    """The form of a problem or of its convex relaxation; the state holds velocities if the problem has masses and no joints.
 
-    precision: of the numbers packed, double or single.
+    precision: of the numbers, double or single.
     """
     units = problem.relaxation_units if relaxed else problem.units
     law = problem.friction, problem.friction_bias, problem.scale, units
@@ -64,13 +64,13 @@ def contact_form(problem: FrictionProblem, relaxed: bool = False, precision: str
 
 
 def single(part: Any) -> Any:
-    """An array in single precision; one of indices as it is."""
+    """An array in single precision; arrays of indices are not changed."""
     return part.astype(np.float32) if part.dtype == np.float64 else part
 
 
 def asked(form: ContactForm, tol: float) -> float:
-    """The residual at which a method stops that computes it in the form's precision: in single, rounding may change it by
-    ROUNDING, but a tolerance is never more than halved for that."""
+    """The residual at which a method stops: in single precision tol - ROUNDING, the error that rounding may cause, but not less
+    than tol / 2."""
     return tol if form.offset.dtype == np.float64 else max(tol / 2, tol - ROUNDING)
 
 
@@ -81,7 +81,7 @@ def begin(form: ContactForm, start: Array | None) -> Array:
 
 @part
 def contact_form_of(packed, k):  # type: ignore[no-untyped-def]
-    """The form of problem k of packed ones."""
+    """The form of packed problem k."""
     law = law_of(packed, k)
     if mechanical(packed, k):
         start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
@@ -151,7 +151,7 @@ def _pack_impulses(first, neighbours, block, q, mu, b_f, scale, units):  # type:
 
 @kernel
 def state(form, r, x):  # type: ignore[no-untyped-def]
-    """x (nx,) anew from the impulses r (nc, d), free of the drift of step-by-step updates."""
+    """Compute x (nx,) from the impulses r (nc, d), free of the rounding errors that updates accumulate."""
     for v in range(len(x)):
         x[v] = form.rest[v]
     for i in range(len(r)):

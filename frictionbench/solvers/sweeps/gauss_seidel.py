@@ -1,7 +1,7 @@
-"""Gauss-Seidel sweeps: Coulomb's law solved exactly at one contact after the other, the others held.
+"""Gauss-Seidel sweeps: Coulomb's law is solved exactly at one contact after the other, with all other impulses fixed.
 
-In velocities a planar contact of two bodies costs 12 products to read, about 20 operations to solve and 12 products to push:
-some 25 ns on one core of a server, within a fifth of the same loop in C (gcc -O3).
+With velocities as the state, a planar contact of two bodies costs 12 products to read, about 20 operations to solve and 12
+products to push: some 25 ns on one core of a server, within a fifth of the same loop in C (gcc -O3).
 """
 
 import numpy as np
@@ -11,18 +11,18 @@ from frictionbench.solvers.sweeps.laws import planar_contact, spatial_contact
 from frictionbench.solvers.sweeps.stopping import Monitor, monitor
 
 LIMIT = 10_000  # sweeps by default: a quarter of a second for a thousand planar contacts
-CHECK = 10  # sweeps between two residuals, each with the state computed anew: a tenth of the sweeps' time
+CHECK = 10  # sweeps between two checks of the residual, which recompute the state and take a tenth of the sweeps' time
 PATIENCE = 2500  # sweeps in which the residual must fall by a hundredth: a quarter of the limit
 
 
 def monitor_sweeps(tol: float, limit: int | None) -> Monitor:
-    """A watch over at most limit sweeps, LIMIT by default."""
+    """A monitor of at most limit sweeps, LIMIT by default."""
     return monitor(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
 
 
 @part
 def planar_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def]
-    """`count` sweeps over planar contacts; the impulses r (nc, 2) and the state x are brought up to date."""
+    """`count` sweeps over planar contacts; the impulses r (nc, 2) and the state x are updated."""
     for _ in range(count):
         for i in range(len(r)):
             u_n, u_t = form.offset[i, 0], form.offset[i, 1]
@@ -40,7 +40,7 @@ def planar_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def
 
 @part
 def spatial_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def]
-    """The same over spatial contacts, r (nc, 3)."""
+    """The same as planar_sweeps for spatial contacts, r (nc, 3)."""
     u, change = np.empty(3, r.dtype), np.empty(3, r.dtype)
     for _ in range(count):
         for i in range(len(r)):

@@ -1,20 +1,20 @@
-"""Coulomb's law at one contact, the other impulses held: the exact solve that contact-wise methods are built on.
+"""Coulomb's law at one contact with all other impulses fixed: the exact solve on which contact-wise methods are built.
 
 With r and u the contact's present impulse and velocity, its block W = [[a, w'], [w~, W_t]] of the Delassus matrix gives
 the velocity u + W (r+ - r) after a change of r. Two branches:
 
-* open, r_n = 0: the friction left over is |r_t| <= b_f, and u_n >= 0 must come out;
-* closed, u_n = 0: eliminating r_n = -(p_n + w'r_t)/a, with p_n the normal velocity where r = 0, leaves in the tangent
+* open, r_n = 0: friction is bounded by |r_t| <= b_f, and u_n >= 0 must result;
+* closed, u_n = 0: eliminating r_n = -(p_n + w'r_t)/a, with p_n the normal velocity at r = 0, leaves in the tangent plane
 
       S r_t + tau = -alpha r_t,   alpha >= 0 ⟂ |r_t| <= L - kappa'r_t,
 
-  with S = W_t - w~w'/a, tau the tangential velocity where u_n = 0 and r_t = 0, L = b_f - mu p_n/a and kappa = mu w/a.
+  with S = W_t - w~w'/a, tau the tangential velocity at u_n = 0 and r_t = 0, L = b_f - mu p_n/a and kappa = mu w/a.
 
-In the plane that is -tau/S clipped to an interval; in space a trust-region problem, one equation in alpha.
+In the plane the solution is -tau/S clipped to an interval; in space it is a trust-region problem, one equation in alpha.
 
-If mu|w| < a the contact has one solution. Otherwise it may have several (Painlevé): these laws prefer the open one, then
-the sticking one, then a sliding one. At most one side of the cone then bounds r_t (kappa beyond -1 or 1: pushing
-to that side jams the contact). A singular S is lifted to LIFT, about the present r_t, so that the fixed points stay exact.
+If mu|w| < a the contact has one solution. Otherwise it may have several (Painlevé): the open one is preferred, then the
+sticking one, then a sliding one. Then at most one side of the cone bounds r_t (|kappa| > 1: pushing to the other side jams the
+contact). Eigenvalues of S below LIFT are raised to it, in the equation for the change of r_t, so that fixed points stay exact.
 References: Jean 1999; Daviet, Bertails-Descoubes and Boissieux 2011, for one exact spatial contact.
 """
 
@@ -27,7 +27,7 @@ from frictionbench.problems.residual import EPSILON, contact_residual
 from frictionbench.solvers.sweeps.form import state, velocity
 
 LIFT = 1e-14  # the least eigenvalue of S, relative to the trace of W_t: a hundred units of rounding, in double
-TINY = 1e-300  # and where W is zero: no division by zero
+TINY = 1e-300  # added to it, so that nothing is divided by zero if W = 0
 
 
 @inlined
@@ -38,7 +38,7 @@ def lift(W):  # type: ignore[no-untyped-def]
 
 @inlined
 def planar_contact(u_n, u_t, r_n, r_t, W, mu, b_f):  # type: ignore[no-untyped-def]
-    """(r_n, r_t) after; W: (2, 2)."""
+    """The new (r_n, r_t); W: (2, 2)."""
     a, w, w_t, g = W[0, 0], W[0, 1], W[1, 0], W[1, 1]
     p_n = u_n - a * r_n - w * r_t
     least = lift(W) * (a + g) + TINY
@@ -58,7 +58,7 @@ def planar_contact(u_n, u_t, r_n, r_t, W, mu, b_f):  # type: ignore[no-untyped-d
 
 @part
 def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
-    """Overwrite r (3,) by the impulse after; u: (3,), W: (3, 3)."""
+    """Overwrite r (3,) with the new impulse; u: (3,), W: (3, 3)."""
     a, w1, w2 = W[0, 0], W[0, 1], W[0, 2]
     p_n = u[0] - a * r[0] - w1 * r[1] - w2 * r[2]
     least = lift(W) * (W[1, 1] + W[2, 2]) + TINY
@@ -87,15 +87,15 @@ def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
 def bounded_tangent(S11, S12, S21, S22, least, p1, p2, r1, r2, L, k1, k2):  # type: ignore[no-untyped-def]
     """t with p + S (t - r) = -alpha t, alpha >= 0 ⟂ |t| <= L - k't; zero where L <= 0 and t does not stick.
 
-    It is solved along the axes in which S is diag(g, h) + [[0, s], [-s, 0]]: with g and h lifted to `least`, no determinant
-    cancels, whatever the rank of S. The root alpha of radius/|t| - 1, radius = L - k't, which is nearly linear in it, is found
-    by Newton's method (Moré and Sorensen 1983), kept inside a bracket: the function is negative at alpha = 0 unless the
-    contact sticks, and not negative at (1 + |k|) |tau| / L. What is outside by rounding is cut off.
+    It is solved along the axes in which S is diag(g, h) + [[0, s], [-s, 0]]: with g and h raised to `least`, no determinant
+    suffers from cancellation, whatever the rank of S. alpha is the root of radius/|t| - 1, radius = L - k't, which is nearly
+    linear in alpha. It is found by Newton's method (Moré and Sorensen 1983) inside a bracket: the function is negative at
+    alpha = 0 unless the contact sticks, and not negative at (1 + |k|) |tau| / L. A t outside by rounding is scaled back.
     """
     mean, half, across, s = (S11 + S22) / 2, (S11 - S22) / 2, (S12 + S21) / 2, (S12 - S21) / 2
     spread = sqrt(half * half + across * across)
     g, h = max(mean + spread, least), max(mean - spread, least)
-    # The axis of g: the longer of two expressions of the eigenvector, which cancels nothing.
+    # The axis of g: the longer of two expressions of the eigenvector, in which nothing cancels.
     e1, e2 = (half + spread, across) if half > 0 else (across, spread - half)
     length = sqrt(e1 * e1 + e2 * e2)
     e1, e2 = (e1 / length, e2 / length) if length > 0 else (1.0, 0.0)
@@ -144,7 +144,7 @@ def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
 
 @inlined
 def residual_at(form, r, x, u, shift):  # type: ignore[no-untyped-def]
-    """The residual at impulses r, whose state x and velocities u are computed anew."""
+    """The residual at impulses r; x and u are overwritten with their state and velocities."""
     state(form, r, x)
     velocity(form, x, u)
     return defect(form, r, u, shift)

@@ -4,8 +4,8 @@ In the metric of the contacts' scales s, one step is
 
     r+ = P_K(y - u(y)/(L s)),    y+ = r+ + beta (r+ - r),    beta from Nesterov's theta+^2 = (1 - theta+) theta^2,
 
-with L doubled until (r+ - y)'W(r+ - y) <= L sum_i s_i |r+ - y|_i^2 and let down by a tenth a step, and theta set back to 1
-whenever the step goes uphill, u(y)'(r+ - r) > 0. One product with W an iteration: u is affine, so that u(y+) needs none.
+where L is doubled until (r+ - y)'W(r+ - y) <= L sum_i s_i |r+ - y|_i^2 and reduced by a tenth after each step, and theta is
+reset to 1 whenever a step goes uphill, u(y)'(r+ - r) > 0. A trial step costs one product with W; u is affine: u(y+) needs none.
 """
 
 import numpy as np
@@ -21,14 +21,14 @@ PATIENCE = 5000  # iterations in which the residual must fall by a hundredth: a 
 
 
 def relax(form: ContactForm, r: Array, tol: float, limit: int) -> int:
-    """Overwrite r (nc, d) by a solution of the convex relaxation; the products with W."""
+    """Overwrite r (nc, d) with a solution of the convex relaxation; return the number of products with W."""
     products: int = descend(form, r, 0.0, monitor(tol, limit, PATIENCE))[1]
     return products
 
 
 @kernel
 def descend(form, r, shift, monitor):  # type: ignore[no-untyped-def]
-    """Overwrite r by the solution; the iterations and the products with W."""
+    """Overwrite r with the solution; return the numbers of iterations and of products with W."""
     x, u, u_next, u_y = np.empty_like(form.rest), np.empty_like(r), np.empty_like(r), np.empty_like(r)
     y, r_next = r.copy(), np.empty_like(r)
     state(form, r, x)

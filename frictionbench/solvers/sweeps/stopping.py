@@ -17,9 +17,9 @@ ENDS = (Status.SOLVED, Status.BREAKDOWN, Status.STALLED, Status.WORK_LIMIT)
 class Monitor(NamedTuple):
     """The stopping criteria of a method, and the record of its convergence.
 
-    tol: the requested residual. limit and patience: counts in the method's own unit, of all and of those in which the residual
-    must fall by a hundredth. history: the residuals seen. best (2,): the least of them and its count.
-    state (2,): the number seen, and the index in ENDS of how the method ended. until: the deadline (solvers.clock).
+    tol: the requested residual. limit, patience: in the method's own unit of work, the largest count and the count within which
+    the residual must fall by a hundredth. history: the residuals so far. best (2,): the least of them and its count.
+    state (2,): the number of residuals, and the index in ENDS of how the method ended. until: the deadline (solvers.clock).
     """
 
     tol: float
@@ -39,17 +39,17 @@ class Monitor(NamedTuple):
 
 
 def monitor(tol: float, limit: int, patience: int, every: int = 1) -> Monitor:
-    """A monitor of a method that computes its residual at every so many counts."""
+    """A monitor of a method that computes its residual after every so many units of work."""
     records = np.empty(2 + limit // every), np.array([np.inf, 0.0]), np.zeros(2, np.int64)
     return Monitor(tol, limit, patience, *records, deadline())
 
 
 @kernel
 def should_continue(monitor, error, count):  # type: ignore[no-untyped-def]
-    """Whether to continue from a residual of `error` after `count` counts; otherwise the monitor records how the method ended.
+    """Record the residual `error` after `count` units of work; return whether to continue.
 
-    Solved within the tolerance, broken down where the residual is not finite, stalled without progress, or at the limit of
-    work or time.
+    Otherwise the monitor holds how the method ended: solved within the tolerance, breakdown if the residual is not finite,
+    stalled without progress, or at the limit of work or time.
     """
     monitor.history[monitor.state[0]] = error
     monitor.state[0] += 1

@@ -1,0 +1,33 @@
+"""Files of others are opened only if they are regular and not too large.
+
+At a pipe or a device, or a link to one, reading would wait for ever or never end.
+"""
+
+import errno
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+
+@contextmanager
+def regular(path: Path, most: int) -> Iterator[BinaryIO]:
+    """A regular file of at most `most` bytes, open for reading. Errors: OSError with the reason as its strerror."""
+    _require(os.stat(path), most)  # to open a device can have effects
+    with os.fdopen(
+        os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb"
+    ) as file:  # does not wait for a pipe's writer
+        found = os.fstat(file.fileno())
+        _require(found, most)
+        if not found.st_size and file.read(1):
+            raise OSError(errno.EINVAL, "not a regular file: it states no size")  # as in /proc
+        yield file
+
+
+def _require(found: os.stat_result, most: int) -> None:
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError(errno.EINVAL, "not a regular file")
+    if found.st_size > most:
+        raise OSError(errno.EFBIG, f"larger than the limit of {most / 2**20:g} MiB")
