@@ -52,7 +52,7 @@ def agree(d: int, fields: dict[str, Any], names: dict[str, str] | None = None) -
             if one != most or not most.is_integer():
                 agreeing = dict.fromkeys(named.get(other, other) for other, _, same in found if same == most and other != field)
                 reason = f"states {f'{one:g}' if one.is_integer() else 'no whole number of'} {number} by its shape {shape}"
-                reason += f", but {', '.join(agreeing)} {most:g}" if agreeing else ""
+                reason += f", but {', '.join(agreeing)} {most:g}" if agreeing and most.is_integer() else ""
                 reason += f"; {named.get('dimension', 'dimension')} is {d}" if number == "contacts" else ""
                 raise InputError(f"{named.get(field, field)}: {reason}")
 

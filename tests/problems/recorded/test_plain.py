@@ -101,6 +101,8 @@ def test_values_are_blamed_on_their_array(tmp_path) -> None:
     assert complaint(tmp_path, BODIES | {"fb": -np.ones(2)}) == "fb: must not be negative"
     assert complaint(tmp_path, BODIES | {"M": np.triu(np.ones((6, 6)))}).startswith("M: not ")
     assert complaint(tmp_path, CONTACTBENCH | {"mus": -np.ones(2)}) == "mus: must not be negative"
+    eight = {"W": np.eye(8), "q": np.ones(8), "mu": 0.5, "d": 3}
+    assert complaint(tmp_path, eight) == "W: states no whole number of contacts by its shape (8, 8); d is 3"
     for d in (np.array(7), np.array([2, 3]), np.array("2")):
         assert complaint(tmp_path, DELASSUS | {"d": d}).startswith("d: ")
     assert complaint(tmp_path, BODIES | {"vfree": BODIES["v"]}).startswith("vfree: another name of v")
@@ -110,11 +112,10 @@ def test_values_are_blamed_on_their_array(tmp_path) -> None:
 def test_velocities_of_another_number_are_blamed_on_their_array(tmp_path, columns) -> None:
     """Also where it is that of the contacts, by which N and T could be taken to have these in columns."""
     plane = {"M": np.eye(3), "N": np.eye(3)[:2], "T": np.eye(3)[1:], "mu": np.full(2, 0.5), "b": np.zeros(2)}
-    if columns:
-        plane |= {"N": plane["N"].T, "T": plane["T"].T}
+    plane |= {"N": plane["N"].T, "T": plane["T"].T} if columns else {}
     for size in (1, 2, 4):
-        told = complaint(tmp_path, plane | {"v": np.ones(size)})
-        assert told == f"v: states {size} velocities by its shape ({size},), but N, T, M 3"
+        told = f"v: states {size} velocities by its shape ({size},), but N, T, M 3"
+        assert complaint(tmp_path, plane | {"v": np.ones(size)}) == told
     assert complaint(tmp_path, plane | {"v": np.ones((3, 1))}) == "v: expected a vector, got shape (3, 1)"
 
 
