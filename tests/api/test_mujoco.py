@@ -146,6 +146,19 @@ def test_what_nothing_moves_apart_is_left_overlapping() -> None:
         assert data.qvel == pytest.approx(np.array([0, 0, -9.81 * 0.002 * k, 0, 0, 0, 0, 0]), abs=1e-12)
 
 
+def test_rows_of_rounding_constrain_nothing() -> None:
+    """A four-bar linkage that moves in a plane: across the plane its equation has only what rounding leaves."""
+    link = '<joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".01" contype="0" conaffinity="0"/>'
+    last = f'<body name="last" pos=".3 0 0" euler="0 120 0">{link}</body>'
+    bars = f'<body euler="180 33 0">{link}<body pos=".3 0 0" euler="0 20 0">{link}{last}</body></body>'
+    loop = '<equality><connect body1="last" body2="world" anchor=".3 0 0"/></equality>'
+    model, data = made(f"<mujoco><worldbody>{bars}</worldbody>{loop}</mujoco>")
+    problem = fb.mujoco.problem(model, data)
+    assert 0 < np.abs(data.efc_J.reshape(3, 3)[1]).max() < 1e-15
+    assert np.diff(problem.joints.indptr).tolist() == [3, 0, 3]
+    assert np.abs(problem.velocity(np.zeros((0, 3)))).max() > 0.01  # rad/s after a step
+
+
 def test_two_coefficients_of_friction_may_be_far_apart() -> None:
     """A block stops at once in the direction of 10, and slides on in that of 1e-5."""
     pair = '<contact><pair geom1="floor" geom2="block" friction="1e-5 10 .01 .001 .001"/></contact></mujoco>'

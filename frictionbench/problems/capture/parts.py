@@ -101,7 +101,8 @@ def captured(step: Step) -> EngineStep:
 
 def posed(mass: Array, free: Array, contacts: Contacts, bias: Array, F: Array, joint_bias: Array) -> FrictionProblem:
     """The problem with these contacts and joint equations F v + joint_bias = 0."""
-    rows = contacts.rows.reshape(-1, 3, len(mass))
+    J, F = (np.where(np.abs(rows) > ZERO * np.abs(rows).max(initial=0.0), rows, 0.0) for rows in (contacts.rows, F))
+    rows = J.reshape(-1, 3, len(mass))
     return FrictionProblem(
         mass=mass,
         normal=rows[:, 0],
