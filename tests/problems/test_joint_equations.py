@@ -92,6 +92,16 @@ def test_rows_that_rounding_leaves_unsatisfied_are_refused(angle, bias) -> None:
         assert np.abs(problem.joints @ v + problem.joint_bias).max() <= 1e-8 * max(np.abs(v).max(), 3.0)
 
 
+def test_what_joints_at_rest_miss_by_less_than_the_rounding_of_the_free_velocity_is_accepted() -> None:
+    """A closed chain that lies folded and falls: its links hardly move against each other, beside the velocity of the fall."""
+    joints, slow = [[1.0, 0.0, 0.0], [np.cos(3e-7), np.sin(3e-7), 0.0]], [1e-11, 2e-11]
+    fields = FIELDS | {"joints": joints, "joint_bias": [0.0, 0.0]}
+    falling = FrictionProblem(**fields | {"free_velocity": [*slow, 1.0]})
+    assert np.abs(falling.joints @ falling.velocity(np.zeros((2, 2)))).max() < 1e-16
+    with pytest.raises(InputError, match="joints: rows are so nearly dependent"):
+        FrictionProblem(**fields | {"free_velocity": [*slow, 0.0]})
+
+
 def test_rounding_of_joints_that_move_fast_is_no_contradiction() -> None:
     joints, moving = np.array([[0.1, 0.7, 0.3]] * 2), np.array([1e9, 1e9, 1e9])
     bias = -joints @ moving * [1.0, 1.0 + 1e-15]

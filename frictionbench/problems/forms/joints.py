@@ -180,7 +180,8 @@ def require_consistent(held: JointEquations, F: sparse.csr_array, bias: Array, i
         v = held.hold(free)
         left = np.abs(F @ v + bias)
         terms = (abs(F) @ (np.abs(v) + np.abs(free)) + np.abs(bias)) / unit
-        satisfied = bool((left / unit <= CONTRADICTION * terms.max()).all())
+        moving = (np.abs(free) / np.sqrt(inverse_mass)).max(initial=0.0)  # v* is known to its rounding alone
+        satisfied = bool((left / unit <= max(CONTRADICTION * terms.max(), ROUNDING * moving)).all())
         reason = f"rows are so nearly dependent that rounding leaves them unsatisfied by up to {left.max():.2g} m/s"
         check.require(satisfied, "joints", f"{reason}; remove those that follow from others")
 
