@@ -75,7 +75,7 @@ def confirmed(
             require(made.get(variant) in (None, plugin.content), "DIR", OTHER.format(current.path, plugin.source))
     given = named if variants & comparison.sources.keys() else []
     outside = [plugins.absolute(spec) if plugins.defines_all(spec) else spec for spec in given]
-    with tempfile.TemporaryDirectory() as scratch:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
         now = Code([sys.executable, "-P", "-c", START, str(PACKAGE.parent)], outside)
         before = baseline_code(code, outside, Path(scratch)) if code else None
         if before and before.command == now.command:  # only its plug-ins may differ
@@ -86,8 +86,7 @@ def confirmed(
         sides = [side for side in (before, now) if side is not None]
         pairs: list[Pair] = []
         own = [_home(), *(path.resolve() for spec in outside for path in plugins.files(spec))]
-        others: dict[str, list[str]] = {}
-        untimed = ""
+        others, untimed = dict[str, list[str]](), ""
         most, begun = PAIRS if timed else PAIRS_UNTIMED, time.monotonic()
         for i in range(most):
             left = f", about {(time.monotonic() - begun) / i * (most - i) / 60:.1f} min left" if i else ""
@@ -169,6 +168,7 @@ def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cel
         capture_output=True,
         text=True,
         check=False,
+        env=os.environ | {"TMPDIR": str(folder.parent)},  # removed with it, also what a run leaves there that is interrupted
         preexec_fn=partial(process.die_with_parent, os.getpid()),  # or it would continue, and disturb later timings
     )
     if done.returncode:
