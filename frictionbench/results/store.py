@@ -225,9 +225,12 @@ _SETTINGS: dict[str, Any] = {"tolerances": list[float], "plugins": list[_Plugin]
 
 
 def write_manifest(folder: Path, manifest: Row) -> None:
-    """Write DIR/manifest.json atomically."""
+    """Write DIR/manifest.json atomically. Errors: ResultsError if it is too large to be read again."""
+    text = json.dumps({"schema": SCHEMA_VERSION} | cleaned(manifest), indent=2) + "\n"
+    if len(text) > LARGEST_MANIFEST:
+        raise ResultsError(f"{folder}: its manifest would exceed {LARGEST_MANIFEST >> 20} MiB; run fewer data files at once")
     folder.mkdir(parents=True, exist_ok=True)
-    write_text(folder / "manifest.json", json.dumps({"schema": SCHEMA_VERSION} | cleaned(manifest), indent=2) + "\n")
+    write_text(folder / "manifest.json", text)
 
 
 def read_manifest(folder: Path) -> Row:

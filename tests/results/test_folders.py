@@ -194,6 +194,13 @@ def test_names_of_files_that_are_no_utf8(tmp_path) -> None:
     assert store.read_manifest(tmp_path)["settings"]["sources"][0]["file"] == "/a/?.npz"
 
 
+def test_a_manifest_that_could_not_be_read_again_is_not_written(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(store, "LARGEST_MANIFEST", 2**20)
+    with pytest.raises(ResultsError, match="run fewer data files at once"):
+        store.write_manifest(tmp_path / "run", {"settings": {"sources": ["x" * 2**20]}})
+    assert not (tmp_path / "run").exists()
+
+
 @pytest.mark.slow  # a worker's own; the quick tests have them in files
 def test_control_characters_of_a_worker(tmp_path) -> None:
     evil = "x\x1b[31m\u202e\u2028\u00a0y"
