@@ -30,7 +30,10 @@ def spatial() -> list[FrictionProblem]:
     without a start."""
     spheres, cubes = fb.instance("sphere_pyramid", levels=2), fb.instance("cubes", boxes=1)
     known = known_by_W(spheres)
-    left = fb.instance("cubes", boxes=1, friction=0.8, twist=3.0), fb.instance("random_bodies", contacts=5)
+    left = (
+        fb.instance("cubes", boxes=1, friction=0.8, twist=3.0),
+        fb.instance("cubes", boxes=2, fall=0.0, friction=3.0, twist=8.0),
+    )
     return [spheres, cubes, known, *left, fb.instance("cubes", boxes=2)]
 
 

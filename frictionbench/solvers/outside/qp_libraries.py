@@ -61,7 +61,7 @@ class Clarabel:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem)
+        scaled = scaled_program(problem, from_free=True)
         P, G, A, _ = scaled.matrices(dense=False, upper=True)
         return scaled, (P, scaled.q, stacked(G, A), scaled.limits(0.0)[1])
 
