@@ -290,6 +290,7 @@ document.documentElement.dataset.seen = seen.join(" ");
 def test_page_controls(tmp_path):
     families = ("odd", "even")
     rows = [solve_row(f"s{i}", f"p{k}", solve_time=1e-3 * (i + 1), family=families[i % 2]) for i in range(12) for k in (0, 1)]
+    rows += [solve_row("s0", "p9", residual=1.0, verdict="unsolved", claimed=False, reason="stalled")]  # a folded part
     path = write_report(write_folder(tmp_path / "run", [*rows, *(solve_row("s0", f"p{k}") for k in range(2, 9))]))
     with_more_script(path, HANDS)
     (opening,) = re.findall(r"<html[^>]*>", browse(path, "--dump-dom"))
