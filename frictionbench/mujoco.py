@@ -42,6 +42,7 @@ from scipy.optimize import nnls
 
 from frictionbench.problems import FrictionProblem, Status
 from frictionbench.problems.capture import mujoco as engine
+from frictionbench.problems.capture.mujoco import Kinds
 from frictionbench.problems.capture.parts import Contacts, posed, require_finite, without_noise
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.residual import residual
@@ -82,21 +83,12 @@ class Step:
         return f"Step({self.problem.summary}, {self.status.value})"
 
 
-class _Kinds(NamedTuple):
-    """Masks: the entries of data.contact that have rows; the rows (nefc,) of limits, dry friction and equalities."""
-
-    touching: Array
-    limit: Array
-    dry: Array
-    equal: Array
-
-
 class _Stage(NamedTuple):
     """What MuJoCo computes before the problem is solved: rows, v* as `free`, A as `full`, its symmetric part as `mass`."""
 
     contacts: Contacts
     J: Array
-    kinds: _Kinds
+    kinds: Kinds
     full: Array
     mass: Array
     free: Array
@@ -156,7 +148,7 @@ def start(model: Any, data: Any, before: Step) -> Array:
     """
     import mujoco as mj
 
-    kinds = _kinds(mj, data)
+    kinds = engine.kinds_of(mj, data)
     return _guess(before, _keys(data, kinds), _frames(data, kinds))
 
 
@@ -194,14 +186,10 @@ def _stage(mj: Any, model: Any, data: Any) -> _Stage:
     require_finite(full)
     mass = without_noise(full)
     J = engine.jacobian(mj, model, data)
-    contacts, _ = engine.rows_of(mj, model, data, J)
+    kinds = engine.kinds_of(mj, data)
+    contacts, _ = engine.rows_of(mj, model, data, J, kinds)
     free = data.qvel + model.opt.timestep * np.linalg.solve(full, data.qfrc_smooth)
-    return _Stage(contacts, J, _kinds(mj, data), full, mass, free)
-
-
-def _kinds(mj: Any, data: Any) -> _Kinds:
-    equal = data.efc_type == int(mj.mjtConstraint.mjCNSTR_EQUALITY)
-    return _Kinds(data.contact.efc_address >= 0, *engine.limits_and_dry_friction(mj, data), equal)
+    return _Stage(contacts, J, kinds, full, mass, free)
 
 
 def _problem(model: Any, stage: _Stage) -> FrictionProblem:
@@ -210,14 +198,14 @@ def _problem(model: Any, stage: _Stage) -> FrictionProblem:
     return posed(stage.mass, stage.free, stage.contacts, bias, F, np.zeros(len(F)))
 
 
-def _frames(data: Any, kinds: _Kinds) -> Array:
+def _frames(data: Any, kinds: Kinds) -> Array:
     """(nc, 3, 3): the rows are the axes of each contact's impulse; the unit matrix for limits and dry friction."""
     frames = np.tile(np.eye(3), (sum(rows.sum() for rows in kinds[:3]), 1, 1))
     frames[: kinds.touching.sum()] = data.contact.frame[kinds.touching].reshape(-1, 3, 3)
     return frames
 
 
-def _keys(data: Any, kinds: _Kinds) -> list[Hashable]:
+def _keys(data: Any, kinds: Kinds) -> list[Hashable]:
     """What identifies a row from step to step: a contact's geoms or a limit's joint, and its number among equal ones."""
     at = data.contact
     pairs = np.column_stack([at.geom, at.flex, at.elem, at.vert])[kinds.touching]

@@ -16,15 +16,17 @@ impulse by mu/mu_k. Limits and dry friction of joints and tendons are contacts o
 Sources: MuJoCo's documentation, "Computation", sections on the constraint model and on integrators; mju_decodePyramid.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from frictionbench.problems.capture.parts import Contacts, Step, captured, require_finite, share_of_softness
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.recorded.own import EngineStep
 
+Mask = NDArray[np.bool_]
 TORSION, ROLLING = 3, 4  # the first rows of a contact for torsional friction and for rolling friction
 
 
@@ -53,14 +55,30 @@ def mujoco(model: Any, data: Any) -> EngineStep:
     mass = mass_of(mj, model, after)
     require_finite(mass, after.qfrc_smooth)
     free = data.qvel + h * np.linalg.solve(mass, after.qfrc_smooth)
-    J, force, kind = jacobian(mj, model, after), after.efc_force.copy(), after.efc_type.copy()
-    equal = kind == mj.mjtConstraint.mjCNSTR_EQUALITY
-    touching = kind >= int(mj.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
-    contacts, others = rows_of(mj, model, after, J)
+    J, force, kinds = jacobian(mj, model, after), after.efc_force.copy(), kinds_of(mj, after)
+    contacts, others = rows_of(mj, model, after, J, kinds)
     symmetric = (mass + mass.T) / 2
-    soft = {"softness of contacts": touching, "softness of equalities": equal}
+    touching = ~(kinds.limit | kinds.dry | kinds.equal)
+    soft = {"softness of contacts": touching, "softness of equalities": kinds.equal}
     shares = {name: share_of_softness(symmetric, J[rows], force[rows], after.efc_R[rows]) for name, rows in soft.items()}
-    return captured(Step(symmetric, free, after.qvel.copy(), h, contacts, J[equal], others, shares))
+    return captured(Step(symmetric, free, after.qvel.copy(), h, contacts, J[kinds.equal], others, shares))
+
+
+class Kinds(NamedTuple):
+    """Masks: the entries of data.contact that have rows; the rows (nefc,) of limits, of dry friction and of equalities."""
+
+    touching: Mask
+    limit: Mask
+    dry: Mask
+    equal: Mask
+
+
+def kinds_of(mj: Any, data: Any) -> Kinds:
+    """The kinds of MuJoCo's constraints; limits and dry friction are of joints and tendons."""
+    kind, at = data.efc_type, mj.mjtConstraint  # int() because numpy compares enum members one by one
+    limit = (kind == int(at.mjCNSTR_LIMIT_JOINT)) | (kind == int(at.mjCNSTR_LIMIT_TENDON))
+    dry = (kind == int(at.mjCNSTR_FRICTION_DOF)) | (kind == int(at.mjCNSTR_FRICTION_TENDON))
+    return Kinds(data.contact.efc_address >= 0, limit, dry, kind == int(at.mjCNSTR_EQUALITY))
 
 
 def known(mj: Any) -> tuple[Any, ...]:
@@ -94,29 +112,22 @@ def jacobian(mj: Any, model: Any, data: Any) -> Array:
     return sparse.csr_array((data.efc_J, data.efc_J_colind, ends), shape=(data.nefc, model.nv)).toarray()
 
 
-def rows_of(mj: Any, model: Any, data: Any, J: Array) -> tuple[Contacts, dict[str, Array]]:
+def rows_of(mj: Any, model: Any, data: Any, J: Array, kinds: Kinds) -> tuple[Contacts, dict[str, Array]]:
     """The contacts, limits and dry friction in MuJoCo's constraints J (nefc, nv), and the generalised impulses of torsional and
     rolling friction."""
     h = float(model.opt.timestep)
-    contacts, others = _contacts(mj, model, data, J, h)
-    limit, dry = limits_and_dry_friction(mj, data)
+    contacts, others = _contacts(mj, model, data, J, kinds.touching)
+    limit, dry = kinds.limit, kinds.dry
     gap, used = data.efc_pos - data.efc_margin, h * data.efc_force
     rows = contacts.and_limits(J[limit], used[limit], gap[limit])
     return rows.and_dry_friction(J[dry], used[dry], h * data.efc_frictionloss[dry], h), others
 
 
-def limits_and_dry_friction(mj: Any, data: Any) -> tuple[Array, Array]:
-    """Whether each of MuJoCo's constraints (nefc,) is a limit, and whether it is dry friction, of a joint or tendon."""
-    kind, at = data.efc_type, mj.mjtConstraint  # int() because numpy compares enum members one by one
-    limit = (kind == int(at.mjCNSTR_LIMIT_JOINT)) | (kind == int(at.mjCNSTR_LIMIT_TENDON))
-    return limit, (kind == int(at.mjCNSTR_FRICTION_DOF)) | (kind == int(at.mjCNSTR_FRICTION_TENDON))
-
-
-def _contacts(mj: Any, model: Any, data: Any, J: Array, h: float) -> tuple[Contacts, dict[str, Array]]:
+def _contacts(mj: Any, model: Any, data: Any, J: Array, mask: Mask) -> tuple[Contacts, dict[str, Array]]:
     """The contacts, and the generalised impulses of their torsional and rolling friction."""
     rows, impulses, friction = [np.zeros((0, model.nv))], [np.zeros((0, 3))], []
     others = {"torsional friction": np.zeros(model.nv), "rolling friction": np.zeros(model.nv)}
-    at, touching = data.contact, np.flatnonzero(data.contact.efc_address >= 0)
+    at, touching, h = data.contact, np.flatnonzero(mask), float(model.opt.timestep)
     moves = getattr(at, "surfacevel", np.zeros((len(at.dim), 1)))  # unknown to MuJoCo before 4.0
     for number, first, dim in zip(touching.tolist(), at.efc_address[touching], at.dim[touching], strict=True):
         where = f"contact {number}"
