@@ -50,7 +50,7 @@ def test_abbreviated_keys(tmp_path) -> None:
     assert [store.find_row(tmp_path, given)[1]["key"] for given in ("12a", "solve-12c", "solve-12", "7")] == [
         *("solve-12ab", "solve-12cd", "solve-12", "simulation-77")
     ]
-    for given, facts in (("12", r"3 rows.*'12'"), ("13", "no row.*'13'")):
+    for given, facts in (("12", r"3 rows.*'12'"), ("13", "no row.*'13'"), ("", "4 rows have a key")):
         with pytest.raises(ResultsError, match=facts):
             store.find_row(tmp_path, given)
 

@@ -105,9 +105,10 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize(
-    "body", [pytest.param(body, marks=[pytest.mark.slow] if quick else []) for quick, body in enumerate(FAULTS)]
-)
+QUICK, *SLOW = FAULTS
+
+
+@pytest.mark.parametrize("body", [QUICK, *(pytest.param(body, marks=pytest.mark.slow) for body in SLOW)])
 def test_a_fault_of_every_call_is_told_once_and_ends_the_checks(body, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(examine, "LIMIT", 2.0)
     result = CliRunner().invoke(
