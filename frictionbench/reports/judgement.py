@@ -16,7 +16,7 @@ from frictionbench.reports.drawing.style import ALARM, COLOURS, INK, WORST, ZERO
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
-from frictionbench.results.judgement import AMONG, LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
+from frictionbench.results.judgement import CHOSEN_FROM, LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
 
 MOST = 12  # worst steps in the table
 ROUNDING = 1e-9  # relative to the largest component of a net impulse: smaller ones are shown as 0
@@ -36,7 +36,7 @@ def write_judgement(folder: Path) -> Path:
         name=folder.resolve().name,
         found=found,
         heads=list(PERCENTILES),
-        among=AMONG * MOST,
+        among=CHOSEN_FROM * MOST,
         quantities=QUANTITIES,
         nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
         worst=[

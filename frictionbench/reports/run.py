@@ -183,15 +183,9 @@ def outcomes(rows: pd.DataFrame) -> "pd.Series[float]":
 
     Velocities whose distances differ by more than APART differ by at least as much; those at one distance may also differ.
     """
-    known = (
-        rows[rows["outcome_distance"].notna()]
-        .groupby("problem")["outcome_distance"]
-        .agg(
-            lambda distances: (
-                1 + (np.diff(np.sort(distances.to_numpy(float)), prepend=0.0) > APART).sum()
-            )  # the reference is at distance 0
-        )
-    )
+    distances = rows[rows["outcome_distance"].notna()].groupby("problem")["outcome_distance"]
+    # One for the reference, at distance 0, and one for each gap.
+    known = distances.agg(lambda own: 1 + (np.diff(np.sort(own.to_numpy(float)), prepend=0.0) > APART).sum())
     return rows["problem"].map(known).fillna(rows["outcomes"]).astype(float)
 
 

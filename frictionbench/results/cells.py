@@ -27,10 +27,10 @@ from frictionbench.results.store import read_manifest, read_table
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
 FAILURES = ("steps_not_done", "unsolved_problems")  # counters of failures within a simulation or a batch
-MOST = 10**18  # largest number accepted as a count
-ROUNDED = 1.1  # allowance for a baseline's residuals, which have two digits
-HASH = 12  # characters of a hash in a baseline
-ENOUGH = 5  # repeats among which there is usually an undisturbed one
+LARGEST_COUNT = 10**18  # largest number accepted as a count
+RESIDUAL_ROUNDING = 1.1  # allowance for a baseline's residuals, which have two digits
+SHORT_HASH = 12  # characters of a hash in a baseline
+ENOUGH_REPEATS = 5  # repeats among which there is usually an undisturbed one
 
 
 @dataclass(frozen=True)
@@ -63,19 +63,19 @@ def read(path: Path, rank_by: RankBy = RankBy.BODIES) -> Cells:
     """Read the cells of a results folder or a baseline. rank_by: the parts of a time that are compared.
 
     Errors: ResultsError naming the file and what is wrong with it."""
-    found = _of_text(path) if path.is_file() else _of_folder(path, rank_by)
-    if unknown := set(found.table["verdict"]) - RANK.keys():
+    cells = _of_baseline(path) if path.is_file() else _of_folder(path, rank_by)
+    if unknown := set(cells.table["verdict"]) - RANK.keys():
         raise ResultsError(f"{path}: unknown verdict {min(unknown)!r}")
-    if found.table.index.has_duplicates:
-        twice = found.table.index[found.table.index.duplicated()][0]
+    if cells.table.index.has_duplicates:
+        twice = cells.table.index[cells.table.index.duplicated()][0]
         raise ResultsError(f"{path}: duplicate key {twice!r}")
-    solved = found.table[(found.table["verdict"] == Verdict.SOLVED) & found.table["table"].isin(["solve", "batch"])]
-    for key, row in solved[~(solved["residual"] <= ROUNDED * solved["tol"])].head(1).iterrows():
+    solved = cells.table[(cells.table["verdict"] == Verdict.SOLVED) & cells.table["table"].isin(["solve", "batch"])]
+    for key, row in solved[~(solved["residual"] <= RESIDUAL_ROUNDING * solved["tol"])].head(1).iterrows():
         raise ResultsError(f"{path}: {key}: solved, with a residual of {row['residual']:g} at a tolerance of {row['tol']:g}")
-    return found
+    return cells
 
 
-def _of_text(path: Path) -> Cells:
+def _of_baseline(path: Path) -> Cells:
     facts, rows = baseline.read(path)
     table = _typed(pd.DataFrame(rows, columns=["key", *baseline.COLUMNS]))
     loaded = {
@@ -92,7 +92,7 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
     settings = manifest["settings"]
     solves, simulations, batches = (read_table(folder, table) for table in ("solves", "simulations", "batches"))
     totals = list(map(repeats, *(solves[f"{column}s"] for column in rank_by.columns)))
-    few = np.array([len(times) < ENOUGH for times in totals], dtype=bool)
+    few = np.array([len(times) < ENOUGH_REPEATS for times in totals], dtype=bool)
     failed = ((1 - batches["verified"]) * batches["problems"]).round()
     parts = [
         solves.assign(
@@ -113,7 +113,7 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
             table="batch",
             step=None,
             work=[_counted(work, unsolved_problems=n) for work, n in zip(batches["work"], failed, strict=True)],
-            seconds=[repeats(own).min(initial=np.inf) for own in batches["times"]],
+            seconds=[repeats(times).min(initial=np.inf) for times in batches["times"]],
         ),
     ]
     rows = pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
@@ -125,7 +125,8 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
         limit=rows["time_limit"],
     )
     content, places = manifest.get("content", {}), _places(manifest)
-    loaded = {name: {part: (content.get(place) or "-")[:HASH] for part, place in own.items()} for name, own in places.items()}
+    hashes = {place: digest[:SHORT_HASH] for place, digest in content.items() if digest}
+    loaded = {name: {part: hashes.get(place, "-") for part, place in paths.items()} for name, paths in places.items()}
     return Cells(
         folder,
         _typed(rows),
@@ -141,38 +142,40 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
     )
 
 
-FILE = "@"  # separates a key and the hash of the problem's file
+FILE_SEPARATOR = "@"  # separates a key and the hash of the problem's file
 
 
 def _with_files(rows: pd.DataFrame, manifest: dict[str, Any]) -> list[str]:
     """Return the keys. A problem's file adds its hash, because another file with the same name makes another cell."""
     content, listed = manifest.get("content", {}), manifest["settings"].get("sources", [])
     hashes = {
-        (source["scene"], json.dumps(source["parameters"], sort_keys=True)): content[source["file"]]
+        (source["scene"], json.dumps(source["parameters"], sort_keys=True)): FILE_SEPARATOR
+        + content[source["file"]][:SHORT_HASH]
         for source in listed
         if source["file"] in content
     }
-    places = zip(rows["key"], rows["scene"], rows["parameters"], strict=True)
-    return [f"{key}{FILE}{hashes[place][:HASH]}" if (place := (scene, text)) in hashes else key for key, scene, text in places]
+    origins = zip(rows["key"], rows["scene"], rows["parameters"], strict=True)
+    return [key + hashes.get((scene, parameters), "") for key, scene, parameters in origins]
 
 
 def _places(manifest: dict[str, Any]) -> dict[str, dict[str, str]]:
     """Return the paths of what plug-ins loaded, by variant and name. Names that are paths are cut to their shortest unique end,
     which is the same on other machines."""
-    found = {}
+    places = {}
     for variant, source in sources(manifest["settings"]).items():
-        own, ends = manifest.get("loaded", {}).get(source, {}), dict[str, list[str]]()
-        for name in own:
+        loaded, ends = manifest.get("loaded", {}).get(source, {}), dict[str, list[str]]()
+        for name in loaded:
             parts = Path(name).parts
             ends[name] = ["/".join(parts[k:]) for k in reversed(range(len(parts)))] if name.startswith("/") else [name]
-        often = Counter(end for each in ends.values() for end in each)
-        found[variant] = {next((end for end in ends[name] if often[end] == 1), name): place for name, place in own.items()}
-    return found
+        counts = Counter(end for each in ends.values() for end in each)
+        unique = {name: next((end for end in ends[name] if counts[end] == 1), name) for name in loaded}
+        places[variant] = {unique[name]: place for name, place in loaded.items()}
+    return places
 
 
-def _counted(work: Any, **found: float) -> str:
+def _counted(work: Any, **counters: float) -> str:
     """Add counters, unless they are null, to those in a JSON text."""
-    return json.dumps(json_object(work) | {name: int(count) for name, count in found.items() if pd.notna(count)})
+    return json.dumps(json_object(work) | {name: int(count) for name, count in counters.items() if pd.notna(count)})
 
 
 def repeats(*steps: Any) -> np.ndarray:
@@ -199,7 +202,7 @@ def _numbers(values: Any) -> tuple[float, ...]:
 
 def counts(text: Any) -> dict[str, int]:
     """Return the counters in a row's JSON. Values that are not counts below MOST are left out, and thus count as lost."""
-    return {name: count for name, count in json_object(text).items() if type(count) is int and 0 <= count < MOST}
+    return {name: count for name, count in json_object(text).items() if type(count) is int and 0 <= count < LARGEST_COUNT}
 
 
 def format_counts(work: dict[str, int]) -> str:
@@ -210,7 +213,7 @@ def format_counts(work: dict[str, int]) -> str:
 def parse_counts(line: str) -> dict[str, int]:
     """Return the counters in a text made by format_counts."""
     parts = (part.rpartition(" ") for part in line.split(", "))
-    return {name: int(count) for name, _, count in parts if count.isdecimal() and int(count[:20]) < MOST}
+    return {name: int(count) for name, _, count in parts if count.isdecimal() and int(count[:20]) < LARGEST_COUNT}
 
 
 def rounded(value: float, digits: int) -> str:

@@ -22,13 +22,13 @@ from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, times
 
 UNTIMED = "the two runs were made apart. `--confirm --code` runs both versions alternately on this machine"
-OTHER = (
+OTHER_CONTENT = (
     "the version of --code loads {} with another content than the baseline was made with, or only one of the two loads it. "
     "Give as --code an environment with the baseline's, or for an executable or a library a checkout in which it is built; "
     "if the change is meant, accept the run as the baseline."
 )
-SHOWN = 5  # names in a note
-ROUNDED = 1e-5  # relative: limits in a baseline have six digits
+MOST_NAMES = 5  # names in a note
+LIMIT_ROUNDING = 1e-5  # relative: limits in a baseline have six digits
 HALF, FLAKY = 0.5, 0.25  # shares of the repeats above which a change is confirmed; FLAKY for verdicts independent of load
 
 
@@ -70,11 +70,11 @@ class Comparison:
     @property
     def worse(self) -> list[Change]:
         """The changes for the worse, including lost cells and new cells that fail."""
-        return [found for found in self.changes if found.worse]
+        return [change for change in self.changes if change.worse]
 
     @property
     def better(self) -> list[Change]:
-        return [found for found in self.changes if not found.worse and (isinstance(found, Flip) or found.better)]
+        return [change for change in self.changes if not change.worse and (isinstance(change, Flip) or change.better)]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -103,14 +103,14 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         return Comparison(baseline, current, unusable=unusable)
     common = old.measured.index.intersection(new.measured.index)
     alike = bool(old.machine) and old.machine == new.machine
-    found, timeouts = _differences(old.table, new.table, alike, limits)
+    differences, timeouts = _differences(old.table, new.table, alike, limits)
     timed = times([(old.table, new.table)], limits.slowdown) if alike and limits.times else []
     return Comparison(
         baseline,
         current,
-        same=len(common) - len(found["flips"]),
+        same=len(common) - len(differences["flips"]),
         new=len(new.measured.index.difference(old.measured.index)),
-        **found,
+        **differences,
         times=tuple(timed),
         notes=tuple(_notes(old, new, timeouts)),
         untimed="" if alike or not limits.times else UNTIMED,
@@ -129,7 +129,7 @@ def _unusable(old: Cells, new: Cells) -> str:
     limits = pd.concat([side.measured["limit"] for side in (old, new)], axis=1, join="inner", keys=["before", "after"])
     if limits.empty:
         return "no cell was measured in both runs"
-    longer = limits[limits["after"] > limits["before"] + ROUNDED * limits["before"].abs()]
+    longer = limits[limits["after"] > limits["before"] + LIMIT_ROUNDING * limits["before"].abs()]
     for _, (before, after) in longer.head(1).iterrows():
         return f"{new.path}: has a longer time limit, {after:g} s in place of {before:g} s, which a slower solver needs"
     return ""
@@ -144,13 +144,13 @@ def _differences(
     common = ran[0].index.intersection(ran[1].index)
     old, new = before.loc[common], after.loc[common]
     by_speed = changes.explained_by_speed(old, new, alike) & excused
-    found = {
+    differences = {
         "flips": tuple(changes.flips(old[~by_speed], new[~by_speed])),
         "gone": tuple(changes.gone(before, after)),
         "added": tuple(changes.added(before, after)),
         "work": (*changes.work(old, new), *(changes.untimed(old, new) if limits.times else ())),
     }
-    return found, int(by_speed.sum())
+    return differences, int(by_speed.sum())
 
 
 def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
@@ -168,14 +168,14 @@ def other_loads(recorded: Cells, before: Cells, alone: bool = True) -> dict[str,
 
     The suite's own libraries, whose versions are recorded, may be loaded in one run and not in the other.
     """
-    found: dict[str, list[str]] = {}
+    names_by_variant: dict[str, list[str]] = {}
     for variant in before.table["variant"].unique():
         known, then = recorded.loaded.get(variant, {}), before.loaded.get(variant, {})
         other = {name for name in known.keys() | then.keys() if known.get(name) != then.get(name)}
         both = known.keys() & then.keys()
         names = [name for name in other if name in both or (alone and "." not in (known | then)[name])]
-        found |= {variant: sorted(names)} if names else {}
-    return found
+        names_by_variant |= {variant: sorted(names)} if names else {}
+    return names_by_variant
 
 
 def confirm(
@@ -195,24 +195,25 @@ def confirm(
     for ran, after in pairs:
         before = pd.concat([ran, record[~record.index.isin(ran.index)]])  # cells that the old code lacks
         differences, _ = _differences(before, after, both, limits, excused=not both)
-        votes.update({_name(found) for kind in differences.values() for found in kind if found.worse})
+        votes.update({_name(change) for kind in differences.values() for change in kind if change.worse})
         votes.subtract(_name(flip) for flip in differences["flips"] if not flip.worse)
         seen |= {_name(flip): flip for flip in differences["flips"] if flip.worse}
     again = {variant for _, after in pairs for variant in after["variant"]}
     first: dict[str, Any] = {name: getattr(comparison, name) for name in ("flips", "gone", "added", "work")}
     others = others or {}
     repeated = again - others.keys()
-    alerts = [found for kind in first.values() for found in kind if found.worse and found.variant in repeated]
-    dismissed = {_name(found) for found in alerts if votes[_name(found)] <= _seldom(found) * len(pairs)}
+    alerts = [change for kind in first.values() for change in kind if change.worse and change.variant in repeated]
+    dismissed = {_name(change) for change in alerts if votes[_name(change)] <= _threshold(change) * len(pairs)}
     remaining: dict[str, Any] = {
-        name: tuple(found for found in kind if _name(found) not in dismissed) for name, kind in first.items()
+        name: tuple(change for change in kind if _name(change) not in dismissed) for name, kind in first.items()
     }
-    known = {_name(found) for kind in first.values() for found in kind}
-    fresh = [flip for name, flip in seen.items() if both and votes[name] > _seldom(flip) * len(pairs) and name not in known]
+    known = {_name(change) for kind in first.values() for change in kind}
+    fresh = [flip for name, flip in seen.items() if both and votes[name] > _threshold(flip) * len(pairs) and name not in known]
     remaining["flips"] = (*remaining["flips"], *fresh)
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
-    notes += [f"{variant}: nothing is dismissed: {OTHER.format(', '.join(names[:SHOWN]))}" for variant, names in others.items()]
+    for variant, names in others.items():
+        notes.append(f"{variant}: nothing is dismissed: {OTHER_CONTENT.format(', '.join(names[:MOST_NAMES]))}")
     timed = {time.variant: time for time in (times(pairs, limits.slowdown) if both and limits.times else [])}
     return replace(
         comparison,
@@ -224,12 +225,13 @@ def confirm(
     )
 
 
-def _seldom(found: Change) -> float:
-    return FLAKY if isinstance(found, Flip) and found.after != Verdict.TIMEOUT else HALF
+def _threshold(change: Change) -> float:
+    """Return the share of repeats above which a change is confirmed."""
+    return FLAKY if isinstance(change, Flip) and change.after != Verdict.TIMEOUT else HALF
 
 
-def _name(found: Change) -> tuple[str, str]:
-    return found.variant, found.name
+def _name(change: Change) -> tuple[str, str]:
+    return change.variant, change.name
 
 
 def accept(folder: Path, path: Path) -> tuple[Comparison | None, str]:
@@ -252,10 +254,10 @@ def accept(folder: Path, path: Path) -> tuple[Comparison | None, str]:
         facts[f"{baselines.LOADED}{variant}"] = "; ".join(f"{name} {digest}" for name, digest in sorted(loaded.items()))
     baselines.write(path, facts, _lines(run))
     verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(run.table["verdict"]).most_common())
-    told = f"accepted: {path}, {len(run.table)} cells: {verdicts}"
+    summary = f"accepted: {path}, {len(run.table)} cells: {verdicts}"
     if (run.table["verdict"] == Verdict.TIMEOUT).any():
-        told += "\ntimeouts may be the machine's doing: `frictionbench run --retake` repeats them"
-    return before, told
+        summary += "\ntimeouts may be the machine's doing: `frictionbench run --retake` repeats them"
+    return before, summary
 
 
 def _lines(run: Cells) -> list[tuple[str, ...]]:

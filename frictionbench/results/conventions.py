@@ -101,8 +101,8 @@ def endings(rows: "pd.DataFrame") -> list[str]:
 def scene_title(scene: Any, parameters: Any) -> str:
     """Return a scene with its parameters in the notation of the command line: `stack[blocks=5]`."""
     settings = json_object(parameters)
-    given = ",".join(f"{name}={value}" for name, value in settings.items())
-    return f"{scene}[{given}]" if given else str(scene)
+    text = ",".join(f"{name}={value}" for name, value in settings.items())
+    return f"{scene}[{text}]" if text else str(scene)
 
 
 def count(number: int, noun: str) -> str:
@@ -120,7 +120,7 @@ def rough_percent(share: float) -> str:
 def json_object(text: Any) -> dict[str, Any]:
     """Return the object in a JSON text, empty if there is none."""
     try:
-        found = cleaned(json.loads(text)) if isinstance(text, str) else {}
+        value = cleaned(json.loads(text)) if isinstance(text, str) else {}
     except (ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return value if isinstance(value, dict) else {}

@@ -75,8 +75,8 @@ def parsed(value: Any, kind: type[T], where: Path | str) -> T:
     except ValidationError as error:
         first = error.errors()[0]
         place = " ".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
-        told = printable(f"{place}: {first['msg']}")
-        raise ResultsError(f"{where}: cannot be read ({told})") from None
+        message = printable(f"{place}: {first['msg']}")
+        raise ResultsError(f"{where}: cannot be read ({message})") from None
 
 
 def read_parsed(path: Path, kind: type[T], missing: T | None = None) -> T:

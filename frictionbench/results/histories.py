@@ -36,8 +36,8 @@ class ConvergenceHistory:
             raise ValueError(f"the history of {self.variant} on {self.scene} is incomplete")
 
 
-def write_histories(folder: Path, found: Sequence[ConvergenceHistory]) -> None:
-    write_text(folder / CONVERGENCE, json.dumps([asdict(history) for history in found]))
+def write_histories(folder: Path, histories: Sequence[ConvergenceHistory]) -> None:
+    write_text(folder / CONVERGENCE, json.dumps([asdict(history) for history in histories]))
 
 
 def read_histories(folder: Path) -> list[ConvergenceHistory]:

@@ -20,7 +20,7 @@ from frictionbench.results.conventions import RankBy, count, rough_percent
 from frictionbench.results.files import ResultsError, read_parsed, write_text
 from frictionbench.results.store import read_table
 
-NAME = "judgement.json"
+FILE = "judgement.json"
 LAWS = ("signorini", "cone", "direction", "dissipation")
 Number = Annotated[float, Field(ge=-math.inf)]  # any but NaN
 QUANTITIES = {  # quantities whose percentiles are shown, with units
@@ -37,7 +37,7 @@ NO_CREEP = 1e-6  # relative to the free velocity: less is rounding
 # Softness is the likely cause of creep if the ratio of its share of the impulse to the creep's share of the free velocity is
 # larger. MuJoCo's boxes on a slope have 0.2 or more with a converged solver, 0.01 to 0.03 after 3 iterations of PGS or 2 of CG.
 SOFT = 0.1
-AMONG = 2  # a table's steps are chosen from this many times as many with the largest residuals
+CHOSEN_FROM = 2  # a table's steps are chosen from this many times as many with the largest residuals
 NEAR = 0.01  # relative difference of net impulses below which they count as the same
 SYMPTOM = "See 'An object at rest creeps' on the documentation's page 'What users of engines ask'."
 HARDER = (
@@ -89,19 +89,19 @@ class Judgement(NamedTuple):
 
     def known(self, name: str) -> float | None:
         """Return the quantity of this name, or 0 if it may be due to rounding."""
-        value, least = getattr(self, name), self.floor * self.free_velocity
+        value, rounding = getattr(self, name), self.floor * self.free_velocity
         if name == "energy_defect":
-            least *= sum(abs(normal) + tangential for normal, tangential, _ in self.forces)
-        return 0.0 if value is not None and name not in ("residual", "penetration") and abs(value) <= least else value
+            rounding *= sum(abs(normal) + tangential for normal, tangential, _ in self.forces)
+        return 0.0 if value is not None and name not in ("residual", "penetration") and abs(value) <= rounding else value
 
 
-def write_judgements(folder: Path, found: list[Judgement]) -> None:
-    write_text(folder / NAME, json.dumps([one._asdict() for one in found]))
+def write_judgements(folder: Path, judgements: list[Judgement]) -> None:
+    write_text(folder / FILE, json.dumps([one._asdict() for one in judgements]))
 
 
 def read_judgements(folder: Path) -> list[Judgement]:
     """Read the judgements. Errors: ResultsError naming the file if it is missing or cannot be read."""
-    path = folder / NAME
+    path = folder / FILE
     try:
         return read_parsed(path, list[Judgement])
     except FileNotFoundError:
@@ -142,15 +142,15 @@ class Judged:
     def percentiles(self) -> dict[str, dict[str, float] | None]:
         """The percentiles of the quantities' absolute values over the steps with contacts; None if no value is known."""
         values = {name: [one.known(name) for one in self.touching] for name in QUANTITIES}
-        return {name: percentiles(abs(value) for value in own if value is not None) for name, own in values.items()}
+        return {name: percentiles(abs(value) for value in known if value is not None) for name, known in values.items()}
 
     @property
     def impossible(self) -> str:
         """A sentence on the steps that are proved to have no solution, with the first of them; empty if there are none."""
         proved = [one for one in self.steps if one.contradiction]
         have = "has" if len(proved) == 1 else "have"
-        told = f"{len(proved)} of {len(self.steps)} steps {have} no solution, with proof; "
-        return told + f"{proved[0].file}: {proved[0].contradiction}" if proved else ""
+        text = f"{len(proved)} of {len(self.steps)} steps {have} no solution, with proof; "
+        return text + f"{proved[0].file}: {proved[0].contradiction}" if proved else ""
 
     @property
     def creep(self) -> str:
@@ -162,36 +162,36 @@ class Judged:
         speed, free = fastest.creep or 0.0, fastest.free_velocity
         if speed <= NO_CREEP * free:
             return f"Contacts that should stick do not creep, in {count(len(held), 'step')}."
-        told = f"Contacts that should stick creep at up to {1e3 * speed:.2g} mm/s ({fastest.file}), "
-        told += f"{rough_percent(speed / free)} of the velocity that they would have without impulses. "
+        text = f"Contacts that should stick creep at up to {1e3 * speed:.2g} mm/s ({fastest.file}), "
+        text += f"{rough_percent(speed / free)} of the velocity that they would have without impulses. "
         soft = fastest.notes.get("softness of contacts", 0.0)
         if soft > SOFT * speed / free:
-            return told + f"{rough_percent(soft)} of the impulse is the softness of the engine's contacts. {HARDER}"
-        return told + TIGHTER
+            return text + f"{rough_percent(soft)} of the impulse is the softness of the engine's contacts. {HARDER}"
+        return text + TIGHTER
 
     @property
     def forces(self) -> str:
         """Sentences on the distances of net impulses from the exact answer's, and on which single forces are comparable."""
-        nets = [(one, name, net) for one in self.steps for name, net in one.bodies.items()]
-        determined = [each for each in nets if each[2][1]]
+        nets = [(one.file, velocities, facts) for one in self.steps for velocities, facts in one.bodies.items()]
+        determined = [(distance, velocities, file) for file, velocities, (_, known, _, distance, *_) in nets if known]
         if not nets:
             return ""
-        told = f"{len(nets) - len(determined)} of {len(nets)} net impulses between bodies are not determined by the motion. "
-        told = told if len(determined) < len(nets) else ""
+        text = f"{len(nets) - len(determined)} of {len(nets)} net impulses between bodies are not determined by the motion. "
+        text = text if len(determined) < len(nets) else ""
         if determined:
-            near = sum(net[3] <= NEAR for _, _, net in determined)
-            one, name, net = max(determined, key=lambda each: each[2][3])
-            told += f"{near} of {len(determined)} net impulses between bodies are within {rough_percent(NEAR)} of the exact "
-            told += f"answer's; farthest, by {rough_percent(net[3])}, are those on the velocities {name} in {one.file}. "
-        if hyperstatic := sum(not net[2] for _, _, net in nets):
-            told += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
-        return told.strip()
+            near = sum(distance <= NEAR for distance, *_ in determined)
+            farthest, velocities, file = max(determined, key=lambda net: net[0])
+            text += f"{near} of {len(determined)} net impulses between bodies are within {rough_percent(NEAR)} of the exact "
+            text += f"answer's; farthest, by {rough_percent(farthest)}, are those on the velocities {velocities} in {file}. "
+        if hyperstatic := sum(not each_known for _, _, (_, _, each_known, *_) in nets):
+            text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
+        return text.strip()
 
     def worst(self, most: int) -> list[Judgement]:
         """Return `most` steps with large residuals, beyond rounding, the largest first. Of the AMONG * most largest, those that
         exceed both their neighbours in time are preferred."""
         size = [one.residual if one.residual > one.floor else 0.0 for one in self.steps]
-        largest = sorted((k for k in range(len(size)) if size[k]), key=lambda k: -size[k])[: AMONG * most]
+        largest = sorted((k for k in range(len(size)) if size[k]), key=lambda k: -size[k])[: CHOSEN_FROM * most]
         peaks = {k for k in largest if max(size[:k][-1:], default=0.0) < size[k] >= max(size[k + 1 :][:1], default=0.0)}
         return [self.steps[k] for k in sorted(sorted(largest, key=lambda k: k not in peaks)[:most], key=largest.index)]
 
@@ -202,12 +202,12 @@ class Judged:
         return [
             {
                 "variant": str(variant),
-                "solved": int((own["verdict"] == Verdict.SOLVED).sum()),
-                "steps": len(own),
-                "residual": percentiles(filter(np.isfinite, own["residual"])),
-                "time": percentiles(filter(np.isfinite, own["time"])),
+                "solved": int((rows["verdict"] == Verdict.SOLVED).sum()),
+                "steps": len(rows),
+                "residual": percentiles(filter(np.isfinite, rows["residual"])),
+                "time": percentiles(filter(np.isfinite, rows["time"])),
             }
-            for variant, own in each.groupby("variant", sort=False)
+            for variant, rows in each.groupby("variant", sort=False)
         ]
 
 

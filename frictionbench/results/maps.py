@@ -157,8 +157,8 @@ def at_grid_points(rows: "pd.DataFrame", spec: Map) -> "pd.DataFrame":
         tile = 1.0 if i % 1 == 0 and j % 1 == 0 else 0.5 if (2 * i) % 1 == 0 and (2 * j) % 1 == 0 else 0.25
         points.setdefault(json.dumps(spec.at((i, j)), sort_keys=True), (i, j, tile))
     rows = rows[rows["parameters"].isin(points.keys())]
-    found = [points[parameters] for parameters in rows["parameters"]]
-    rows = rows.assign(**{name: [point[k] for point in found] for k, name in enumerate(("i", "j", "tile"))})
+    row_points = [points[parameters] for parameters in rows["parameters"]]
+    rows = rows.assign(**{name: [point[k] for point in row_points] for k, name in enumerate(("i", "j", "tile"))})
     solved = (rows["verdict"] == Verdict.SOLVED).groupby([rows["i"], rows["j"]]).transform("any")
     if spec.steps:
         return rows.assign(known=solved)

@@ -126,6 +126,6 @@ def plain(value: Any, digits: int) -> Any:
     return float(f"{value:.{digits}g}") if isinstance(value, float) else value
 
 
-def decoded(found: Any, origin: str) -> Motion:
+def decoded(value: Any, origin: str) -> Motion:
     """Return an encoded motion. Errors: ResultsError naming the origin if it is not a recorded motion."""
-    return parsed(found, Motion, origin)
+    return parsed(value, Motion, origin)

@@ -102,28 +102,30 @@ def rows(folder: Path, table: str) -> dict[str, Row]:
 
     Errors: ResultsError naming a shard that cannot be read.
     """
-    schema, found = arrow_schema(table), {}
+    schema, known = arrow_schema(table), {}
     for shard in _shards(folder, table):
         for row in _parse(shard):
-            if row["key"] not in found:
-                found[row["key"]] = fitted(row, schema)
-    return found
+            if row["key"] not in known:
+                known[row["key"]] = fitted(row, schema)
+    return known
 
 
-def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simulations")) -> tuple[str, Row]:
+def find_row(folder: Path, wanted: str, tables: Sequence[str] = ("solves", "simulations")) -> tuple[str, Row]:
     """Return the table and the row with the given key, or with the only key that starts with it.
 
     The table's name may be left out: `3f9c` finds `solve-3f9c...`. Errors: ResultsError if no row or several rows match.
     """
     known = {key: (table, row) for table in tables for key, row in rows(folder, table).items()}
-    if given in known:
-        return known[given]
-    found = [key for key in known if key.startswith(given) or key.partition("-")[2].startswith(given)]
-    if not found:
-        raise ResultsError(f"{folder}: no row has the key {given!r}; `frictionbench rerun {folder}` lists those that failed")
-    if len(found) > 1:
-        raise ResultsError(f"{folder}: {len(found)} rows have a key that begins with {given!r}: {', '.join(found[:3])}, ...")
-    return known[found[0]]
+    if wanted in known:
+        return known[wanted]
+    matches = [key for key in known if key.startswith(wanted) or key.partition("-")[2].startswith(wanted)]
+    if not matches:
+        raise ResultsError(f"{folder}: no row has the key {wanted!r}; `frictionbench rerun {folder}` lists those that failed")
+    if len(matches) > 1:
+        raise ResultsError(
+            f"{folder}: {len(matches)} rows have a key that begins with {wanted!r}: {', '.join(matches[:3])}, ..."
+        )
+    return known[matches[0]]
 
 
 def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> None:
@@ -133,15 +135,15 @@ def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> None:
         write_text(shard, "".join(json.dumps(row) + "\n" for row in kept))
 
 
-def write_table(folder: Path, table: str, found: Sequence[Row]) -> None:
+def write_table(folder: Path, table: str, rows: Sequence[Row]) -> None:
     """Write the rows as DIR/TABLE.parquet, or no file if there are none."""
-    if found:
+    if rows:
         with replaced(folder / f"{table}.parquet") as partial:
-            pq.write_table(_table(found, arrow_schema(table)), partial)
+            pq.write_table(_table(rows, arrow_schema(table)), partial)
 
 
-def _table(found: Sequence[Row], schema: pa.Schema) -> pa.Table:
-    fit = [fitted(row, schema) for row in found]
+def _table(rows: Sequence[Row], schema: pa.Schema) -> pa.Table:
+    fit = [fitted(row, schema) for row in rows]
     return pa.table({name: [row.get(name) for row in fit] for name in schema.names}, schema=schema)
 
 
@@ -179,8 +181,8 @@ def _read_parquet(path: Path, file: pq.ParquetFile, schema: pa.Schema) -> pa.Tab
     for field in schema:
         if field.name not in columns.names:
             raise ResultsError(f"{path}: column {field.name} is missing")
-        if (found := columns.field(field.name).type) != field.type:
-            raise ResultsError(f"{path}: column {field.name} is {found}, not {field.type}")
+        if (kind := columns.field(field.name).type) != field.type:
+            raise ResultsError(f"{path}: column {field.name} is {kind}, not {field.type}")
     unpacked = values = 0
     for group in map(facts.row_group, range(facts.num_row_groups)):
         chunks = [group.column(i) for i in range(group.num_columns)]
@@ -224,10 +226,10 @@ _FACTS |= dict.fromkeys(("versions", "solvers", "content"), dict[str, str])
 _SETTINGS: dict[str, Any] = {"tolerances": list[float], "plugins": list[_Plugin], "sources": list[_Source]}
 
 
-def write_manifest(folder: Path, manifest: Row) -> None:
-    """Write DIR/manifest.json atomically. Errors: ResultsError if it is too large to be read again."""
+def write_manifest(folder: Path, manifest: Row, share: float = 1.0) -> None:
+    """Write DIR/manifest.json atomically. Errors: ResultsError if it takes more than this share of the size that is read."""
     text = json.dumps({"schema": SCHEMA_VERSION} | cleaned(manifest), indent=2) + "\n"
-    if len(text) > LARGEST_MANIFEST:
+    if len(text) > share * LARGEST_MANIFEST:
         raise ResultsError(f"{folder}: its manifest would exceed {LARGEST_MANIFEST >> 20} MiB; run fewer data files at once")
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "manifest.json", text)

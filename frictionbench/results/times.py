@@ -20,30 +20,30 @@ from frictionbench.results.changes import Time, equally_solved
 
 Pair = tuple[pd.DataFrame, pd.DataFrame]  # the cells of two processes
 ALPHA = 0.05  # error probability of the intervals
-FEW = 0.25  # largest share of disturbed processes of the earlier version in that case
+FEW_DISTURBED = 0.25  # largest share of disturbed processes of the earlier version in that case
 
 
 def times(pairs: Sequence[Pair], limit: float) -> list[Time]:
     """Return the times of each solver over the cells that both processes of a pair solved with the same verdict. Disturbed
     cells are used only for solvers that have no others."""
-    found = []
+    compared = []
     logs = _logs(pairs)
     for variant in sorted({name for log in logs for name in log["variant"]}):
-        own = [log[log["variant"] == variant] for log in logs]
-        own = [log for log in own if len(log)]
-        before, after = (float(np.exp(np.median([log[side].mean() for log in own]))) for side in ("before", "after"))
-        shifts = np.array([(log["after"] - log["before"]).mean() for log in own])
-        found.append(Time(variant, before, after, *estimate(shifts), len(own), max(map(len, own)), limit))
-    return found
+        of_variant = [log[log["variant"] == variant] for log in logs]
+        of_variant = [log for log in of_variant if len(log)]
+        before, after = (float(np.exp(np.median([log[side].mean() for log in of_variant]))) for side in ("before", "after"))
+        shifts = np.array([(log["after"] - log["before"]).mean() for log in of_variant])
+        compared.append(Time(variant, before, after, *estimate(shifts), len(of_variant), max(map(len, of_variant)), limit))
+    return compared
 
 
 def may_be_slower(pairs: Sequence[Pair], most: int, limit: float) -> bool:
     """Return whether some solver's interval over `most` pairs can still lie above the limit, however slow the pairs to come."""
     logs = pd.concat([log.assign(pair=k) for k, log in enumerate(_logs(pairs))])
     shifts = (logs["after"] - logs["before"]).groupby([logs["variant"], logs["pair"]]).mean()
-    for _, own in shifts.groupby("variant"):
-        to_come = np.full(most - len(own), np.inf)
-        if estimate(np.concatenate([own, to_come]))[1] > limit:
+    for _, of_variant in shifts.groupby("variant"):
+        to_come = np.full(most - len(of_variant), np.inf)
+        if estimate(np.concatenate([of_variant, to_come]))[1] > limit:
             return True
     return False
 
@@ -53,8 +53,8 @@ def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
     earlier, later = (
         pd.concat([pair[side]["disturbed"].astype(float) for pair in pairs], axis=1).mean(axis=1) for side in (0, 1)
     )
-    own_doing = later.index[(later == 1) & (earlier.reindex(later.index) <= FEW)]
-    found = []
+    self_disturbed = later.index[(later == 1) & (earlier.reindex(later.index) <= FEW_DISTURBED)]
+    tables = []
     for pair in pairs:
         common = pair[0].index.intersection(pair[1].index)
         before, after = (cells.loc[common] for cells in pair)
@@ -63,10 +63,10 @@ def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
         for side, cells in (("before", before), ("after", after)):
             table[side] = np.log(cells["seconds"].loc[same.index])
         disturbed = (before["disturbed"] | after["disturbed"]).loc[same.index]
-        table["undisturbed"] = ~disturbed | same.index.isin(own_doing)
+        table["undisturbed"] = ~disturbed | same.index.isin(self_disturbed)
         table = table.dropna()
-        found.append(table[table["undisturbed"] | ~table.groupby("variant")["undisturbed"].transform("any")])
-    return found
+        tables.append(table[table["undisturbed"] | ~table.groupby("variant")["undisturbed"].transform("any")])
+    return tables
 
 
 def estimate(shifts: np.ndarray) -> tuple[float, float, float, float]:

@@ -15,7 +15,7 @@ from frictionbench.harness.run import run
 from frictionbench.problems.measures import judged, violations
 from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
-from frictionbench.results.judgement import NAME, Judged, percentiles, read_judgements
+from frictionbench.results.judgement import FILE, Judged, percentiles, read_judgements
 from frictionbench.results.store import read_table
 from tests.helpers.browser import faults, in_browser
 from tests.helpers.command_line import frictionbench
@@ -100,10 +100,10 @@ def test_summary_and_page(folder, monkeypatch) -> None:
 
 
 def test_edited_judgements_are_refused(folder, tmp_path) -> None:
-    row = next(row for row in json.loads((folder / NAME).read_text()) if row["contacts"])
+    row = next(row for row in json.loads((folder / FILE).read_text()) if row["contacts"])
     for change in ({"law": "__class__"}, {"residual": float("nan")}, {"forces": [[1.0, 2.0]]}, {"contacts": "x"}):
-        (tmp_path / NAME).write_text(json.dumps([row | change]))
-        with pytest.raises(ResultsError, match=NAME):
+        (tmp_path / FILE).write_text(json.dumps([row | change]))
+        with pytest.raises(ResultsError, match=FILE):
             read_judgements(tmp_path)
 
 

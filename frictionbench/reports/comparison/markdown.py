@@ -11,7 +11,7 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from frictionbench.reports.drawing.text import code, escaped, seconds
-from frictionbench.results.cells import FILE
+from frictionbench.results.cells import FILE_SEPARATOR
 from frictionbench.results.changes import GONE, Flip, Time
 from frictionbench.results.commands import rerun
 from frictionbench.results.compare import Comparison
@@ -57,7 +57,7 @@ def rerun_command(comparison: Comparison, flip: Flip) -> str:
     """Return the command that runs the cell again, empty if it is gone."""
     if flip.after == GONE:
         return ""
-    return rerun(comparison.current, flip.key.partition(FILE)[0], flip.variant, comparison.sources)
+    return rerun(comparison.current, flip.key.partition(FILE_SEPARATOR)[0], flip.variant, comparison.sources)
 
 
 def format_verdicts(flip: Flip) -> str:
