@@ -6,7 +6,6 @@ child opened for reading, and programs that it started. The suite's own librarie
 system folders, temporary and compiled files, and what the worker had loaded before are left out.
 """
 
-import json
 import os
 import shlex
 import shutil
@@ -21,20 +20,19 @@ from typing import Any
 from frictionbench.harness.plans.plan import Plan, Plugin
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results import store
-from frictionbench.results.files import cleaned
+from frictionbench.results.files import ResultsError, cleaned
 from frictionbench.solvers import executable, plugins
 
 SYSTEM = tuple(map(Path, ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/bin", "/bin", "/etc", "/proc", "/sys", "/dev")))
-MOST = 20_000  # files read that are recorded for a plug-in: several times what large frameworks read
+MOST_READ = 20_000  # files read that are recorded for a plug-in: several times what large frameworks read
 STARTED = ("subprocess.Popen", "os.posix_spawn", "os.exec", "os.system")  # audit events whose first argument is a program
-MOST_TEXT = store.LARGEST_MANIFEST // 2  # characters of names, places and hashes in a manifest
-MOST_FILES, LARGEST = 50_000, 16 * 2**30  # files and bytes of a package that is hashed: more than any has, and takes a minute
+MOST_HASHED, LARGEST_HASHED = 50_000, 16 * 2**30  # files and bytes of a package to hash: more than any has, and takes a minute
 COMPILED = (".pyc", ".nbi", ".nbc")  # suffixes of files compiled from modules
 VERSION = "version "  # prefix of the version of a library, given in place of a path
 Loaded = dict[str, str]  # name to a path, or to VERSION followed by a version
 
 
-class _Watch:
+class _LoadWatch:
     """The modules and libraries loaded when this process began to watch, and the files that it has opened since."""
 
     def __init__(self, folder: Path) -> None:
@@ -43,13 +41,13 @@ class _Watch:
         self.before, self.libraries = set(sys.modules), set(_mapped())
         self.read: set[str] = set()
         self.written: set[str] = set()
-        self.told: set[str] = set()  # of what was read
+        self.reported: set[str] = set()  # of what was read
         self.worker, self.forked = os.getpid(), os.memfd_create("opened by forked children")
         self.identity = os.fstat(self.forked)
         sys.addaudithook(self._heard)
 
     def _heard(self, event: str, arguments: tuple[Any, ...]) -> None:
-        if event == "open" and isinstance(arguments[0], str | bytes | os.PathLike) and len(self.read) < MOST:
+        if event == "open" and isinstance(arguments[0], str | bytes | os.PathLike) and len(self.read) < MOST_READ:
             flags = arguments[2] if isinstance(arguments[2], int) else 0
             path = os.path.abspath(os.fsdecode(arguments[0]))
             fresh = flags & os.O_TRUNC or (flags & os.O_CREAT and not os.path.exists(path))  # nothing in it can be read
@@ -71,14 +69,14 @@ class _Watch:
             (self.written if entry.startswith("w") else self.read).add(entry[1:])
 
 
-_watch: _Watch | None = None
+_watch: _LoadWatch | None = None
 
 
 def watch(folder: Path) -> None:
     """Begin to watch what this process, a worker of the run in folder, loads and reads."""
     global _watch  # noqa: PLW0603  # one per process: an audit hook cannot be removed
     SourceFileLoader.path_stats = _stats  # type: ignore[method-assign]
-    _watch = _watch or _Watch(folder)
+    _watch = _watch or _LoadWatch(folder)
 
 
 _own_stats = SourceFileLoader.path_stats
@@ -95,30 +93,30 @@ def loaded() -> Loaded:
     """Return what this process has loaded since `watch`, and read since the last call."""
     if _watch is None:
         return {}
-    found: Loaded = {}
+    named: Loaded = {}
     for name in sorted(set(sys.modules) - _watch.before):
         top = name.partition(".")[0]
         module = sys.modules.get(top)
         if top in sys.stdlib_module_names or top == PACKAGE.name or module is None:
             continue
         if top in _watch.known and getattr(module, "__file__", None):  # not a namespace package, which others may extend
-            found[top] = f"{VERSION}{getattr(module, '__version__', '')}"
+            named[top] = f"{VERSION}{getattr(module, '__version__', '')}"
             continue
         for part, place in enumerate(getattr(module, "__path__", None) or [getattr(module, "__file__", None)], 1):
             if place:  # a namespace package has several
                 folder = Path(place).name if name.startswith(plugins.MODULE) else top
-                found[f"{folder} {part}" if part > 1 else folder] = os.path.abspath(place)  # not resolved: a link may change
+                named[f"{folder} {part}" if part > 1 else folder] = os.path.abspath(place)  # not resolved: a link may change
     _watch.add_forked()
-    read = {*_mapped(), *_watch.read} - _watch.libraries - _watch.written - _watch.told
-    _watch.told |= read
-    places = {_watch.folder, *(Path(place).resolve() for place in found.values()), *_left_out()}
+    read = {*_mapped(), *_watch.read} - _watch.libraries - _watch.written - _watch.reported
+    _watch.reported |= read
+    places = {_watch.folder, *(Path(place).resolve() for place in named.values()), *_left_out()}
     ours = [module for name, module in list(sys.modules.items()) if name.partition(".")[0] in _watch.known]
     known = {Path(file).resolve() for module in ours if (file := getattr(module, "__file__", None))}
     for path in map(_source, map(Path, read)):
         real, metadata = path.resolve(), path.parent.suffix in (".dist-info", ".egg-info")
         if real.is_file() and path.suffix not in COMPILED and not metadata and real not in known:
-            found |= {str(path): str(path)} if places.isdisjoint((real, *real.parents)) else {}
-    return found
+            named |= {str(path): str(path)} if places.isdisjoint((real, *real.parents)) else {}
+    return named
 
 
 def _program(event: str, arguments: tuple[Any, ...]) -> str | None:
@@ -154,13 +152,13 @@ def _left_out() -> list[Path]:
     return [place.resolve() for place in places]
 
 
-def differing(plan: Plan, recorded: dict[str, str]) -> list[str]:
+def changed_content(plan: Plan, recorded: dict[str, str]) -> list[str]:
     """Return the places in `recorded`, the `content` of a manifest, whose hash is different now."""
-    now = cleaned(begun(plan)["content"])  # in the form in which they are stored in the manifest
-    return [place for place, digest in recorded.items() if (now.get(place) or hashed(place)) != digest]
+    now = cleaned(initial_content(plan)["content"])  # in the form in which they are stored in the manifest
+    return [place for place, digest in recorded.items() if (now.get(place) or content_hash(place)) != digest]
 
 
-class Record:
+class LoadRecord:
     """What the plug-ins of a run have loaded so far. The manifest keeps it as `loaded`, by source and name, and `content`, the
     hashes by place of these and of the problems' files."""
 
@@ -176,37 +174,37 @@ class Record:
         self._seen |= new
         manifest = store.read_manifest(self._folder)
         manifest["loaded"].setdefault(source, {}).update({name: place for _, name, place in new})
-        manifest["content"] |= {place: hashed(place) for *_, place in new if place not in manifest["content"]}
-        if len(json.dumps([manifest["loaded"], manifest["content"]])) <= MOST_TEXT:
-            store.write_manifest(self._folder, manifest)
+        manifest["content"] |= {place: content_hash(place) for *_, place in new if place not in manifest["content"]}
+        with suppress(ResultsError):  # too much is not recorded: half of the manifest is left for the run's own entries
+            store.write_manifest(self._folder, manifest, share=0.5)
 
 
-def begun(plan: Plan) -> dict[str, Any]:
+def initial_content(plan: Plan) -> dict[str, Any]:
     """Return the parts `loaded` and `content` of a manifest before anything has run. Files that do not exist yet are left out,
     such as the judged steps, which are named by their hashes."""
     files = {name for source in plan.sources for name in (source.file, source.before) if name}
     loaded = {plugin.source: _named_files(plugin) for plugin in plan.plugins}
     places = sorted(files | {place for known in loaded.values() for place in known.values()})
-    return {"loaded": loaded, "content": {place: digest for place in places if (digest := hashed(place))}}
+    return {"loaded": loaded, "content": {place: digest for place in places if (digest := content_hash(place))}}
 
 
 def _named_files(plugin: Plugin) -> Loaded:
     """Return the files that a plug-in's source names, and the hash of an executable's command."""
-    found = {path.name: str(path) for path in plugins.files(plugin.source)}
+    named_files = {path.name: str(path) for path in plugins.files(plugin.source)}
     if executable.is_command(plugin.source):
-        found["command"] = f"{VERSION}{executable.command_hash(plugin.source)}"
-    return found
+        named_files["command"] = f"{VERSION}{executable.command_hash(plugin.source)}"
+    return named_files
 
 
-def hashed(place: str) -> str:
+def content_hash(place: str) -> str:
     """Return the hash of a file or folder, or the version if `place` is one; empty if it cannot be read or is too large, since
     a worker may report any path."""
     if place.startswith(VERSION):
         return place.removeprefix(VERSION)
     path = Path(place)
     try:
-        files = [path] if path.is_file() else list(islice((each for each in path.rglob("*") if each.is_file()), MOST_FILES + 1))
-        if not files or len(files) > MOST_FILES or sum(each.stat().st_size for each in files) > LARGEST:
+        files = [path] if path.is_file() else list(islice(filter(Path.is_file, path.rglob("*")), MOST_HASHED + 1))
+        if not files or len(files) > MOST_HASHED or sum(each.stat().st_size for each in files) > LARGEST_HASHED:
             return ""
         return plugins.content_of(path)
     except OSError:

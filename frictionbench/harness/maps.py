@@ -87,15 +87,15 @@ def corners(spec: Map) -> list[GridPoint]:
     return [(x, y) for x in (0.0, spec.x.count - 1.0) for y in (0.0, spec.y.count - 1.0)]
 
 
-def finer(spec: Map, known: set[GridPoint], level: int, found: Verdicts) -> list[GridPoint]:
+def finer(spec: Map, known: set[GridPoint], level: int, verdicts: Verdicts) -> list[GridPoint]:
     """Return at most spec.most new grid points between neighbours whose verdicts differ; most differences come first."""
     step = 0.5**level
     gain: dict[GridPoint, int] = {}
-    for (i, j), own in found.items():
+    for (i, j), here in verdicts.items():
         for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
             neighbour = (i + 2 * di * step, j + 2 * dj * step)
-            other = found.get(neighbour, own)
-            changes = sum(other.get(variant) != verdict for variant, verdict in own.items())
+            there = verdicts.get(neighbour, here)
+            changes = sum(there.get(variant) != verdict for variant, verdict in here.items())
             between = (i + di * step, j + dj * step)
             if changes and between not in known:
                 gain[between] = max(gain.get(between, 0), changes)
@@ -115,8 +115,8 @@ def trace(spec: Map, folder: Path) -> None:
     if not spec.thresholds or path.exists():
         return
     subfolder(folder, path.parent.name)
-    found = {name: crossings(spec, THRESHOLDS[name]) for name in spec.thresholds}
-    write_text(path, json.dumps(found))
+    points = {name: crossings(spec, THRESHOLDS[name]) for name in spec.thresholds}
+    write_text(path, json.dumps(points))
 
 
 def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[GridPoint]:
@@ -166,10 +166,10 @@ def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: 
     solves, simulations = (store.read_table(folder, table) for table in ("solves", "simulations"))
     for spec, known in zip(specs, points, strict=True):
         if level <= spec.levels:
-            found: Verdicts = {}
+            verdicts: Verdicts = {}
             for row in at_grid_points(simulations if spec.steps else solves, spec).itertuples():
-                found.setdefault((row.i, row.j), {})[row.variant] = row.verdict
-            known.update(dict.fromkeys(finer(spec, set(known), level, found)))
+                verdicts.setdefault((row.i, row.j), {})[row.variant] = row.verdict
+            known.update(dict.fromkeys(finer(spec, set(known), level, verdicts)))
 
 
 def _with_points(plan: Plan, points: list[dict[GridPoint, None]]) -> Plan:
@@ -177,7 +177,7 @@ def _with_points(plan: Plan, points: list[dict[GridPoint, None]]) -> Plan:
     than the scene's duration."""
     sources: dict[str, Source] = {}
     cells: list[SimulationCell] = []
-    for spec, parameters in ((spec, spec.at(point)) for spec, own in zip(plan.maps, points, strict=True) for point in own):
+    for spec, parameters in ((spec, spec.at(point)) for spec, known in zip(plan.maps, points, strict=True) for point in known):
         if spec.steps:
             steps = min(spec.steps, scene(spec.scene, **parameters).steps)
             given = spec.scene, parameters

@@ -64,10 +64,10 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
                 record_histories(plan, folder, records.values(), rows["solves"].values(), pool, progress)
         if distant:  # after the pool has released its cores, which workers on this machine need
             _run(cells, records, plan, folder, distant, progress, rows)
-    if changed := dependencies.differing(plan, store.read_manifest(folder).get("content", {})):
+    if changed := dependencies.changed_content(plan, store.read_manifest(folder).get("content", {})):
         raise ResultsError(f"{folder}: {changed[0]}: has another content than when the run began; begin another run")
-    for table, found in rows.items():
-        store.write_table(folder, table, [found[cell.key] for cell in cells if cell.table == table])
+    for table, table_rows in rows.items():
+        store.write_table(folder, table, [table_rows[cell.key] for cell in cells if cell.table == table])
     names = sorted({record["problem"] for record in records.values()} - {""})
     store.write_manifest(folder, store.read_manifest(folder) | {"problems": names, "finished": _now()})
 
@@ -79,8 +79,8 @@ def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str
     least, most = (max(round(each * len(cells)), 1) for each in (SMALL_CELL, plan.time_limit))  # s
     takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in (least, most))
     cells_of = f"{count(len(cells), 'cell')} of {count(len(records), 'problem')}"
-    told = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
-    return f"{told}, about {longest} where all take their {plan.time_limit:g} s; kernels are compiled first, at their first use"
+    text = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
+    return f"{text}, about {longest} where all take their {plan.time_limit:g} s; kernels are compiled first, at their first use"
 
 
 def _run(
@@ -97,11 +97,11 @@ def _run(
     Cells of plug-ins come last, because a worker that has run a plug-in is used for nothing else. Cells of one library come
     together, so that each worker loads it once.
     """
-    left = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
-    if cells and not left:
+    remaining = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
+    if cells and not remaining:
         progress.tell(f"{count(len(cells), 'cell')} had been run before, and none is left")
-    tasks = [_task(cell, records, plan) for cell in left]
-    writer, record = f"{os.getpid()}-{secrets.token_hex(4)}", dependencies.Record(folder)
+    tasks = [_task(cell, records, plan) for cell in remaining]
+    writer, record = f"{os.getpid()}-{secrets.token_hex(4)}", dependencies.LoadRecord(folder)
     with ExitStack() as opened:
         shards = {table: opened.enter_context(new_shard(folder, table, writer)) for table in TABLES}
         for outcome in progress.follow("cells", engine, tasks, len(cells) - len(tasks)):
@@ -118,7 +118,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
     if (folder / "manifest.json").exists():
         stored = store.read_manifest(folder)
         if different := _differences(stored, manifest) or [
-            f"{place}: has another content" for place in dependencies.differing(plan, stored.get("content", {}))
+            f"{place}: has another content" for place in dependencies.changed_content(plan, stored.get("content", {}))
         ]:
             listed = "\n  ".join(different[:12])
             raise ResultsError(f"{folder} holds another run; choose another --out. Differences:\n  {listed}")
@@ -126,7 +126,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written. Choose another --out")
     begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": _now(), "options": plan.options}
-    store.write_manifest(folder, manifest | begun | dependencies.begun(plan))
+    store.write_manifest(folder, manifest | begun | dependencies.initial_content(plan))
 
 
 def _descriptions(plan: Plan) -> dict[str, str]:
@@ -146,7 +146,7 @@ def drop_disturbed(plan: Plan, folder: Path) -> None:
 
 
 def _differences(stored: Row, wanted: Row) -> list[str]:
-    found = []
+    differences = []
     for part, values in cleaned(wanted).items():  # in the form in which they are stored
         old = stored.get(part, {})
         names = (name for name in sorted(values.keys() | old.keys()) if old.get(name) != values.get(name))
@@ -154,11 +154,11 @@ def _differences(stored: Row, wanted: Row) -> list[str]:
             there, here = old.get(name), values.get(name)
             if isinstance(there, list) and isinstance(here, list):  # show only the entries that the other list lacks
                 there, here = [entry for entry in there if entry not in here], [entry for entry in here if entry not in there]
-            told = f"{_words(there):.150} in the folder, {_words(here):.150} now"
+            text = f"{_words(there):.150} in the folder, {_words(here):.150} now"
             if name == "plugins" and there and here and there[0]["source"] == here[0]["source"]:
-                told = f"{there[0]['source']} has changed ({there[0]['content'][:8]} → {here[0]['content'][:8]})"
-            found.append(f"{part}.{name}: {told}")
-    return found
+                text = f"{there[0]['source']} has changed ({there[0]['content'][:8]} → {here[0]['content'][:8]})"
+            differences.append(f"{part}.{name}: {text}")
+    return differences
 
 
 def _words(value: object) -> str:
@@ -203,10 +203,10 @@ def cell_task(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Rec
 def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
     """Return the row of a cell: what its worker returned, or how it failed. Facts known beforehand take precedence."""
     cell, *record, limit = outcome.task.arguments
-    found = {"verdict": outcome.failure, "reason": outcome.reason} if outcome.failure else outcome.value
-    if not isinstance(found, dict) or found.get("verdict") not in list(Verdict):
-        found = {"verdict": Verdict.CRASHED, "reason": "the worker returned a malformed row"}
-    return found | known_row(cell, limit, plugins, *record) | {"host": found.get("host", machine.host())}
+    row = {"verdict": outcome.failure, "reason": outcome.reason} if outcome.failure else outcome.value
+    if not isinstance(row, dict) or row.get("verdict") not in list(Verdict):
+        row = {"verdict": Verdict.CRASHED, "reason": "the worker returned a malformed row"}
+    return row | known_row(cell, limit, plugins, *record) | {"host": row.get("host", machine.host())}
 
 
 def _now() -> str:

@@ -247,9 +247,9 @@ def test_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
 
 def test_what_a_worker_reports_is_bounded(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """It may name a file at which a read never ends, more than a manifest can hold, or lists that fill the memory."""
-    assert dependencies.hashed("/proc/self/status") == sha256().hexdigest()
-    record = dependencies.Record(write_folder(tmp_path, [], loaded={}, content={}))
-    monkeypatch.setattr(dependencies, "MOST_TEXT", 1000)
+    assert dependencies.content_hash("/proc/self/status") == sha256().hexdigest()
+    record = dependencies.LoadRecord(write_folder(tmp_path, [], loaded={}, content={}))
+    monkeypatch.setattr(store, "LARGEST_MANIFEST", 2**12)
     for number in (1, 100):
         record.add("guest.py", {f"{k}": f"{dependencies.VERSION}1" for k in range(number)})
         assert len(store.read_manifest(tmp_path)["loaded"]["guest.py"]) == 1
@@ -275,7 +275,7 @@ def test_command_of_an_executable_is_recorded(tmp_path: Path) -> None:
     plugins = [
         dependencies.Plugin(f"exec:{program} {words} {{problem}} {{answer}}", "content", {}) for words in ("--exact", "--fast")
     ]
-    exact, fast = (dependencies.begun(small_plan(plugins=(plugin,)))["loaded"][plugin.source] for plugin in plugins)
+    exact, fast = (dependencies.initial_content(small_plan(plugins=(plugin,)))["loaded"][plugin.source] for plugin in plugins)
     assert exact["solve.sh"] == fast["solve.sh"] == str(program)
     assert exact["command"] != fast["command"]
 

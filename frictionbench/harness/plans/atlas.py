@@ -131,7 +131,7 @@ def atlas() -> tuple[Map, ...]:
 
 def _maps(table: str, common_note: str = "", **common: Any) -> tuple[Map, ...]:
     """Parse the maps in a table. common: fields shared by all."""
-    found = []
+    maps = []
     for block in table.strip().split("\n\n"):
         head, title, *note = map(str.strip, block.splitlines())
         name, spec, x, y, *more = head.split()
@@ -139,9 +139,9 @@ def _maps(table: str, common_note: str = "", **common: Any) -> tuple[Map, ...]:
         schemes: Any = dict(each.split("=") for each in more if "=" in each)
         thresholds = tuple(each for each in more if "=" not in each)
         axes = axis("x", x, scene), axis("y", y, scene)
-        told = " ".join(note) or common_note
-        found.append(Map(name, scene, *axes, parameters, thresholds=thresholds, title=title, note=told, **schemes | common))
-    return tuple(found)
+        text = " ".join(note) or common_note
+        maps.append(Map(name, scene, *axes, parameters, thresholds=thresholds, title=title, note=text, **schemes | common))
+    return tuple(maps)
 
 
 def axis(field: str, text: str, name: str) -> Axis:

@@ -58,19 +58,19 @@ def read_options(path: Path) -> RunOptions:
     Errors: InputError naming the file and the option, OSError, and those of store.read_manifest.
     """
     try:
-        found = store.read_manifest(path).get("options", {}) if path.is_dir() else tomllib.loads(path.read_text("utf-8"))
+        stored = store.read_manifest(path).get("options", {}) if path.is_dir() else tomllib.loads(path.read_text("utf-8"))
     except ValueError as error:
         raise InputError(f"config: {path}: {error}") from None
-    require(isinstance(found, dict), "config", f"{path}: options: not a table")
+    require(isinstance(stored, dict), "config", f"{path}: options: not a table")
     names = [field.name for field in fields(RunOptions)]
-    for name in found:
+    for name in stored:
         known = f"{path}: unknown option {name!r}{near(name, names)}; known are {', '.join(names)}"
         require(name in names, "config", known)
     try:
-        options = RunOptions(**found)
+        options = RunOptions(**stored)
     except ValidationError as error:
         name = str(error.errors()[0]["loc"][0])
-        raise InputError(f"config: {path}: {name}: cannot be {found[name]!r:.100}") from None
+        raise InputError(f"config: {path}: {name}: cannot be {stored[name]!r:.100}") from None
     for spec in options.solver or []:
         require(not defines_all(spec), "config", f"{path}: solver: {spec} is code; name it with --solver")
     return options
@@ -101,17 +101,17 @@ def choose(wanted: RunOptions, variants: tuple[str, ...] = (), plugins: tuple[Pl
 
 def _restricted(plan: Plan, specs: list[str]) -> Plan:
     """Return the plan with only its parts of these names. A spec that has settings, or that names no part, makes new parts."""
-    found: dict[str, list[Any]] = {"sources": [], "simulations": [], "maps": [], "batches": []}
+    chosen: dict[str, list[Any]] = {"sources": [], "simulations": [], "maps": [], "batches": []}
     for spec in specs:
         name, settings = parse("scene", spec)
-        own = {
-            kind: [part for part in getattr(plan, kind) if name in (part.scene, getattr(part, "name", None))] for kind in found
+        named = {
+            kind: [part for part in getattr(plan, kind) if name in (part.scene, getattr(part, "name", None))] for kind in chosen
         }
-        if settings or not (own["sources"] or own["maps"] or own["batches"]):
-            own = _new(name, settings, bool(plan.batches))
-        for kind, each in own.items():
-            found[kind] += each
-    parts: Any = {kind: tuple(each) for kind, each in found.items()}
+        if settings or not (named["sources"] or named["maps"] or named["batches"]):
+            named = _new(name, settings, bool(plan.batches))
+        for kind, each in named.items():
+            chosen[kind] += each
+    parts: Any = {kind: tuple(each) for kind, each in chosen.items()}
     return replace(plan, expects="", **parts)
 
 

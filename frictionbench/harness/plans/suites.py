@@ -128,9 +128,9 @@ def drawn(sources: Iterable[Source], digest: str | None = None) -> tuple[Source,
 def _drawn(source: Source, name: str) -> dict[str, Any]:
     draw = np.random.default_rng(list(sha256(name.encode()).digest()))
     defaults = (scenes() | instances())[source.scene].parameters
-    given = {key: defaults[key] for key in ("seed", "friction") if defaults.get(key) is not None} | source.parameters
-    factors = {key: SPREAD ** draw.uniform(-1, 1) for key in sorted(given)}
-    drawn = {key: _scaled(value, factors[key]) for key, value in given.items()}
+    settings = {key: defaults[key] for key in ("seed", "friction") if defaults.get(key) is not None} | source.parameters
+    factors = {key: SPREAD ** draw.uniform(-1, 1) for key in sorted(settings)}
+    drawn = {key: _scaled(value, factors[key]) for key, value in settings.items()}
     return drawn | ({"seed": int(draw.integers(10**6))} if "seed" in drawn else {})
 
 
