@@ -32,6 +32,7 @@ class Clock:
 def clock(monkeypatch):
     clock = Clock()
     monkeypatch.setattr(timing, "perf_counter", clock)
+    monkeypatch.setattr(timing, "waited", lambda: 0.0)  # seconds of this machine, which are none of the clock's
     yield clock
     for name in [name for name in sys.modules if name.startswith("loaded_late")]:
         del sys.modules[name]
@@ -114,21 +115,21 @@ def test_reused_results_are_not_timed(clock, seconds, loads, known):
         assert (found.solve, found.reused) == ([4.0], None)  # its first call is its sample
     else:
         assert found.solve == pytest.approx([4 * seconds] * 2)
-        assert (found.reused, len(found.unmet)) == (pytest.approx(1000), 2)
+        assert (found.reused, len(found.new_answers)) == (pytest.approx(1000), 2)
 
 
 def test_answers_to_new_problems_are_verified() -> None:
     """The others are kept on disk, and of a version that was right."""
     good, bad, info = solve(block(), "lemke"), Answer(np.ones((1, 2)), Status.SOLVED), find("lemke")[0]
     for unmet, verdict in (good, "solved"), (bad, "wrong"):
-        timing_of = timing.Timing(False, [1.0], [1.0], [1.0], answers=[good], reused=9.0, unmet=[(block(), unmet)])
+        timing_of = timing.Timing(False, [1.0], [1.0], [1.0], answers=[good], reused=9.0, new_answers=[(block(), unmet)])
         row = finding_columns(block(), timing_of, info, 1e-8, 10.0, None, disturbed=False)
         assert (row["verdict"], "it reuses earlier results" in row["reason"]) == (verdict, True)
 
 
 def test_long_call_on_a_problem_met_before_is_questioned(clock):
     method = Memoises(clock, 1000.0, known=[block().hash])
-    found = timing.time_solver(method, block(), lambda ready: method.solve(ready, 1e-8, None), lambda: None, met=True)
+    found = timing.time_solver(method, block(), lambda ready: method.solve(ready, 1e-8, None), lambda: None, met_before=True)
     assert found.solve == [4000.0] * 2
 
 
