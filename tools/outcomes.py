@@ -16,7 +16,7 @@ from email.message import Message
 from importlib.metadata import PackageNotFoundError, metadata
 from typing import Any
 
-from frictionbench.harness.contract.examine import Found, examine
+from frictionbench.harness.contract.examine import CheckResult, examine
 from frictionbench.harness.process import cores
 from frictionbench.harness.progress import Progress
 from frictionbench.solvers import available, find
@@ -55,7 +55,7 @@ def _metadata_of(module: str, python: str) -> Message:
     return message_from_string(done.stdout)
 
 
-def _failed_checks(found: list[Found]) -> str:
+def _failed_checks(found: list[CheckResult]) -> str:
     failed = [f"{one.check.replace('_', ' ')} ({' '.join(one.violations[0].split())})" for one in found if one.violations]
     return "; ".join(failed) or "none"
 

@@ -1,7 +1,7 @@
 """The convergence histories of a run (results.histories): residual against work on a few problems, after all cells are done.
 
-The problems are the largest with up to MOST contacts, one per scene, and small ones with the most redundant contacts. Trivial
-and idle ones are left out. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
+The problems are the largest with up to MOST_CONTACTS contacts, one per scene, and small ones with the most redundant contacts.
+Trivial and idle ones are left out. The solvers are single methods that solved the problem at the tightest tolerance.
 
 A history holds the residual of the answer for work limits of 1, 2, 3, 4, 6, ... units, which are the solver's own: sweeps,
 iterations or pivots. Every answer comes from a new call on a copy of the problem, and its residual is computed on the original,
@@ -35,10 +35,10 @@ from frictionbench.solvers import Solver, Status
 
 BUDGET = 2.0  # seconds after which no larger limit is tried: a history shows early convergence
 LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which is legible with few panels
-MOST = 64  # contacts: a history takes some twenty-five solves, too long for larger problems
+MOST_CONTACTS = 64  # contacts: a history takes some twenty-five solves, too long for larger problems
 MOST_FORCES = 12  # contacts of a problem whose impulses are stored: the report draws each as a bar
 LIMIT = 10.0  # seconds for one history: five times BUDGET
-LONGEST = 20_000  # units of work: a bound for methods that stall; methods that converge well need fewer
+LARGEST_LIMIT = 20_000  # units of work: a bound for methods that stall; methods that converge well need fewer
 
 
 def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[int], list[float], Array]:
@@ -50,9 +50,9 @@ def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[
     impulse = np.zeros((problem.contacts, problem.dimension))
     for limit in _limits():
         answer = checked_copy(solver.solve(solver.prepare(duplicate(problem)), tol, limit))
-        found = usable(problem, answer.impulse)
-        if found is not None and np.isfinite(reached := residual(problem, found)):
-            impulse = found
+        impulses = usable(problem, answer.impulse)
+        if impulses is not None and np.isfinite(reached := residual(problem, impulses)):
+            impulse = impulses
             units.append(limit)
             residuals.append(reached)
         if answer.status is Status.SOLVED or perf_counter() - start_time > BUDGET:
@@ -63,7 +63,7 @@ def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[
 def _limits() -> list[int]:
     """Return the limits 1, 2, 3, 4, 6, 9, ..., each about 1.5 times the previous one."""
     limits = [1]
-    while limits[-1] < LONGEST:
+    while limits[-1] < LARGEST_LIMIT:
         limits.append(max(limits[-1] + 1, round(1.5 * limits[-1])))
     return limits
 
@@ -92,14 +92,14 @@ def record_histories(
         for name in problems
         if (name, variant) in solved
     ]
-    found = []
+    histories = []
     for outcome in progress.follow("convergence histories", pool, tasks):
         name, variant, _ = outcome.task.arguments
         if not outcome.failure:
             with suppress(ValueError, TypeError, LookupError):
-                found.append(_history(problems[name], variant, outcome.value))
+                histories.append(_history(problems[name], variant, outcome.value))
     write_histories(
-        folder, sorted(found, key=lambda history: (history.scene, history.parameters, str(history.step), history.variant))
+        folder, sorted(histories, key=lambda history: (history.scene, history.parameters, str(history.step), history.variant))
     )
 
 
@@ -108,7 +108,7 @@ def chosen(records: Iterable[Record]) -> list[Record]:
     real = [
         record
         for record in records
-        if record["problem"] and not record["trivial"] and not record["idle"] and (record["contacts"] or MOST + 1) <= MOST
+        if record["problem"] and not record["trivial"] and not record["idle"] and 0 < (record["contacts"] or 0) <= MOST_CONTACTS
     ]
     large = sorted(real, key=lambda record: -record["contacts"])
     redundant = [record for record in large if record["redundancy"] and record["contacts"] <= MOST_FORCES]
@@ -117,17 +117,17 @@ def chosen(records: Iterable[Record]) -> list[Record]:
 
 
 def _one_a_scene(records: list[Record]) -> list[Record]:
-    found: dict[str, Record] = {}
+    by_scene: dict[str, Record] = {}
     for record in records:
-        found.setdefault(record["scene"], record)
-    return list(found.values())
+        by_scene.setdefault(record["scene"], record)
+    return list(by_scene.values())
 
 
-def _history(record: Record, variant: str, found: Any) -> ConvergenceHistory:
+def _history(record: Record, variant: str, reply: Any) -> ConvergenceHistory:
     """Check a worker's reply, which may be anything from a plug-in. Errors: LookupError, TypeError or ValueError."""
     redundant = bool(record["redundancy"])
     facts = {name: record[name] for name in ("scene", "parameters", "step", "contacts")}
-    curve = {name: found[name] for name in ("units", "residuals")}
-    impulse = found["impulse"] if redundant and record["contacts"] <= MOST_FORCES else []
+    curve = {name: reply[name] for name in ("units", "residuals")}
+    impulse = reply["impulse"] if redundant and record["contacts"] <= MOST_FORCES else []
     made = facts | curve | {"variant": variant, "redundant": redundant, "impulse": impulse}
     return parsed(made, ConvergenceHistory, CONVERGENCE)

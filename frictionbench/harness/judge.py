@@ -33,9 +33,9 @@ from frictionbench.results.files import replaced, subfolder
 from frictionbench.results.judgement import LAWS, Judgement, write_judgements
 
 FOLDER = "judged"
-EXACT = "hybrid"  # our solver of Coulomb's law for any problem, with which the engine is compared
-STICKS = 1e-6  # relative to a contact's unit of velocity: slower slip in the exact answer counts as none
-RANK = 1e-9  # relative: smaller singular values count as zero
+OUR_SOLVER = "hybrid"  # our solver of Coulomb's law for any problem, with which the engine is compared
+STICKING_SLIP = 1e-6  # relative to a contact's unit of velocity: slower slip in the exact answer counts as none
+RANK_TOL = 1e-9  # relative: smaller singular values count as zero
 DIVERGED = 1e100  # N s: squares of larger impulses may overflow
 MOST_FORCES = 200  # contacts whose forces are kept for a figure
 
@@ -79,7 +79,7 @@ def judge_file(folder: Path, path: Path) -> Judgement:
 def _creep(problem: FrictionProblem, impulse: Array, exact: Array) -> float | None:
     """Return the largest slip, in m/s, at the contacts that stick in the exact answer, or None if there are none."""
     slip = np.linalg.norm(problem.contact_velocity(exact)[:, 1:], axis=1)
-    sticking = (slip <= STICKS * problem.units) & (exact[:, 0] > STICKS * problem.units / problem.scale)
+    sticking = (slip <= STICKING_SLIP * problem.units) & (exact[:, 0] > STICKING_SLIP * problem.units / problem.scale)
     own_slip = np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1)
     return float(own_slip[sticking].max()) if sticking.any() else None
 
@@ -97,24 +97,24 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
     u = problem.contact_velocity(exact)
     slip = np.linalg.norm(u[:, 1:], axis=1)
     owners, columns = [-1] * problem.joints.shape[0], [problem.joints.toarray()]
-    for i in np.flatnonzero(u[:, 0] <= STICKS * problem.units):
-        slides = slip[i] > STICKS * problem.units[i]
+    for i in np.flatnonzero(u[:, 0] <= STICKING_SLIP * problem.units):
+        slides = slip[i] > STICKING_SLIP * problem.units[i]
         along = np.concatenate([[1.0], -problem.friction[i] * u[i, 1:] / slip[i]]) @ J[i] if slides else J[i]
         columns.append(np.atleast_2d(along))
         owners += [int(i)] * len(columns[-1])
     A = np.concatenate(columns).T
-    free, between = null_space(A, rcond=RANK), [tuple(np.flatnonzero(rows.any(axis=0)).tolist()) for rows in J]
-    found = {}
+    free, between = null_space(A, rcond=RANK_TOL), [tuple(np.flatnonzero(rows.any(axis=0)).tolist()) for rows in J]
+    nets_by_velocities = {}
     for velocities in dict.fromkeys(between):
-        own = [i for i in range(nc) if between[i] == velocities]
-        bears = np.isin(owners, own)
-        nets = [np.einsum("cdv,cd->v", J[own], r[own]) for r in (impulse, exact)]
+        between_them = [i for i in range(nc) if between[i] == velocities]
+        bears = np.isin(owners, between_them)
+        nets = [np.einsum("cdv,cd->v", J[between_them], r[between_them]) for r in (impulse, exact)]
         size = [float(np.sqrt(max(net @ (problem.inverse_mass @ net), 0.0))) for net in (nets[0] - nets[1], *nets)]
-        alone = not (np.abs(free[bears]) > RANK).any()
-        net_known = alone or not (np.abs(A[:, bears] @ free[bears]) > RANK * np.abs(A).max(initial=0.0)).any()
-        facts = [len(own), float(net_known), float(alone), size[0] / (max(size[1:]) or 1.0)]
-        found[_ranges(velocities)] = [*facts, *(float(net[v]) for net in nets for v in velocities)]
-    return found
+        alone = not (np.abs(free[bears]) > RANK_TOL).any()
+        net_known = alone or not (np.abs(A[:, bears] @ free[bears]) > RANK_TOL * np.abs(A).max(initial=0.0)).any()
+        facts = [len(between_them), float(net_known), float(alone), size[0] / (max(size[1:]) or 1.0)]
+        nets_by_velocities[_ranges(velocities)] = [*facts, *(float(net[v]) for net in nets for v in velocities)]
+    return nets_by_velocities
 
 
 def _ranges(numbers: tuple[int, ...]) -> str:
@@ -147,17 +147,17 @@ def prepared(
     paths = [folder] if folder.is_file() else sorted(folder.glob("*.npz"), key=natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
     with tempfile.TemporaryDirectory() as name:
-        found = _judgements(paths, Path(name), jobs, progress)
-        require(any(one.contacts for one in found), "folder", f"no step in {folder} has a contact")
-        solvers = tuple(dict.fromkeys((EXACT, *against)))
-        settings = json.dumps([[one.problem for one in found], solvers, tol, time_limit])
+        judgements = _judgements(paths, Path(name), jobs, progress)
+        require(any(one.contacts for one in judgements), "folder", f"no step in {folder} has a contact")
+        solvers = tuple(dict.fromkeys((OUR_SOLVER, *against)))
+        settings = json.dumps([[one.problem for one in judgements], solvers, tol, time_limit])
         out = out or Path("runs") / f"judge-{sha256(settings.encode()).hexdigest()[:8]}"
-        plan = Plan("judge", _sources(folder, found, out), solvers, (tol,), time_limit=time_limit, plugins=plugins)
+        plan = Plan("judge", _sources(folder, judgements, out), solvers, (tol,), time_limit=time_limit, plugins=plugins)
         open_folder(plan, out)
         for path in (Path(name) / FOLDER).iterdir():
             with replaced(subfolder(out, FOLDER) / path.name) as file:  # shutil.move writes through a link
                 copyfile(path, file)
-    write_judgements(out, found)
+    write_judgements(out, judgements)
     return plan, out
 
 
@@ -165,16 +165,16 @@ def _judgements(paths: list[Path], scratch: Path, jobs: int, progress: Progress)
     """Return the judgements in the order of the paths. Errors: InputError naming the first file that cannot be judged."""
     tasks = [Task(judge_step, (str(path.absolute()),), COLLECT_SECONDS) for path in paths]
     with Pool(scratch, jobs, (), MEMORY_LIMIT) as pool:
-        found = {
+        judgements = {
             outcome.task.arguments: Judgement(**outcome.result(f"{outcome.task.arguments[0]}: cannot be judged"))
             for outcome in progress.follow("steps", pool, tasks)
         }
-    return [found[task.arguments] for task in tasks]
+    return [judgements[task.arguments] for task in tasks]
 
 
-def _sources(folder: Path, found: list[Judgement], out: Path) -> tuple[Source, ...]:
+def _sources(folder: Path, judgements: list[Judgement], out: Path) -> tuple[Source, ...]:
     """Return the problems that the steps with contacts are judged by, each problem once."""
-    steps = {one.problem: one.file for one in reversed(found) if one.contacts}
+    steps = {one.problem: one.file for one in reversed(judgements) if one.contacts}
     stored = out.absolute() / FOLDER
     name = folder.resolve().name
     return tuple(Source(name, {"file": file}, file=str(stored / f"{problem}.npz")) for problem, file in reversed(steps.items()))

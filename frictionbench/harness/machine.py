@@ -32,8 +32,8 @@ def describe() -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Return the version of every installed distribution, and of this project's code."""
-    found = {each.metadata["Name"]: each.version for each in distributions()}
-    return {"frictionbench": revision(), **{name: found[name] for name in sorted(found) if name != "frictionbench"}}
+    installed = {each.metadata["Name"]: each.version for each in distributions()}
+    return {"frictionbench": revision(), **{name: installed[name] for name in sorted(installed) if name != "frictionbench"}}
 
 
 @cache
@@ -56,12 +56,12 @@ def revision() -> str:
 @cache
 def content(folders: tuple[str, ...] = FOLDERS) -> str:
     """Return a hash of this project's code in these folders, without the baselines, which are results."""
-    found = sha256()
+    digest = sha256()
     for folder in folders:
         for path in sorted((PACKAGE / folder).rglob("*")):
             if path.suffix in (".py", ".html", ".js", ".md", ".svg", ".tsv") and "baselines" not in path.parts:
-                found.update(f"{path.relative_to(PACKAGE)}\0".encode() + path.read_bytes() + b"\0")
-    return found.hexdigest()
+                digest.update(f"{path.relative_to(PACKAGE)}\0".encode() + path.read_bytes() + b"\0")
+    return digest.hexdigest()
 
 
 def code() -> dict[str, str]:

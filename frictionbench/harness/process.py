@@ -116,8 +116,8 @@ def _memory_bound(limit: int) -> tuple[int, int]:
     import resource
 
     mapped = psutil.Process().memory_info().vms
-    given = [bound for bound in resource.getrlimit(resource.RLIMIT_AS) if bound != resource.RLIM_INFINITY]
-    return mapped, min([mapped + limit, *given])
+    own_limits = [bound for bound in resource.getrlimit(resource.RLIMIT_AS) if bound != resource.RLIM_INFINITY]
+    return mapped, min([mapped + limit, *own_limits])
 
 
 def reset_peak_memory() -> None:
@@ -206,17 +206,17 @@ def checked(call: str, result: int) -> int:
 
 def children(pid: int) -> list[int]:
     """Return the ids of all children of a process, zombies included."""
-    found: list[int] = []
+    ids: list[int] = []
     for task in _listed(f"/proc/{pid}/task"):
         with suppress(OSError), open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as listed:
-            found += map(int, listed.read().split())
-    return found
+            ids += map(int, listed.read().split())
+    return ids
 
 
 def descendants(pid: int) -> list[int]:
     """Return the ids of all descendants of a process, zombies included."""
-    found = children(pid)
-    return found + [below for child in found for below in descendants(child)]
+    ids = children(pid)
+    return ids + [below for child in ids for below in descendants(child)]
 
 
 def end_descendants(*, spare: Collection[int] = ()) -> bool:
@@ -225,7 +225,12 @@ def end_descendants(*, spare: Collection[int] = ()) -> bool:
     Zombies of a spared process are left for it to wait for. This process must be a subreaper, or detached descendants are
     missed.
     """
-    return _end(lambda: [pid for pid in descendants(os.getpid()) if not _may_stay(pid, spare)])
+
+    def is_stray(pid: int) -> bool:
+        state, parent = _state(pid)
+        return pid not in spare and (state not in ENDED or parent == os.getpid())
+
+    return _end(lambda: list(filter(is_stray, descendants(os.getpid()))))
 
 
 def end_children(*, spare: Collection[int]) -> None:
@@ -235,22 +240,17 @@ def end_children(*, spare: Collection[int]) -> None:
 
 
 def _end(running: Callable[[], list[int]]) -> bool:
-    found, deadline = False, monotonic() + PATIENCE
+    any_running, deadline = False, monotonic() + PATIENCE
     while (strays := running()) and monotonic() < deadline:
         for pid in strays:
-            found = found or _state(pid)[0] not in ENDED
+            any_running = any_running or _state(pid)[0] not in ENDED
             with suppress(OSError):
                 os.kill(pid, signal.SIGKILL)
         for pid in strays:
             with suppress(OSError):
                 os.waitpid(pid, os.WNOHANG)
         sleep(0.002)
-    return found
-
-
-def _may_stay(pid: int, spare: Collection[int]) -> bool:
-    state, parent = _state(pid)
-    return pid in spare or (state in ENDED and parent != os.getpid())
+    return any_running
 
 
 def _state(pid: int) -> tuple[str, int]:

@@ -65,8 +65,8 @@ def _open_if_closed(number: int) -> None:
         os.dup2(os.open(os.devnull, os.O_RDWR), number)
 
 
-def _stream(number: int, given: Any) -> io.TextIOWrapper:
-    encoding = getattr(given, "encoding", None) or "utf-8"
+def _stream(number: int, replaced: Any) -> io.TextIOWrapper:
+    encoding = getattr(replaced, "encoding", None) or "utf-8"
     lines = number == 2 or os.isatty(number)
     return io.TextIOWrapper(
         io.BufferedWriter(_Stream(number, "w", closefd=False)), encoding, errors="replace", line_buffering=lines

@@ -46,41 +46,41 @@ class Problems:
     """A batch, the flat impulses for its warm start, and the columns that describe it."""
 
     problems: tuple[FrictionProblem, ...]
-    before: Array
+    start: Array
     facts: Row
 
 
 @lru_cache(maxsize=1)  # the cells of a batch run one after another
 def batch_of(name: str, parameters: str, count: int) -> Problems:
     """Make `count` problems of a scene or an instance. parameters: a JSON object. Errors: InputError of the scene."""
-    given = json.loads(parameters)
+    chosen = json.loads(parameters)
     rng = np.random.default_rng(SEED)
-    drawn = [{key: rng.uniform(*bounds) for key, bounds in DRAWN.items()} | given for _ in range(count)]
+    drawn = [{key: rng.uniform(*bounds) for key, bounds in DRAWN.items()} | chosen for _ in range(count)]
     problems = [problem_of(name, **settings) for settings in drawn]
     spec = BASE[problems[0].dimension]
-    before = solve_many([problem_of(name, **each | {"push": (1 - NEARBY) * each["push"]}) for each in drawn], spec, tol=TOL)
+    nearby = solve_many([problem_of(name, **each | {"push": (1 - NEARBY) * each["push"]}) for each in drawn], spec, tol=TOL)
     answers = solve_many(problems, spec, tol=TOL)
     loaded = np.concatenate([answers[k][:, 0] > 0 for k in range(count)])
-    rested = [idle(problem, lambda given: solve(given, spec).impulse) for problem in problems[:SAMPLE]]
+    idle_flags = [idle(problem, lambda frictionless: solve(frictionless, spec).impulse) for problem in problems[:SAMPLE]]
     facts = {
         "dimension": problems[0].dimension,
         "contacts": problems[0].contacts,
         "active": float(loaded.mean()) if len(loaded) else 0.0,
-        "idle": float(np.mean(rested)),
+        "idle": float(np.mean(idle_flags)),
         "base": spec,
     }
-    return Problems(tuple(problems), before.impulse, facts)
+    return Problems(tuple(problems), nearby.impulse, facts)
 
 
 def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
     """Return the measured columns."""
-    run = _way(cell, batch.problems, batch.before)
+    run = _way(cell, batch.problems, batch.start)
     row = _verified(cell, batch.problems, _one_by_one(run()), info)  # also compiles and loads
     _calls(batch.problems, batch.facts["base"], cell.tol)
     times, singles = [], []
     for _ in range(ROUNDS):
         problems = tuple(nudged(problem, drawn_ulps()) for problem in batch.problems)
-        seconds, last = _worked(_way(cell, problems, batch.before))
+        seconds, last = _worked(_way(cell, problems, batch.start))
         times.append(seconds / cell.count)
         singles.append(_worked(partial(_calls, problems, batch.facts["base"], cell.tol))[0] / cell.count)
     again = _verified(cell, problems, _one_by_one(last), info)
@@ -89,9 +89,9 @@ def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
     return row | {"times": times, "base_times": singles}
 
 
-def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array) -> Callable[[], Any]:
+def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], start_impulses: Array) -> Callable[[], Any]:
     """Return the call that solves these problems, to be timed; work done once, such as packing, is done here."""
-    start = before if cell.start == WARM else None
+    start = start_impulses if cell.start == WARM else None
     many = partial(solve_many, spec=cell.variant, tol=cell.tol, start=start)
     if cell.way == "packed":
         return partial(many, Batch(problems))
@@ -104,12 +104,12 @@ def _calls(problems: tuple[FrictionProblem, ...], spec: str, tol: float) -> list
     return [solve(problem.fresh(), spec, tol=tol) for problem in problems]
 
 
-def _one_by_one(found: Answers | list[Answer]) -> list[Answer]:
+def _one_by_one(answers: Answers | list[Answer]) -> list[Answer]:
     """Return a list with the answer to each problem."""
-    if isinstance(found, list):
-        return found
-    counts = [(name, count.tolist()) for name, count in found.work.items()]
-    return [Answer(found[k], found.status[k], {name: count[k] for name, count in counts}) for k in range(len(found))]
+    if isinstance(answers, list):
+        return answers
+    counts = [(name, count.tolist()) for name, count in answers.work.items()]
+    return [Answer(answers[k], answers.status[k], {name: count[k] for name, count in counts}) for k in range(len(answers))]
 
 
 def _verified(cell: BatchCell, problems: tuple[FrictionProblem, ...], answers: list[Answer], info: SolverInfo) -> Row:
@@ -135,13 +135,13 @@ def _verified(cell: BatchCell, problems: tuple[FrictionProblem, ...], answers: l
 def _worked(run: Callable[[], Any]) -> tuple[float, Any]:
     """Return the seconds of a call, as described above, and its result. Work deferred until answers are read counts too."""
     before = perf_counter() - process.waited(), _processor_time()
-    found = run()
+    result = run()
     duration, processor = perf_counter() - process.waited() - before[0], _processor_time() - before[1]
     seconds = duration if duration > WAITS * processor else processor
-    if not isinstance(found, list) or all(map(is_plain, found)):
-        return seconds, found
-    converting, found = _worked(lambda: [checked_copy(answer) for answer in found])
-    return seconds + converting, found
+    if not isinstance(result, list) or all(map(is_plain, result)):
+        return seconds, result
+    converting, result = _worked(lambda: [checked_copy(answer) for answer in result])
+    return seconds + converting, result
 
 
 def _processor_time() -> float:

@@ -19,7 +19,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, Json
 
-from frictionbench.harness.cells.reference import LARGEST, NoReference, Reference, reference_answer, unless_unsolved
+from frictionbench.harness.cells.reference import LARGEST_RESIDUAL, NoReference, Reference, reference_answer, unless_unsolved
 from frictionbench.harness.cells.rows import blank_facts
 from frictionbench.harness.plans import robots
 from frictionbench.harness.plans.plan import Source, origin
@@ -101,16 +101,16 @@ def collect(folder: Path, source: Source, described: bool = True) -> list[Record
         if all((record["scene"], record["parameters"]) == facts_of_source for record in known):
             return [record | {"repeats": source.repeats} for record in known]
     records: dict[str, Record] = {}
-    for found, starts in _recorded(source) if source.file else _chosen(source):
-        problem = found if isinstance(found, LCP) else found.problem
+    for collected, starts in _recorded(source) if source.file else _chosen(source):
+        problem = collected if isinstance(collected, LCP) else collected.problem
         name = problem.hash
         if name not in records:
             with replaced(store / f"{name}.npz") as file:
                 save(problem, file)
-            if isinstance(found, LCP):
-                record = lcp_facts(source, found)
+            if isinstance(collected, LCP):
+                record = lcp_facts(source, collected)
             else:
-                record = _answered_facts(folder, source, found) if described else _size_facts(source, found)
+                record = _answered_facts(folder, source, collected) if described else _size_facts(source, collected)
             digests = {COLD: ""} | {start: _digest(impulses) for start, impulses in starts.items()}
             records[name] = record | {"starts": digests, "repeats": source.repeats}
             if starts:
@@ -120,30 +120,30 @@ def collect(folder: Path, source: Source, described: bool = True) -> list[Record
     return list(records.values())
 
 
-def _answered_facts(folder: Path, source: Source, found: Collected) -> Record:
+def _answered_facts(folder: Path, source: Source, collected: Collected) -> Record:
     """Store a problem's refined reference answer, if it has one, and return its facts."""
-    answer = reference_answer(found.problem) if found.impulse is None else found.impulse
-    finest = None if answer is None else refined(found.problem, answer)
+    answer = reference_answer(collected.problem) if collected.impulse is None else collected.impulse
+    finest = None if answer is None else refined(collected.problem, answer)
     if finest is not None:
-        with replaced(_answer_file(folder, found.problem.hash)) as file:
+        with replaced(_answer_file(folder, collected.problem.hash)) as file:
             np.savez(file, impulse=finest)
-    return facts(source, found._replace(impulse=answer))
+    return facts(source, collected._replace(impulse=answer))
 
 
 def stored(folder: Path, problem: str) -> FrictionProblem | LCP:
     """Read a stored problem by its hash. Errors: InputError if the file is missing, damaged or holds another problem."""
     path = folder / "problems" / f"{problem}.npz"
-    found = load(path)
-    require(found.hash == problem, str(path), f"holds another problem, {found.hash}, than the one its name is the hash of")
-    return found
+    loaded = load(path)
+    require(loaded.hash == problem, str(path), f"holds another problem, {loaded.hash}, than the one its name is the hash of")
+    return loaded
 
 
 def stored_friction(folder: Path, problem: str) -> FrictionProblem:
     """Read a stored friction problem by its hash. Errors: InputError as for `stored`, and if it is a bare LCP."""
-    found = stored(folder, problem)
-    if isinstance(found, LCP):
+    loaded = stored(folder, problem)
+    if isinstance(loaded, LCP):
         raise InputError(f"problem: {problem} is a bare LCP, without contacts")
-    return found
+    return loaded
 
 
 def stored_answer(folder: Path, problem: str) -> Array | None:
@@ -184,8 +184,8 @@ def _starts_file(folder: Path, problem: str, source_origin: str) -> Path:
 
 def files_of(folder: Path, problem: str, source_origin: str) -> list[Path]:
     """Return the existing files of a stored problem, without listing the folder, which may hold very many."""
-    own, answer = folder / "problems" / f"{problem}.npz", _answer_file(folder, problem)
-    return [path for path in (own, answer, _starts_file(folder, problem, source_origin)) if path.exists()]
+    problem_file, answer = folder / "problems" / f"{problem}.npz", _answer_file(folder, problem)
+    return [path for path in (problem_file, answer, _starts_file(folder, problem, source_origin)) if path.exists()]
 
 
 def _recorded(source: Source) -> list[tuple[Collected | LCP, dict[str, Array]]]:
@@ -226,39 +226,39 @@ def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
     stage = scene(source.scene, **source.parameters)
     if source.pick == 0:
         return [(Collected(0, first_phase(source.scheme), first_problem_of(stage, source.scheme)), {})]
-    found, ended = _motion(stage, source.steps)
-    require(bool(found), "scene", f"{source.scene} yields no problem{': ' if ended else ''}{ended}")
-    found = [each._replace(idle=_idle(each.problem)) for each in found]
-    working = [i for i, each in enumerate(found) if not each.idle] or range(len(found))
+    collected, ended = _motion(stage, source.steps)
+    require(bool(collected), "scene", f"{source.scene} yields no problem{': ' if ended else ''}{ended}")
+    collected = [each._replace(idle=_idle(each.problem)) for each in collected]
+    working = [i for i, each in enumerate(collected) if not each.idle] or range(len(collected))
     chosen = [working[i] for i in np.unique(np.linspace(0, len(working) - 1, min(source.pick, len(working))).astype(int))]
-    last = found[-1]
+    last = collected[-1]
     reference = f"{last.reference}; the motion ended after step {last.step}: {ended}" if ended else last.reference
-    return [(found[i]._replace(reference=reference), _starts(found, i)) for i in chosen]
+    return [(collected[i]._replace(reference=reference), _starts(collected, i)) for i in chosen]
 
 
 def _motion(stage: Scene, steps: int | None) -> tuple[list[Collected], str]:
     """Return the problems of a motion that zero impulses do not solve, and why the motion ended early, or empty."""
-    reference, found = Reference(), []
+    reference, collected = Reference(), []
     try:
         for index, step in enumerate(simulate(stage, reference, steps=steps)):
-            found += [
+            collected += [
                 Collected(index, solved.phase, solved.problem, step.contacts, solved.impulse, str(reference))
                 for solved in step.solved
                 if residual(solved.problem, 0 * solved.impulse) > 0
             ]
     except NoReference as finding:
-        return found, str(finding)
-    return found, ""
+        return collected, str(finding)
+    return collected, ""
 
 
-def _starts(found: list[Collected], i: int) -> dict[str, Array]:
-    before = [j for j in range(i) if found[j].phase == found[i].phase]
-    others = [j for j in range(len(found)) if j != i and found[j].phase == found[i].phase]
+def _starts(collected: list[Collected], i: int) -> dict[str, Array]:
+    before = [j for j in range(i) if collected[j].phase == collected[i].phase]
+    others = [j for j in range(len(collected)) if j != i and collected[j].phase == collected[i].phase]
     starts = {}
     if before:
-        starts[WARM] = _transferred(found[before[-1]], found[i])
+        starts[WARM] = _transferred(collected[before[-1]], collected[i])
     if others:
-        starts[SHUFFLED] = _transferred(found[int(np.random.default_rng(i).choice(others))], found[i])
+        starts[SHUFFLED] = _transferred(collected[int(np.random.default_rng(i).choice(others))], collected[i])
     return starts
 
 
@@ -278,23 +278,23 @@ def _transferred(known: Collected, wanted: Collected) -> Array:
 def facts(source: Source, collected: Collected) -> Record:
     """Return the columns of a row that describe a problem (results.schema.PROBLEM_FACTS). Some need its reference answer."""
     problem, answer = collected.problem, collected.impulse
-    nc, planar, found = problem.contacts, problem.dimension == 2, labels(problem)
+    nc, planar, labelled = problem.contacts, problem.dimension == 2, labels(problem)
     proof = contradiction(problem) if answer is None else None
-    infeasible = proof is not None and bool(proof.least_residual > LARGEST)  # no answer would be accepted
-    row = blank_facts(source, problem.hash, collected.step, collected.phase, collected.reference) | vars(found)
+    infeasible = proof is not None and bool(proof.least_residual > LARGEST_RESIDUAL)  # no answer would be accepted
+    row = blank_facts(source, problem.hash, collected.step, collected.phase, collected.reference) | vars(labelled)
     row |= {
         "contacts": nc,
         "dimension": problem.dimension,
         "velocities": len(problem.free_velocity),
-        "redundancy": None if found.rank is None else nc * problem.dimension - found.rank,
-        "trivial": bool(found.trivial),
-        "idle": not found.trivial and (_idle(problem) if collected.idle is None else collected.idle),
+        "redundancy": None if labelled.rank is None else nc * problem.dimension - labelled.rank,
+        "trivial": bool(labelled.trivial),
+        "idle": not labelled.trivial and (_idle(problem) if collected.idle is None else collected.idle),
         "proved_infeasible": infeasible,
     }
     if planar and nc <= MAX_COUNTED:
         counted = census_labels(problem)
         row |= {"solutions": counted["solutions"], "outcomes": counted["velocity_count"]}
-    known = "none" if infeasible else existence(problem, found.pointedness <= POINTED)  # by theory, otherwise by counting
+    known = "none" if infeasible else existence(problem, labelled.pointedness <= POINTED)  # by theory, otherwise by counting
     row["existence"] = known or {None: "", "none": "none"}.get(row["solutions"], "counted")
     if nc <= MAX_PERTURBED:  # infinite if the problem, or a perturbed one, has no verified answer
         row["sensitivity"] = unless_unsolved(np.inf, lambda solve: sensitivity(problem, solve))

@@ -51,11 +51,11 @@ def record_motion(stage: Scene, solver: str, scheme: str = DEFAULT_SCHEME, steps
     parts = [_balance(stage, before, after) for before, after in pairwise(taken)]
     work = np.cumsum([np.zeros(3), *(work for _, work, _ in parts)], axis=0)
     general = stage if isinstance(stage, GeneralisedScene) else None
-    usual = scenes()[stage.name].parameters if stage.name in scenes() else {}
+    defaults = scenes()[stage.name].parameters if stage.name in scenes() else {}
     return Motion(
         scene=stage.name,
         parameters=stage.parameters,
-        changed={name: value for name, value in stage.parameters.items() if name not in usual or value != usual[name]},
+        changed={name: value for name, value in stage.parameters.items() if name not in defaults or value != defaults[name]},
         solver=solver,
         scheme=scheme,
         step=stage.step,
@@ -95,7 +95,7 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
     for smooth in after.smooth:
         work[0] += smooth.work
         contacts.append(_placed(smooth.contacts, smooth.impulse))
-    for phase, problem, impulse, found, returned in after.solved:
+    for phase, problem, impulse, contacts_of_phase, returned in after.solved:
         worst = max(worst, residual(problem, impulse))
         if phase == "forces":  # its work is counted in the smooth motion
             continue
@@ -108,7 +108,7 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
         middle = (v + after_phase) / 2
         normal, *tangential = (total * (J @ middle).reshape(-1, d)).sum(axis=0)
         work += sum(tangential), normal, hinge_impulse @ middle
-        contacts.append(_placed(found, total))
+        contacts.append(_placed(contacts_of_phase, total))
         v = after_phase
     return _merged(np.vstack(contacts)), work, worst
 

@@ -17,7 +17,8 @@ from frictionbench.problems.verify import verify
 from frictionbench.solvers import available, solve
 
 T = TypeVar("T")
-TOL, LARGEST = 1e-10, 1e-8  # the tolerance given to solvers; the largest accepted residual, the tightest target of most suites
+TOL = 1e-10  # the tolerance given to solvers
+LARGEST_RESIDUAL = 1e-8  # of an accepted answer: the tightest target of most suites
 # In the order tried: an exact method first, then methods of other kinds, which fail on other problems.
 SMALL_PLANAR = ("lemke", "path_search", "interior_point")
 OTHERS = ("hybrid", "nsgs", "interior_point")
@@ -41,7 +42,7 @@ class Reference:
         failed = []
         for name in _names(problem):
             try:
-                finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name].model, LARGEST)
+                finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name].model, LARGEST_RESIDUAL)
             except Exception as error:  # the next solver is tried
                 failed.append(f"{name}: {type(error).__name__}")
                 continue
@@ -49,7 +50,7 @@ class Reference:
                 self._answered[name] += 1
                 return np.asarray(answer.impulse, dtype=float)
             failed.append(f"{name}: {finding.residual:.1e}")
-        raise NoReference(f"no reference answer within {LARGEST:g} ({', '.join(failed)})")
+        raise NoReference(f"no reference answer within {LARGEST_RESIDUAL:g} ({', '.join(failed)})")
 
     def __str__(self) -> str:
         counts = self._answered.most_common()

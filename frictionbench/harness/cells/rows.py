@@ -24,13 +24,13 @@ from frictionbench.solvers import Answer, SolverInfo, Status, find
 
 def known_row(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Row | None = None) -> Row:
     """Return the columns of a cell and of its solver. record: of a solve cell's problem, whose facts are columns as well."""
-    own = {"problems" if name == "count" else name: value for name, value in vars(cell).items() if name != "origin"}
+    columns = {"problems" if name == "count" else name: value for name, value in vars(cell).items() if name != "origin"}
     if record is None:
-        own["parameters"] = json.dumps(own["parameters"], sort_keys=True)
+        columns["parameters"] = json.dumps(columns["parameters"], sort_keys=True)
     facts = {} if record is None else {name: record[name] for name in PROBLEM_FACTS}
     plugin = plugin_of(cell.variant, plugins)
     described = plugin.solvers[cell.variant] if plugin else solver_facts(cell.variant)
-    return own | facts | {"key": cell.key, "time_limit": limit} | described
+    return columns | facts | {"key": cell.key, "time_limit": limit} | described
 
 
 def no_problem(source: Source, reason: str) -> Row:
@@ -77,9 +77,9 @@ def finding_columns(
     reference: impulses (nc, d) whose velocities are compared with those of the answer.
     disturbed: whether another process ran on the core, which may be why the first call was slow.
     """
-    answers = [*((problem, answer) for answer in timing.answers), *timing.unmet]  # a cache may hold results of other code
-    findings = [(verify(given, answer, info.model, tol, quiet=bool(info.needs)), answer) for given, answer in answers]
-    finding, answer = max(findings, key=lambda found: (RANK[found[0].verdict], found[0].residual))
+    answers = [*((problem, answer) for answer in timing.answers), *timing.new_answers]  # a cache may hold results of other code
+    findings = [(verify(posed, answer, info.model, tol, quiet=bool(info.needs)), answer) for posed, answer in answers]
+    finding, answer = max(findings, key=lambda pair: (RANK[pair[0].verdict], pair[0].residual))
     row: Row = {
         "status": answer.status.name,
         "claimed": answer.status is Status.SOLVED,
@@ -132,12 +132,12 @@ def _velocity_columns(problem: FrictionProblem, finding: Finding, answer: Answer
     """Return the distances from the reference's velocities to the answer's, and to those of the solution near the answer."""
     if reference is None:
         return {}
-    found = velocity_distance(problem, answer.impulse, reference)
-    if found is None or not finding.residual <= CLOSE:
-        return {"velocity_error": found}
-    finest = answer.impulse if found <= APART else refined(problem, answer.impulse)
+    error = velocity_distance(problem, answer.impulse, reference)
+    if error is None or not finding.residual <= CLOSE:
+        return {"velocity_error": error}
+    finest = answer.impulse if error <= APART else refined(problem, answer.impulse)
     return {
-        "velocity_error": found,
+        "velocity_error": error,
         "outcome_distance": None if finest is None else velocity_distance(problem, finest, reference),
     }
 

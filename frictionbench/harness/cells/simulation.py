@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness.cells.timing import Call, Timing, clean_call, question, timed_call
+from frictionbench.harness.cells.timing import Call, Timing, check_reuse, clean_call, timed_call
 from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.answer import AnswerError
@@ -44,19 +44,19 @@ class _ClosedLoop:
 
     def _verified(self, problem: FrictionProblem) -> tuple[Verdict, Array | None]:
         """Return the verdict on the solver's answer, and its impulses, or None if they are malformed."""
-        given = duplicate(problem)
+        handed = duplicate(problem)
         try:
-            call = clean_call(lambda: self._timed(given))
+            call = clean_call(lambda: self._timed(handed))
         except AnswerError as error:
             self.worst_residual = np.inf
             return malformed(error), None
-        answered, self._last = perf_counter(), (given, call)
+        answered, self._last = perf_counter(), (handed, call)
         self.solver_time += np.nan if call.loaded else sum(call.times)
         finding = verify(problem, call.answer, self._info.model, self._tol, quiet=bool(self._info.needs))
         self.worst_residual = max(self.worst_residual, finding.residual)
         if np.isfinite(finding.residual):
             self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
-        verdict = finding.verdict if same(problem, given) else Verdict.WRONG
+        verdict = finding.verdict if same(problem, handed) else Verdict.WRONG
         self.overhead += perf_counter() - answered
         return verdict, usable(problem, call.answer.impulse)
 
@@ -71,7 +71,7 @@ class _ClosedLoop:
         if self._last:
             problem, call = self._last
             timing.add_sample(call)
-            question(timing, problem, self._timed, lambda: None)
+            check_reuse(timing, problem, self._timed, lambda: None)
         return self.solver_time if timing.reused is None else None
 
     def verdict(self) -> tuple[Verdict, str]:

@@ -34,7 +34,7 @@ from frictionbench.problems.copies import nudged
 from frictionbench.solvers import Answer, Solver
 
 BUDGET = 0.1  # seconds of repeats per cell: suites have thousands of cells
-FEWEST, MOST = 3, 15  # repeats: a median needs three, and more than fifteen change it little
+FEWEST_REPEATS, MOST_REPEATS = 3, 15  # repeats: a median needs three, and more than fifteen change it little
 SLOW_FIRST = 5.0  # ratio of a first call to the repeats above which its results may have been reused
 SLOW_NEW = 2e-4  # seconds: a shorter call on a new problem is not suspect, because interruptions take as long
 MOST_ULPS = 4096  # largest nudge: a relative change of at most 1e-12, and enough values that one is rarely drawn twice
@@ -63,7 +63,7 @@ class Timing:
     first: the first call, None if it loaded something. spent: all calls. clock: the samples' times by the library's own clock,
     if it has one. answers: the distinct answers of the first call and the samples. remote: as above; calls: for each remote
     sample, setup and solve including the transfer. reused: the ratio of the time on a new problem to that of the repeats if the
-    solver reuses results, otherwise None; unmet: such new problems with the answers.
+    solver reuses results, otherwise None; new_answers: such new problems with the answers.
     """
 
     remote: bool = False
@@ -77,7 +77,7 @@ class Timing:
     spent: float = 0.0
     answers: list[Answer] = field(default_factory=list)
     reused: float | None = None
-    unmet: list[tuple[FrictionProblem | LCP, Answer]] = field(default_factory=list)
+    new_answers: list[tuple[FrictionProblem | LCP, Answer]] = field(default_factory=list)
 
     def add_answer(self, answer: Answer) -> None:
         if not any(identical(answer, known) for known in self.answers):
@@ -100,15 +100,15 @@ def time_solver(
     solver: Solver,
     problem: FrictionProblem | LCP,
     solve: Callable[[Any], Answer],
-    answered: Callable[[], None],
-    most: int = MOST,
+    restart_limit: Callable[[], None],
+    most: int = MOST_REPEATS,
     remote: bool = False,
-    met: bool = False,
+    met_before: bool = False,
 ) -> Timing:
-    """Return the answers to the problem and their times. answered() is called before the repeats and before each new problem.
+    """Return the answers to the problem and their times. restart_limit() is called before the repeats and each new problem.
 
-    solve: calls the solver with the tolerance and the start. most: the largest number of repeats. remote: as in Timing. met:
-    whether the solver may have met the problem before, so that a long call is tested for reuse as well.
+    solve: calls the solver with the tolerance and the start. most: the largest number of repeats. remote: as in Timing.
+    met_before: whether the solver may have met the problem before, so that a long call is tested for reuse as well.
     Errors: AnswerError, and whatever the solver raises.
     """
     timing = Timing(remote)
@@ -119,16 +119,16 @@ def time_solver(
         first = _timed(solver, problem, solve, timing)
         timing.add_answer(first.answer)
         timing.first = None if first.loaded else sum(first.times)
-        answered()
+        restart_limit()
         clean = first if not first.loaded else clean_call(lambda: _timed(solver, problem, solve, timing))
         seconds = sum(clean.times)
         if seconds > BUDGET:
             timing.add_sample(clean)
         else:
-            for _ in range(max(min(FEWEST, most), min(most, int(BUDGET / max(seconds, 1e-9))))):
+            for _ in range(max(min(FEWEST_REPEATS, most), min(most, int(BUDGET / max(seconds, 1e-9))))):
                 timing.add_sample(clean_call(lambda: _timed(solver, problem, solve, timing)))
-        if timing.solve and (seconds <= BUDGET or met):
-            question(timing, problem, lambda other: _timed(solver, other, solve, timing), answered)
+        if timing.solve and (seconds <= BUDGET or met_before):
+            check_reuse(timing, problem, lambda other: _timed(solver, other, solve, timing), restart_limit)
     finally:
         if enabled:
             gc.enable()
@@ -140,18 +140,20 @@ def drawn_ulps() -> int:
     return 1 + secrets.randbelow(MOST_ULPS)
 
 
-def question(timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any], Call], answered: Callable[[], None]) -> None:
+def check_reuse(
+    timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any], Call], restart_limit: Callable[[], None]
+) -> None:
     """Test whether the solver reuses results, as described above, and replace the samples if so."""
     usual, new = statistics.median(map(sum, zip(timing.form, timing.setup, timing.solve, strict=True))), []
     with suppress(Exception):  # a failure on a new problem does not count, since the cell is about another
         for _ in range(2):
             other = nudged(problem, drawn_ulps())
-            answered()
+            restart_limit()
             made = call(other)
             if made.running <= max(SLOW_FIRST * usual, SLOW_NEW) or made.running <= SLOW_FIRST * sum(call(other).times):
                 return
             new.append((other, made))
-        times, timing.unmet = [made.times for _, made in new], [(other, made.answer) for other, made in new]
+        times, timing.new_answers = [made.times for _, made in new], [(other, made.answer) for other, made in new]
         timing.form, timing.setup, timing.solve = map(list, zip(*times, strict=True))
         timing.reused, timing.clock, timing.calls = min(map(sum, times)) / max(usual, 1e-9), [], []
 

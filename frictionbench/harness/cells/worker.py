@@ -23,7 +23,7 @@ from frictionbench.harness.cells.collect import Record, collect, stored, stored_
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.cells.rows import finding_columns, solver_facts
 from frictionbench.harness.cells.simulation import malformed, refusal, run_closed_loop
-from frictionbench.harness.cells.timing import MOST, time_solver
+from frictionbench.harness.cells.timing import MOST_REPEATS, time_solver
 from frictionbench.harness.contract.check import contact
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source, plugin_of
@@ -50,9 +50,9 @@ class _Worker:
     folder: Path
     plugins: tuple[Plugin, ...]
     memory: int
-    tell: Callable[[], None]
+    report_loaded: Callable[[], None]
     warm: dict[tuple[str, int, bool], Row] = field(default_factory=dict)  # see _warm_up
-    met: set[tuple[str, str]] = field(default_factory=set)
+    solved_before: set[tuple[str, str]] = field(default_factory=set)  # variants and problems
 
 
 _worker: _Worker
@@ -64,7 +64,7 @@ FIRST_TOLERANCE = 1e-6  # tolerance of a solver's first call: the tightest for s
 SHARED = 0.02  # a cell that waited for its core for more than this share of the timed seconds is marked as disturbed
 
 
-def start(deadline: Deadline, core: int | None, settings: Settings, tell: Callable[[], None]) -> None:
+def start(deadline: Deadline, core: int | None, settings: Settings, report_loaded: Callable[[], None]) -> None:
     """Make this process a worker, pinned to its own core if there is one.
 
     tell: called before and after a solver's first call, to report to the main process what has been loaded.
@@ -73,7 +73,7 @@ def start(deadline: Deadline, core: int | None, settings: Settings, tell: Callab
     if core is not None:
         os.sched_setaffinity(0, {core})
     folder, plugin_files, memory_limit = settings
-    _worker = _Worker(deadline, core, folder, plugin_files, process.bound_memory(memory_limit), tell)
+    _worker = _Worker(deadline, core, folder, plugin_files, process.bound_memory(memory_limit), report_loaded)
 
 
 def folder() -> Path:
@@ -136,8 +136,8 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
 def _too_large(solver: Solver, problem: FrictionProblem | LCP) -> str | None:
     """Return that the solver's dense matrices do not fit into memory, or None."""
     need = dense_storage(solver, problem)
-    told = f"its dense matrices need {need / 2**30:.1f} GiB, and the memory is limited to {_worker.memory / 2**30:.1f} GiB"
-    return told if need > _worker.memory else None
+    reason = f"its dense matrices need {need / 2**30:.1f} GiB, and the memory is limited to {_worker.memory / 2**30:.1f} GiB"
+    return reason if need > _worker.memory else None
 
 
 def _solved(
@@ -145,21 +145,21 @@ def _solved(
 ) -> Row:
     """Call the solver and return the columns of its answers. The limit applies to the first call; repeats, which are few or
     short, may take a second more."""
-    given, case = duplicate(problem), (cell.variant, cell.problem)
-    met = _foreign(cell.variant) and case in _worker.met
-    _worker.met.add(case)
+    handed, case = duplicate(problem), (cell.variant, cell.problem)
+    met_before = _foreign(cell.variant) and case in _worker.solved_before
+    _worker.solved_before.add(case)
     digest = (record.get("starts") or {}).get(cell.start, "")
     start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start, digest)
     begun, waited = perf_counter(), process.waited()
     try:
         timing = time_solver(
             solver,
-            given,
+            handed,
             solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
-            answered=lambda: _worker.deadline.allow(limit + 1.0),
-            most=record.get("repeats") or MOST,
+            restart_limit=lambda: _worker.deadline.allow(limit + 1.0),
+            most=record.get("repeats") or MOST_REPEATS,
             remote=info.remote and info.ours,
-            met=met,
+            met_before=met_before,
         )
     except AnswerError as error:
         return {"verdict": malformed(error), "reason": str(error), "claimed": error.claimed}
@@ -167,7 +167,7 @@ def _solved(
     row = _machine_columns(waited, timing.spent)
     reference = stored_answer(_worker.folder, cell.problem)
     row |= finding_columns(problem, timing, info, cell.tol, limit, reference, disturbed=bool(row["disturbed"]))
-    if not same(problem, given):
+    if not same(problem, handed):
         row |= {"verdict": Verdict.WRONG, "reason": "the solver changed its input"}
     return row | {"overhead": perf_counter() - begun - timing.spent}
 
@@ -193,7 +193,7 @@ def run_batch(cell: BatchCell, limit: float) -> Row:
 def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None, measure: Callable[[], Row]) -> Row:
     """Return the columns that `measure` finds within the limit, and those of the machine. Whatever a solver raises, SystemExit
     included, is a crash. A worse verdict of _warm_up takes precedence. reason: why the cell is skipped. kind: see _kind."""
-    found: Row = {"verdict": Verdict.SKIPPED, "reason": reason}
+    row: Row = {"verdict": Verdict.SKIPPED, "reason": reason}
     first = {} if reason else _warm_up(variant, *kind, limit)
     process.reset_peak_memory()
     begun, waited = perf_counter(), process.waited()
@@ -202,13 +202,13 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
             # the seconds of compiling or cache reading by numba that are not counted, and whether only our kernels' are
             compiling = (FOREIGN_LOADING, True) if _foreign(variant) else (COMPILE_SECONDS, False)
             with _worker.deadline.within(limit, *compiling):
-                found = measure()
-            found = _machine_columns(waited, perf_counter() - begun) | found
+                row = measure()
+            row = _machine_columns(waited, perf_counter() - begun) | row
         except BaseException as error:
-            found = {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)}
-    if first and RANK[first["verdict"]] > RANK[found["verdict"]]:
-        found |= first
-    return found | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - begun}
+            row = {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)}
+    if first and RANK[first["verdict"]] > RANK[row["verdict"]]:
+        row |= first
+    return row | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - begun}
 
 
 def run_check(variant: str, check: str, violations: Callable[..., list[str]], limit: float) -> list[str]:
@@ -243,10 +243,10 @@ def _problem(name: str) -> FrictionProblem | LCP:
 def _machine_columns(waited: float, spent: float) -> Row:
     """Return the columns of memory and core. waited: process.waited() before the cell began; spent: the timed seconds. A cell
     whose solver has left its core counts as disturbed too."""
-    core_wait, own = process.waited() - waited, None if _worker.core is None else {_worker.core}
-    left = own is None or os.sched_getaffinity(0) != own
-    if own:
-        os.sched_setaffinity(0, own)
+    core_wait, own_core = process.waited() - waited, None if _worker.core is None else {_worker.core}
+    left = own_core is None or os.sched_getaffinity(0) != own_core
+    if own_core:
+        os.sched_setaffinity(0, own_core)
     disturbed = left or not core_wait <= SHARED * spent
     return {"peak_memory": process.peak_memory(), "core_wait": core_wait, "disturbed": disturbed}
 
@@ -270,7 +270,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
     kind = (variant, dimension, jointed)
     if kind not in _worker.warm:
         _worker.warm[kind] = {}
-        _worker.tell()
+        _worker.report_loaded()
         info, solver = find(variant)
         gc.disable()  # compilation keeps most objects that it creates; collection would free little in a tenth of the time
         seconds = max(limit, LOAD_SECONDS) if info.needs else limit
@@ -279,7 +279,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> Row:
             first = _failure(info, solver, dimension, jointed)
             if first and not _failure(info, solver, dimension, jointed):
                 _worker.warm[kind] = first
-        _worker.tell()
+        _worker.report_loaded()
         gc.enable()
         gc.collect()
         gc.freeze()  # collections between cells skip what is loaded now, since it stays
@@ -296,13 +296,13 @@ def _failure(info: SolverInfo, solver: Solver, dimension: int, jointed: bool) ->
         verdict, reason = malformed(error), str(error)
     except BaseException as error:
         verdict, reason = Verdict.CRASHED, plugins.describe_error(error)
-    told = f"the first call in its process, on a problem of one contact, is {verdict}, and the second is not: {reason}"
-    return {"verdict": verdict, "reason": told} if verdict in (Verdict.WRONG, Verdict.CRASHED) else {}
+    text = f"the first call in its process, on a problem of one contact, is {verdict}, and the second is not: {reason}"
+    return {"verdict": verdict, "reason": text} if verdict in (Verdict.WRONG, Verdict.CRASHED) else {}
 
 
 def _smallest(dimension: int, jointed: bool) -> FrictionProblem | LCP:
     """Return a problem of one sliding contact, an LCP for dimension 0."""
     if dimension == 0:
         return LCP(np.eye(2), np.array([-1.0, 1.0]))
-    given = contact(dimension, spare=1)
-    return given.replace(joints=np.eye(dimension + 1)[-1:], joint_bias=np.zeros(1)) if jointed else given
+    problem = contact(dimension, spare=1)
+    return problem.replace(joints=np.eye(dimension + 1)[-1:], joint_bias=np.zeros(1)) if jointed else problem

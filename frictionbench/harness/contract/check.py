@@ -54,8 +54,8 @@ class Subject(NamedTuple):
             return str(error)
         except Exception as error:
             writes = isinstance(error, ValueError) and "read-only" in str(error)  # NumPy's wording
-            told = "do not write into the problem, copy its arrays: " if writes else ""
-            return told + describe_error(error)
+            hint = "do not write into the problem, copy its arrays: " if writes else ""
+            return hint + describe_error(error)
         if min(answer.work.values(), default=0) < 0:
             return f"counts of work below 0: {answer.work}"
         unusable = np.shape(answer.impulse) != (problem.contacts, problem.dimension)

@@ -26,7 +26,7 @@ CRASHES = "Raise no error: return an Answer with a Status and the best impulses,
 HANGS = "End each call: after `limit` units of work, or, where it is None, after a number of your own."
 
 
-class Found(NamedTuple):
+class CheckResult(NamedTuple):
     """The violations of a check by a variant. failure: the verdict if it hung or crashed, which is then the only violation."""
 
     variant: str
@@ -35,7 +35,7 @@ class Found(NamedTuple):
     failure: Verdict | None = None
 
 
-def examine(specs: list[str], jobs: int, progress: Progress) -> list[Found]:
+def examine(specs: list[str], jobs: int, progress: Progress) -> list[CheckResult]:
     """Run the checks on every variant of the specs, which are files or names. Errors: InputError naming the solver or file."""
     named = [variant for spec in specs for variant in (available()[spec].specs if spec in available() else (spec,))]
     variants, plugins = load_plugins(named)
@@ -43,11 +43,11 @@ def examine(specs: list[str], jobs: int, progress: Progress) -> list[Found]:
         if not owner(variant, plugins) and (missing := find(variant)[0].missing):
             raise InputError(f"solver: {variant}: {missing}")
     order = list(CHECKS)
-    found = (sorted(_examined(each, plugins, jobs, progress), key=lambda one: order.index(one.check)) for each in variants)
-    return [one for own in found for one in own]
+    results = [result for each in variants for result in _examined(each, plugins, jobs, progress)]
+    return sorted(results, key=lambda result: (variants.index(result.variant), order.index(result.check)))
 
 
-def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Progress) -> Iterator[Found]:
+def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Progress) -> Iterator[CheckResult]:
     """Yield what the checks of a variant find, without those that are not run."""
     hung = 0
     with scratch_pool(plugins, jobs=jobs) as pool:
@@ -60,27 +60,27 @@ def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Pr
                 check = outcome.task.arguments[1]
                 replied = [outcome.reason] if outcome.failure else outcome.value  # anything, from a plug-in
                 texts = [*map(str, replied)] if isinstance(replied, list) else ["its worker returned a malformed reply"]
-                yield Found(variant, check, texts, outcome.failure)
+                yield CheckResult(variant, check, texts, outcome.failure)
                 hung += outcome.failure == Verdict.TIMEOUT
                 unsound = stage is FIRST and (outcome.failure or (check == FIRST[-1] and texts))
                 if unsound or hung == MOST_HUNG:
                     return
 
 
-def format_findings(found: Iterable[Found]) -> str:
+def format_findings(results: Iterable[CheckResult]) -> str:
     """Format the findings by variant: a line for each check, advice and violations if it failed, then how many passed."""
     lines, names = [], {check: check.replace("_", " ") for check in CHECKS}
-    for variant, own in groupby(found, key=lambda one: one.variant):
-        findings = list(own)
+    for variant, of_variant in groupby(results, key=lambda one: one.variant):
+        checked = list(of_variant)
         lines.append(variant)
-        for one in findings:
+        for one in checked:
             advice = {None: CHECKS[one.check].advice, Verdict.TIMEOUT: HANGS}.get(one.failure, CRASHES)
             lines.append(f"  failed  {names[one.check]}: {advice}" if one.violations else f"  passed  {names[one.check]}")
             lines += [f"            {violation}" for violation in one.violations]
-        rest = [name for check, name in names.items() if check not in {one.check for one in findings}]
+        rest = [name for check, name in names.items() if check not in {one.check for one in checked}]
         lines += [f"  not tested before the above is mended  {', '.join(rest)}"] if rest else []
-        failed = sum(bool(one.violations) for one in findings)
-        counts = {"passed": len(findings) - failed, "failed": failed, "not tested": len(rest)}
+        failed = sum(bool(one.violations) for one in checked)
+        counts = {"passed": len(checked) - failed, "failed": failed, "not tested": len(rest)}
         lines.append(", ".join(f"{n} {word}" for word, n in counts.items() if n or word == "passed"))
     return "\n".join(lines)
 

@@ -59,10 +59,10 @@ def _load(sources: list[str], named: list[str]) -> list[Plugin]:
 def _described(source: str, value: Any) -> Plugin:
     """Check a worker's description of a plug-in. Errors: InputError if it is malformed, since a plug-in may reply anything."""
     with suppress(ResultsError):
-        found = parsed(value, Plugin, source)
-        named = (found.source, found.content) == (cleaned(source), plugins.content(source))
-        if named and all(facts.keys() == COLUMNS for facts in found.solvers.values()):
-            return replace(found, source=source)
+        plugin = parsed(value, Plugin, source)
+        named = (plugin.source, plugin.content) == (cleaned(source), plugins.content(source))
+        if named and all(facts.keys() == COLUMNS for facts in plugin.solvers.values()):
+            return replace(plugin, source=source)
     raise InputError(f"solver: {source} cannot be imported (its worker returned a malformed description)")
 
 
@@ -77,5 +77,5 @@ def require_buildable(chosen: Sequence[tuple[str, dict[str, Any]]]) -> None:
     tasks = [Task(run_scene, scene, BUILD_SECONDS) for scene in chosen]
     with scratch_pool() as pool:
         for outcome in pool.run(tasks):
-            name, given = outcome.task.arguments
-            outcome.result(f"scene: {scene_title(name, json.dumps(given))} cannot be made")
+            name, parameters = outcome.task.arguments
+            outcome.result(f"scene: {scene_title(name, json.dumps(parameters))} cannot be made")

@@ -98,8 +98,8 @@ class _Server:
             if not line:
                 self.close()
                 errors.seek(0)
-                told = errors.read().decode(errors="replace").strip().splitlines()
-                raise ConnectionError(told[-1] if told else "it was killed")
+                errors_printed = errors.read().decode(errors="replace").strip().splitlines()
+                raise ConnectionError(errors_printed[-1] if errors_printed else "it was killed")
         theirs, ours = json.loads(line), machine.code()
         self.sandbox = str(theirs["sandbox"])
         if theirs["code"] != ours:
@@ -182,8 +182,8 @@ class _Slot:
             return None
         failure = Verdict[message["failure"]] if "failure" in message else None
         message["loaded"] = self._loaded | message.get("loaded", {})
-        told = {name: message[name] for name in ("value", "reason", "refused", "loaded") if name in message}
-        outcome = Outcome(self.task, failure=failure, **told)
+        fields = {name: message[name] for name in ("value", "reason", "refused", "loaded") if name in message}
+        outcome = Outcome(self.task, failure=failure, **fields)
         self.task, self._tries, self._loaded = None, 0, {}
         return outcome
 

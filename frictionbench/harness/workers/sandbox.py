@@ -44,8 +44,8 @@ def best() -> str:
         os._exit(0)
     if os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0:
         return NAMESPACES
-    found = landlock_version()
-    return LANDLOCK if found >= SCOPES else FILES_ONLY if found else GROUPS
+    version = landlock_version()
+    return LANDLOCK if version >= SCOPES else FILES_ONLY if version else GROUPS
 
 
 MOST_FILE = 2**30  # largest file in bytes: an answer takes far less
@@ -61,26 +61,26 @@ def use_scratch(scratch: Path, kernels: Path) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (bound, bound))
 
 
-def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], *own: Path) -> None:
+def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], *writable: Path) -> None:
     """Confine the calling process before it runs a plug-in's code. With namespaces, the call returns in another process.
 
-    own: folders to which it may write; the folders of other workers are beside them. Errors: OSError.
+    writable: folders to which it may write; the folders of other workers are beside them. Errors: OSError.
     """
     if sandbox == GROUPS:
         return
     caches = Path(config.CACHE_DIR).parent
     named = [file for plugin in plugins for file in files(plugin.source)]
     code: list[str | Path] = [PACKAGE.parent, sys.prefix, sys.base_prefix, site.getusersitepackages(), *filter(None, sys.path)]
-    others = [writable.parent for writable in own]
+    others = [path.parent for path in writable]
     protected = _outermost([folder, folder / "problems", caches, *others, *map(Path, code), *named])
-    (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, [writable.resolve() for writable in own])
+    (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, [path.resolve() for path in writable])
     _tolerate_read_only_caches()
 
 
 def _outermost(paths: list[Path]) -> list[Path]:
     """Return the existing paths with links resolved, without those inside another one."""
-    found = {path.resolve() for path in paths if path.exists()}
-    return sorted(path for path in found if not any(parent in found for parent in path.parents))
+    resolved = {path.resolve() for path in paths if path.exists()}
+    return sorted(path for path in resolved if not any(parent in resolved for parent in path.parents))
 
 
 def _tolerate_read_only_caches() -> None:
@@ -113,12 +113,12 @@ class _Beneath(ctypes.Structure):
 
 def landlock_version() -> int:
     """Return the version of Landlock's interface; 0 if the kernel has none, or one that does not restrict truncation."""
-    found = int(libc.syscall(CREATE_RULESET, None, 0, VERSION))
-    return found if found >= TRUNCATES else 0
+    version = int(libc.syscall(CREATE_RULESET, None, 0, VERSION))
+    return version if version >= TRUNCATES else 0
 
 
-def _restrict(protected: Sequence[Path], own: Sequence[Path]) -> None:
-    """Give up the rights to write to protected folders, except own ones, and from version 6 on to signal other processes.
+def _restrict(protected: Sequence[Path], writable: Sequence[Path]) -> None:
+    """Give up the rights to write to protected folders, except writable ones, and from version 6 on to signal other processes.
 
     Errors: OSError.
     """
@@ -127,7 +127,7 @@ def _restrict(protected: Sequence[Path], own: Sequence[Path]) -> None:
     size = ctypes.sizeof(rules) if scopes else ctypes.sizeof(ctypes.c_uint64)
     ruleset = checked("landlock_create_ruleset", libc.syscall(CREATE_RULESET, ctypes.byref(rules), size, 0))
     try:
-        for path in (*_beside(protected), *own):
+        for path in (*_beside(protected), *writable):
             _grant(ruleset, path)
         forbid_new_privileges()
         checked("landlock_restrict_self", libc.syscall(RESTRICT_SELF, ruleset, 0))
@@ -138,11 +138,11 @@ def _restrict(protected: Sequence[Path], own: Sequence[Path]) -> None:
 def _beside(protected: Sequence[Path]) -> list[Path]:
     """Return the topmost files and folders, without links, that neither are protected nor contain anything protected."""
     above = {parent for path in protected for parent in path.parents}
-    found: list[Path] = []
+    topmost: list[Path] = []
     for folder in above:
         with suppress(PermissionError):
-            found += [path for path in folder.iterdir() if path not in above and not path.is_symlink()]
-    return [path for path in found if path not in protected]
+            topmost += [path for path in folder.iterdir() if path not in above and not path.is_symlink()]
+    return [path for path in topmost if path not in protected]
 
 
 def _grant(ruleset: int, path: Path) -> None:
@@ -169,8 +169,8 @@ class _Attributes(ctypes.Structure):
     _fields_ = tuple((name, ctypes.c_uint64) for name in ("set", "clear", "propagation", "users"))
 
 
-def _enter_namespaces(protected: Sequence[Path], own: Sequence[Path]) -> None:
-    """Return in a new process in new namespaces, where the protected folders are read-only except for `own`.
+def _enter_namespaces(protected: Sequence[Path], writable: Sequence[Path]) -> None:
+    """Return in a new process in new namespaces, where the protected folders are read-only except for `writable`.
 
     The calling process becomes the keeper and does not return. Errors: OSError, in the calling process or in the new one.
     """
@@ -185,35 +185,35 @@ def _enter_namespaces(protected: Sequence[Path], own: Sequence[Path]) -> None:
     for path in (*protected, Path("/sys")):
         _mount(path, path, BIND | RECURSIVE)
         _set_attributes(path, _Attributes(set=READ_ONLY))
-    for path in own:
+    for path in writable:
         _mount(path, path, BIND)
         _set_attributes(path, _Attributes(clear=READ_ONLY))
     os.chdir(os.getcwd())  # into the new mounts: through the old ones everything could be written to
-    said, says = os.pipe()
+    status_end, status_writer = os.pipe()
     if os.fork():
-        _close_others(said)
-        status = os.read(said, 4)
+        _close_others(status_end)
+        status = os.read(status_end, 4)
         _end_as(int.from_bytes(status, "little") if status else 1 << 8)  # no status: init could not start the process
     die_with_parent(0)
-    os.close(said)
+    os.close(status_end)
     _mount(Path("proc"), Path("/proc"), 0, kind=b"proc")
     _mount(SETTINGS, SETTINGS, BIND)
     _set_attributes(SETTINGS, _Attributes(set=READ_ONLY))
     if process := os.fork():
         hide_memory()
-        _close_others(says)
-        _be_init(process, says)
-    os.close(says)
+        _close_others(status_writer)
+        _be_init(process, status_writer)
+    os.close(status_writer)
     _drop_capabilities()
 
 
-def _be_init(process: int, says: int) -> None:
+def _be_init(process: int, status_writer: int) -> None:
     """Wait for orphans and for the process, and report its status. When init ends, the kernel kills all others."""
     try:
         while True:
             pid, status = os.wait()
             if pid == process:
-                os.write(says, status.to_bytes(4, "little"))
+                os.write(status_writer, status.to_bytes(4, "little"))
                 break
     finally:
         os._exit(0)

@@ -43,9 +43,9 @@ def serve(control_fd: int) -> None:
     process.adopt_orphans()
     ended = _signalled(signal.SIGCHLD)
     supervisors: set[int] = set()
-    confined = sandbox.best()
+    sandbox_kind = sandbox.best()
     with socket.socket(fileno=control_fd) as control, tempfile.TemporaryDirectory(prefix="frictionbench-") as scratch:
-        control.sendall(json.dumps({"code": machine.code(), "sandbox": confined}).encode() + b"\n")
+        control.sendall(json.dumps({"code": machine.code(), "sandbox": sandbox_kind}).encode() + b"\n")
         for context in (cpu_target.typing_context, cpu_target.target_context):
             context.refresh()  # imports numba's modules for the first kernel, once for all workers
         while True:
@@ -61,7 +61,7 @@ def serve(control_fd: int) -> None:
             pid = os.fork()
             if pid == 0:
                 control.close()
-                _run_and_exit(supervise, Connection(fds[0]), confined, Path(scratch))
+                _run_and_exit(supervise, Connection(fds[0]), sandbox_kind, Path(scratch))
             os.close(fds[0])
             supervisors.add(pid)
         process.end_descendants()
@@ -78,14 +78,14 @@ def _signalled(number: signal.Signals) -> int:
 
 def _reaped() -> set[int]:
     """Wait for the children of this process that have ended, and return their ids."""
-    found = set()
+    pids = set()
     with suppress(ChildProcessError):
         while (pid := os.waitpid(-1, os.WNOHANG)[0]) != 0:
-            found.add(pid)
-    return found
+            pids.add(pid)
+    return pids
 
 
-def supervise(channel: Connection, confined: str, scratch: Path) -> None:
+def supervise(channel: Connection, sandbox_kind: str, scratch: Path) -> None:
     """Run a supervisor: receive tasks from the channel, and send the worker's replies back through it.
 
     Each worker has its own folder in scratch, which is removed with all its contents after the worker's end. A plug-in's
@@ -104,7 +104,7 @@ def supervise(channel: Connection, confined: str, scratch: Path) -> None:
                 _end(child)
                 core = process.hold_core() if core is None else core
                 try:
-                    child = _Worker(channel, core, settings, Path(tempfile.mkdtemp(dir=scratch)), task.owner, confined)
+                    child = _Worker(channel, core, settings, Path(tempfile.mkdtemp(dir=scratch)), task.owner, sandbox_kind)
                 except (OSError, ValueError) as error:
                     channel.send_bytes(_reply(unusable=str(error)))
                     break
@@ -128,7 +128,7 @@ class _Worker:
     """A worker process, as seen by its supervisor."""
 
     def __init__(
-        self, channel: Connection, core: int | None, settings: Settings, scratch: Path, owner: str, confined: str
+        self, channel: Connection, core: int | None, settings: Settings, scratch: Path, owner: str, sandbox_kind: str
     ) -> None:
         """Start a worker, in the sandbox if it runs a plug-in, and wait until it is ready.
 
@@ -145,7 +145,7 @@ class _Worker:
             self._tasks.close()
             os.close(self._replies)
             process.die_with_parent(supervisor)
-            _run_and_exit(work, self, tasks, replies, core, settings, confined)
+            _run_and_exit(work, self, tasks, replies, core, settings, sandbox_kind)
         tasks.close()
         os.close(replies)
         ready = bytearray()
@@ -208,7 +208,7 @@ class _Worker:
         return os.waitstatus_to_exitcode(status) if pid else None
 
 
-def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, settings: Settings, confined: str) -> None:
+def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, settings: Settings, sandbox_kind: str) -> None:
     """Run a worker: receive tasks from one pipe, and write their results to another, each as a line of JSON.
 
     The first line says that it is ready, or why it cannot start.
@@ -222,7 +222,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
         if child.owner:
             kernels = child.scratch.with_name(sha256(f"{folder}\0{child.owner}".encode()).hexdigest())
             kernels.mkdir(exist_ok=True)
-            sandbox.confine(confined, folder, plugin_files, kernels, child.scratch)
+            sandbox.confine(sandbox_kind, folder, plugin_files, kernels, child.scratch)
             sandbox.use_scratch(child.scratch, kernels)
             dependencies.watch(folder)
         os.environ["TMPDIR"] = tempfile.tempdir = str(child.scratch)
@@ -240,16 +240,16 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
         child.deadline.allow(HARNESS_SECONDS)
         try:
             with child.deadline.within(task.limit) if task.whole else nullcontext():
-                found = {"value": task.function(*task.arguments)}
+                reply = {"value": task.function(*task.arguments)}
         except Exception as error:
             refused = isinstance(error, InputError)
             reason = str(error) if refused else plugins.describe_error(error)
-            found = {"failure": Verdict.CRASHED.name, "reason": reason, "refused": refused}
+            reply = {"failure": Verdict.CRASHED.name, "reason": reason, "refused": refused}
         if os.getpid() != pid:  # a child that a solver forked and that returned from the call as well
             os._exit(0)
         os.chdir(home)
         signal.pthread_sigmask(signal.SIG_SETMASK, ())
-        _write(replies, **found, helpers=living(), loaded=dependencies.loaded())
+        _write(replies, **reply, helpers=living(), loaded=dependencies.loaded())
 
 
 def _write(replies: int, **fields: Any) -> None:

@@ -31,7 +31,7 @@ def test_problems_are_the_same_each_time(scene: str, parameters: dict[str, int],
 def test_it_starts_warm_near_the_answers() -> None:
     found = batch_of("stack", json.dumps({"blocks": 1}), 3)
     answers = solve_many(found.problems, "lemke")
-    assert 0 < np.abs(found.before - answers.impulse).max() < 0.05 * np.abs(answers.impulse).max()
+    assert 0 < np.abs(found.start - answers.impulse).max() < 0.05 * np.abs(answers.impulse).max()
 
 
 @pytest.mark.parametrize("way", ["calls", "packed", "list"])
