@@ -13,15 +13,10 @@ its residual is within the floor; and if its residual is within the tolerance bu
 in its island, because such a residual says little. If the other contacts are not solved, theirs is the verdict; otherwise it is
 `unjudgeable`. So is a false claim whose residual is below NEAR times W's asymmetry, if rounding in a file can cause that
 asymmetry (DIGITS). For a solver of the relaxation, a verdict `relaxed` uses the floor of the relaxation; any other verdict uses
-the larger of the floors of both laws. A solver that stops by the norm of the whole problem leaves slow islands less accurate by
-the ratio of the speeds, and its answer may be a `near_miss` or `wrong`. It must ask for tol times the smallest unit, or solve
-the balanced problem, as the solvers and adapters of this package do (solvers.balanced).
+the larger of the floors of both laws.
 
-Tolerance and margins: tol bounds the residual of the solver's own model in the measure of problems.residual, the maximum over
-contacts. A solver that computes this residual stops at tol. If a solver's own measure can underestimate it, the solver must ask
-for tol times a margin. Each margin is defined where it is used, with its reason. Then no solver does more work than its measure
-needs, and none gains time by stopping early. Where the bound between the two norms does not hold, the verdict is `near_miss` if
-the residual is close and `wrong` otherwise.
+tol bounds the residual of the solver's own model, the maximum over contacts. A solver with another stopping test must ask for
+less (solvers.interface): then none does more work than its measure needs, and none gains time by stopping early.
 
 A solver of regularised contacts states its softness R, u = W r + q + R r, and is verified as a solver of that model. Since
 any answer solves some regularised model, R is bounded: 0 <= R_i <= max(tol, SOFTEST) s_i, with s_i as in problems.residual. An

@@ -7,13 +7,11 @@ Mittelmann's benchmarks) with the weights w of the problems
 
     exp(sum w log(t + s)) - s,     s = 1e-5 s,
 
-where s is about the cost of one call, so that differences below it have little influence. So that no scene dominates a mean by
-its number of problems, the problems of one scene, one decade of contacts and one dimension form a stratum, and all strata have
-the same weight, which their problems share: with S strata, a problem in a stratum of n problems has the weight w = 1 / (S n).
-Shares, profiles and percentiles use the same weights. n_eff = 1 / sum w^2 (Kish 1965) is the number of problems of equal weight
-whose mean has the same variance. A solver that was skipped on a whole class has no mean there; one that was skipped on some of
-its problems is charged for these. Over all problems in the plane, and over all in space, solvers are compared on the same
-problems, so that every skipped problem counts as not solved.
+where s is about the cost of one call (docs/reading.md). The problems of one scene, one decade of contacts and one dimension
+form a stratum: with S strata, a problem in a stratum of n problems has the weight w = 1 / (S n). n_eff = 1 / sum w^2 (Kish
+1965) is the number of problems of equal weight whose mean has the same variance. A solver that was skipped on a whole class has
+no mean there; one that was skipped on some of its problems is charged for these. Over all problems in the plane, and over all
+in space, solvers are compared on the same problems, so that every skipped problem counts as not solved.
 
 A single-precision solver is ranked only at the targets for which it was asked; others are no failures of the method.
 """

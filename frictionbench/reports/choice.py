@@ -5,14 +5,10 @@ The mean is the weighted shifted geometric mean of reports.accuracy, with proble
 Only solvers that ran on every problem of the kind are compared; plane and space are different kinds. A solver of another law
 has a mean only if it solves every problem, because a charge would not reflect its speed. Solvers without a mean come last.
 
-The lead is the mean of the second solver over that of the first. Its interval contains 95 % of DRAWS bootstrap samples. A
-sample draws, with replacement, scenes (for robots' steps, models), because problems of one scene are similar; then the problems
-of each drawn scene, stratum by stratum; then the repeats of each cell, whose median is its time. In each sample the lead is
-over the best of the RIVALS next solvers, whichever that is. The first solver is called the winner only if the interval excludes
-1. With too few problems there is no interval.
-
-Also shown are the share solved, the number of problems on which a solver is the fastest, and its mean over the problems that
-all solvers with a mean solve, in which nothing is charged. `headline` puts this into sentences.
+The lead is the mean of the second solver over that of the first. Its interval contains 95 % of DRAWS bootstrap samples, each of
+scenes (for robots' steps, models), then of the problems of each drawn scene, stratum by stratum, then of the repeats of each
+cell, whose median is its time. In each sample the lead is over the best of the RIVALS next solvers (docs/reading.md).
+`headline` puts this into sentences.
 """
 
 from collections.abc import Collection, Mapping

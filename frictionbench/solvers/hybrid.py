@@ -14,11 +14,8 @@ problems in which a very heavy body rests beside light ones, whose digits are lo
 solve walls of boxes in which the interior point stalls, and projected gradients solve nearly dependent rows of dry friction,
 for which the shifts of the other methods are too large. (Algorithm portfolios: Gomes and Selman 2001.)
 
-The time of an interior point grows with the number of contacts, that of a pivot with the square of the active contacts. The
-number of pivots is not known beforehand: one per contact in sticking stacks, two to five where contacts slide or open. In
-stacks, pyramids, arches, discs, cards and random problems both methods take the same time near 36 contacts in most families,
-and near 70 in chains of bodies of which few slip in the free motion. Arches are such chains, too, but take many pivots; no
-cheap criterion was found that distinguishes them. (tests/benchmarks/test_hybrid.py measures both bounds.)
+In the plane Lemke's method and the interior point take the same time near 36 contacts in most families, and near 70 in chains
+of bodies of which few slip in the free motion (docs/tried.md; tests/benchmarks/test_hybrid.py measures both bounds).
 """
 
 from typing import Any

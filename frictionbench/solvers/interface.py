@@ -24,16 +24,11 @@ criterion requests less, by the factor by which its criterion can underestimate 
 
 If the residual exceeds tol nevertheless, the verifier reports `near_miss` or `wrong` (problems.verify). `limit` bounds the work
 in the method's own unit (pivots, sweeps, iterations), None for its default; wall-clock limits are enforced by the harness.
-`start` is an initial guess of the impulses (nc, d), passed only to solvers with warm_start. The status is the solver's own
-claim; the harness verifies every answer independently.
+`start` is an initial guess of the impulses (nc, d), passed only to solvers with warm_start.
 
-A solver may also have a method
-
-    solve_many(self, packed, tol, limit, start=None) -> Solved
-
-for `solve_many`. It solves the problems of a problems.packed.Packed, all of one dimension and without joints, and returns the
-impulses that `solve` would return. start: impulses of all contacts (contacts, d), passed only to solvers with warm_start. The
-method may be called in several threads at once, for different shares of the problems.
+A solver may also have a method solve_many(self, packed, tol, limit, start=None) -> Solved. It solves the problems of a
+problems.packed.Packed, all of one dimension and without joints, and returns the impulses that `solve` would return. start:
+impulses of all contacts (contacts, d). It may be called in several threads at once, for different shares of the problems.
 """
 
 import math

@@ -10,22 +10,18 @@ piles with much friction. In space, and in the plane from LARGE contacts on, the
 monotone. If its solution nearly obeys Coulomb's law, as it does when nothing slides, the predictor-corrector starts from it. In
 the plane, from LARGE contacts on, semismooth Newton (solvers.interior.fischer_burmeister) is next: it follows no path, and
 solves most large random contact graphs and piles of discs. Finally the central path is followed around its folds
-(solvers.interior.central_path) from one start after the other. Some starts are the same for all problems, the others are
-centred points (solvers.interior.point) around the result of SWEEPS sweeps of Gauss-Seidel, the relaxation's solution or given
-impulses. Most paths converge eventually, but their lengths vary by a factor of ten and more, and no start has the shortest path
-in all problems. Therefore all starts first receive a short share of the work, then a few receive a long one.
+(solvers.interior.central_path) from one start after the other: some are the same for all problems, others are centred points
+(solvers.interior.point) around the result of Gauss-Seidel, the relaxation's solution or given impulses. No start has the
+shortest path in all problems. Therefore all first receive a short share of the work, then a few receive a long one.
 
-In space, for many contacts with much friction, paths are several times shorter if the products of friction are larger than the
-normal ones at the start, so that sliding and sticking are decided after opening and closing.
-
-If light bodies carry heavy ones, impulses that stop a contact's own velocity are far too small, and paths from them are long.
-Then the first paths start with about the same impulse at all contacts, that of the heaviest.
-
-If a problem consists of separate parts, one in which the predictor-corrector is trapped shortens the steps of all others. Each
-part is then solved by itself, unless one of them is nearly the whole problem.
-
-With a warm start, the predictor-corrector starts at the centred point around the given impulses. Its distance from the boundary
-is their residual, so that a good start saves most of the iterations, and a bad one does little harm.
+* In space, for many contacts with much friction, paths are several times shorter if the products of friction are larger than
+  the normal ones at the start, so that sliding and sticking are decided after opening and closing.
+* If light bodies carry heavy ones, the first paths start with about the same impulse at all contacts, that of the heaviest:
+  impulses that stop a contact's own velocity are far too small.
+* A part of the problem in which the predictor-corrector is trapped shortens the steps of all others. Separate parts are then
+  solved one by one, unless one of them is nearly the whole problem.
+* With a warm start, the predictor-corrector starts at the centred point around the given impulses, whose distance from the
+  boundary is their residual: a bad start does little harm.
 """
 
 from collections.abc import Iterator

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from scipy import sparse
+from scipy.linalg import invpascal, pascal
 from scipy.sparse.linalg import splu
 
 from frictionbench.problems import FrictionProblem, InputError
@@ -79,6 +80,13 @@ def test_coupled_mass_matrix() -> None:
     mass = sparse.csc_array(sparse.block_diag(blocks).tocsr()[order][:, order])
     problem = contacts_of(np.ones((1, 6)), np.ones((1, 6)), 0.5, np.ones(6), mass=mass)
     assert np.allclose(problem.inverse_mass @ np.arange(6.0), splu(mass).solve(np.arange(6.0)))
+
+
+def test_ill_conditioned_mass_matrix_is_inverted_to_rounding() -> None:
+    """Verdicts are found from this inverse, and count no other error than that of rounding its entries."""
+    mass, scale = pascal(10)[::-1, ::-1], 2.0 ** np.arange(-20, 20, 4)  # reversed: its Cholesky factor is not one of integers
+    inverse = contacts_of(np.ones((1, 10)), np.ones((1, 10)), 0.5, np.ones(10), mass=mass * np.outer(scale, scale)).inverse_mass
+    assert np.array_equal(inverse.toarray() * np.outer(scale, scale), invpascal(10)[::-1, ::-1])
 
 
 def test_lcp_matrix_by_hand() -> None:

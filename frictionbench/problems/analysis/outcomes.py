@@ -18,8 +18,7 @@ Redundant contacts make the Jacobian J of these equations E singular. A step sol
 form [[DAMPING, J'], [J, -1]], which does not square the condition number of J. Steps are small in singular directions of J, so
 that the result stays near the given answer. A step is accepted only if the residual decreases.
 
-References: Alart and Curnier 1991; Yamashita and Fukushima 2001 (Levenberg and Marquardt's method near solutions that are not
-isolated).
+References: Alart and Curnier 1991; Yamashita and Fukushima 2001 (Levenberg and Marquardt near solutions that are not isolated).
 """
 
 import numpy as np

@@ -2,6 +2,8 @@
 
 A multibody system's mass matrix is block diagonal, with a block for each body or each set of coupled generalised coordinates.
 Each block's inverse is dense, so the inverse has the same block structure.
+
+Verdicts are found with this inverse and count only the rounding of its entries, so that an ill-conditioned block's is refined.
 """
 
 import numpy as np
@@ -10,6 +12,8 @@ from scipy.sparse.csgraph import connected_components
 
 from frictionbench.problems.check import require
 from frictionbench.problems.rows import Array, Index64, Rows
+
+ILL = 1e4  # the largest M_ii X_ii, a bound below on the condition number of M scaled to a unit diagonal, of an unrefined X
 
 
 def inverse_mass(mass: Rows) -> Rows:
@@ -54,4 +58,31 @@ def _inverse(block: Array, coordinates: Index64) -> Array:
         inverse = np.full_like(block, np.nan)
     named = coordinates[:6].tolist()
     require(bool(np.isfinite(inverse).all()), "mass", f"not positive definite in the coordinates {named}")
+    if (np.diag(block) * np.diag(inverse)).max() > ILL:
+        inverse = _refined(block, inverse)
     return np.asarray((inverse + inverse.T) / 2)
+
+
+def _refined(M: Array, inverse: Array) -> Array:
+    """X + X (I - M X), twice, with M scaled by powers of 2 to a diagonal near 1."""
+    scale = np.exp2(-np.round(np.log2(np.diag(M)) / 2))
+    scale = scale * scale[:, None]
+    parts, X = _parts(M * scale), inverse / scale
+    for _ in range(2):
+        X = (X + X.T) / 2
+        missed = np.eye(len(M), dtype=np.longdouble)
+        for one in parts:
+            for other in _parts(X):
+                missed -= one @ other.T
+        X = X + X @ missed.astype(float)
+    return X * scale
+
+
+def _parts(matrix: Array) -> list[Array]:
+    """Three summands of a matrix, with so few digits in a row of the first two that their products are exact (Ozaki 2012)."""
+    bits, parts = (53 - np.log2(len(matrix))) // 2, []
+    large = 1.5 * np.exp2(np.ceil(np.log2(np.abs(matrix).max(axis=1, keepdims=True))) + 52 - bits)
+    for shift in (large, large * 2.0**-bits):
+        parts.append(matrix + shift - shift)
+        matrix = matrix - parts[-1]
+    return [*parts, matrix]

@@ -9,12 +9,8 @@ events; the results do not depend on its length. The energy changes only in impa
 integrated as well.
 
 A bounce that would rise by less than LOW times the size of the largest body ends a sequence of bounces: its restitution is
-zero, and the contact stays closed. If only one contact bounces, with an acceleration -a towards contact, the bounces accumulate
-at the time
-
-    t + 2 v / (a (1 - e)),
-
-where v is the speed after the impact at t. The event `accumulation` has this time, which is exact for the bouncing ball.
+zero, and the contact stays closed. If only one contact bounces, with a speed v after the impact at t and an acceleration -a
+towards contact, the event `accumulation` has the time t + 2 v / (a (1 - e)), which is exact for the bouncing ball.
 
 The scheme stops, and states where and when, if no force exists at a sliding contact (Painlevé), if a force grows without bound,
 or if MOST events do not reach the end of a step, because impacts of several contacts accumulate. It refuses spatial scenes.
