@@ -32,7 +32,7 @@ def rates(folder: Path) -> str:
 def _table(table: RateTable) -> str:
     marks = ["---"] * 3 + ["--:"] * (len(HEADER) - 3)
     lines = [f"| {' | '.join(row)} |" for row in [[*HEADER], marks, *table.rows]]
-    return "\n\n".join([f"### {table.title}", _wrapped(table.told), "\n".join(lines)])
+    return "\n\n".join([f"### {table.title}", _wrapped(table.description), "\n".join(lines)])
 
 
 def _wrapped(text: str) -> str:

@@ -29,7 +29,7 @@ from frictionbench.results.conventions import RankBy, law
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # from the accuracy of real-time simulation to that of reference solutions
 LEVELS = {"p50": 0.5, "p99": 0.99, "worst": 1.0}
-HUNDRED = 100  # problems: the least number for which the 99th percentile is not the maximum
+LEAST_FOR_P99 = 100  # problems: the least number for which the 99th percentile is not the maximum
 OVERALL = {2: "in the plane", 3: "in space"}  # the class of all problems of a dimension
 Array = NDArray[np.float64]
 SHIFT = 1e-5  # s, about the cost of calling a solver
@@ -136,13 +136,13 @@ def overall(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 def _completed(times: pd.DataFrame, name: str) -> pd.DataFrame:
     parts = [times]
-    for _, own in times.groupby(["start", "host"], sort=False):
-        facts = own.groupby("problem_id", sort=False).agg(
+    for _, group in times.groupby(["start", "host"], sort=False):
+        facts = group.groupby("problem_id", sort=False).agg(
             limit=("limit", "max"), stratum=("stratum", "first"), scene=("scene", "first"), dimension=("dimension", "first")
         )
-        models = own.groupby("label")["model"].first()
-        pairs = pd.MultiIndex.from_product([facts.index, own["label"].unique()], names=["problem_id", "label"])
-        lacking = pairs.difference(pd.MultiIndex.from_frame(own[["problem_id", "label"]])).to_frame(index=False)
+        models = group.groupby("label")["model"].first()
+        pairs = pd.MultiIndex.from_product([facts.index, group["label"].unique()], names=["problem_id", "label"])
+        lacking = pairs.difference(pd.MultiIndex.from_frame(group[["problem_id", "label"]])).to_frame(index=False)
         lacking = lacking.join(facts, on="problem_id").assign(
             reached=False, unjudgeable=False, model=lacking["label"].map(models)
         )
@@ -158,7 +158,7 @@ def profiles(times: pd.DataFrame, cost: str = "charged", *, relative: bool = Tru
     spent = (times[cost] / times["problem_id"].map(least)).where(times["reached"], np.inf)
     table = pd.DataFrame({"label": times["label"], "cost": spent, "weight": weights(times, ["label"])})
     parts = table.sort_values("cost", kind="stable").groupby("label", sort=False)
-    return {str(label): Profile(own["cost"].to_numpy(), own["weight"].to_numpy()) for label, own in parts}
+    return {str(label): Profile(of_label["cost"].to_numpy(), of_label["weight"].to_numpy()) for label, of_label in parts}
 
 
 def percentiles(times: pd.DataFrame, budget: float | None = None, *, weighted: bool = True) -> pd.DataFrame:
@@ -172,10 +172,10 @@ def percentiles(times: pd.DataFrame, budget: float | None = None, *, weighted: b
     weight = weights(times, ["label"]).to_numpy() if weighted else np.ones(len(times))
     rows = {}
     for label, at in times.groupby("label", sort=False).indices.items():
-        own, share = cost[at], weight[at] / weight[at].sum()
-        levels = {name: quantile(own, share, level) for name, level in LEVELS.items()}
-        levels["p99"] = levels["p99"] if len(own) >= HUNDRED else np.nan
-        rows[label] = levels | {"within": np.nan if budget is None else float(share[own <= budget].sum())}
+        costs, share = cost[at], weight[at] / weight[at].sum()
+        levels = {name: quantile(costs, share, level) for name, level in LEVELS.items()}
+        levels["p99"] = levels["p99"] if len(costs) >= LEAST_FOR_P99 else np.nan
+        rows[label] = levels | {"within": np.nan if budget is None else float(share[costs <= budget].sum())}
     return pd.DataFrame.from_dict(rows, orient="index", columns=[*LEVELS, "within"]).rename_axis("label")
 
 

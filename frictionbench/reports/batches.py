@@ -55,25 +55,25 @@ class RateTable(NamedTuple):
     """The rates for one set of problems and one tolerance: a title, a description of the problems, and rows below HEADER."""
 
     title: str
-    told: str
+    description: str
     rows: list[list[str]]
 
 
 def rate_tables(rows: pd.DataFrame) -> list[RateTable]:
     """Return the tables for the rows of batches, in their order. Cells without a result show the reason."""
-    found = []
-    for (scene, parameters, tol), own in rows.groupby(["scene", "parameters", "tol"], sort=False):
-        ran, (title, told) = own[own["contacts"].notna()], ("not run", "")
+    rated = []
+    for (scene, parameters, tol), group in rows.groupby(["scene", "parameters", "tol"], sort=False):
+        ran, (title, text) = group[group["contacts"].notna()], ("not run", "")
         if len(ran):
             facts = ran.iloc[0]
             title = f"{facts['contacts']:.0f} contacts in {'the plane' if facts['dimension'] == 2 else 'space'}"
-            told = (
+            text = (
                 f"{facts['problems']} problems, to {tol:g}; {100 * facts['active']:.0f} % of the contacts carry load, and "
                 f"in {100 * facts['idle']:.0f} % of the problems friction is idle. Ratios are over single calls of "
                 f"{facts['base']}."
             )
-        found.append(RateTable(f"{title}: {scene_title(scene, parameters)}", told, [*map(rate_of, own.to_dict("records"))]))
-    return found
+        rated.append(RateTable(f"{title}: {scene_title(scene, parameters)}", text, [*map(rate_of, group.to_dict("records"))]))
+    return rated
 
 
 def rate_of(row: dict[str, Any]) -> list[str]:

@@ -86,9 +86,9 @@ class Choice(NamedTuple):
         return second / self.places[0].mean if np.isfinite(second) else None
 
     @property
-    def tail(self) -> bool:
+    def has_p99(self) -> bool:
         """Whether there are enough problems for a 99th percentile."""
-        return self.problems >= accuracy.HUNDRED
+        return self.problems >= accuracy.LEAST_FOR_P99
 
     @property
     def order(self) -> list[str]:
@@ -112,34 +112,34 @@ def _kinds(run: Run) -> list[tuple[str, set[int], set[str], bool]]:
     facts = run.ranked.drop_duplicates("problem_id").set_index("problem_id")
     cold, warm = (set(run.rows.loc[run.rows["start"].isin(starts), "label"]) for starts in (["", COLD], [WARM]))
     started = set(run.rows.loc[run.rows["label"].isin(warm), "problem_id"])
-    found = []
+    kinds = []
     wholes = [(where, facts[facts["dimension"] == dimension]) for dimension, where in accuracy.OVERALL.items()]
     wholes.append(("robots' steps", facts[facts["robot"]]))
-    for where, own in wholes:
-        contacts = own["contacts"]
+    for where, problems_there in wholes:
+        contacts = problems_there["contacts"]
         parts = {
-            "one outcome": ~own["several_outcomes"],
+            "one outcome": ~problems_there["several_outcomes"],
             f"up to {SMALL} contacts": contacts <= SMALL,
             f"{SMALL + 1} to {MEDIUM} contacts": (contacts > SMALL) & (contacts <= MEDIUM),
             f"more than {MEDIUM} contacts": contacts > MEDIUM,
-            f"ill-conditioned, above {ILL:.0e}".replace("e+0", "e"): own["condition"] > ILL,
+            f"ill-conditioned, above {ILL:.0e}".replace("e+0", "e"): problems_there["condition"] > ILL,
         }
-        found.append((where, set(own.index), cold, True))
-        found.append((f"{where}, warm starts", set(own.index) & started, warm, True))
+        kinds.append((where, set(problems_there.index), cold, True))
+        kinds.append((f"{where}, warm starts", set(problems_there.index) & started, warm, True))
         some = {name: at for name, at in parts.items() if at.any() and not at.all()}
-        found += [(f"{where}, {name}", set(own.index[at]), cold, False) for name, at in some.items()]
-    return [(name, problems, labels, first) for name, problems, labels, first in found if problems and labels]
+        kinds += [(f"{where}, {name}", set(problems_there.index[at]), cold, False) for name, at in some.items()]
+    return [(name, problems, labels, first) for name, problems, labels, first in kinds if problems and labels]
 
 
 def choices(run: Run, among: Collection[str] | None = None) -> list[Kind]:
     """Return the choice for each kind of problem. among: the labels to choose from; None for all."""
-    found, robots = [], set(run.ranked.loc[run.ranked["robot"], "problem_id"])
+    kinds, robots = [], set(run.ranked.loc[run.ranked["robot"], "problem_id"])
     for name, problems, labels, first in _kinds(run):
         some = labels if among is None else labels & set(among)
         best = {target: choose(times, problems, some, run.budget, run.outside) for target, times in run.times.items()}
         reached = {target: one for target, one in best.items() if one}
-        found.append(Kind(name, len(problems), reached, first, len(problems & robots)))
-    return found
+        kinds.append(Kind(name, len(problems), reached, first, len(problems & robots)))
+    return kinds
 
 
 def choose(
@@ -215,11 +215,11 @@ def draw_problems(problem: pd.DataFrame, random: np.random.Generator) -> accurac
     """
     clusters, weight = list(problem["cluster"].unique()), problem["weight"].to_numpy()
     copies = random.multinomial(len(clusters), np.full(len(clusters), 1 / len(clusters)), size=DRAWS)
-    found = np.zeros((DRAWS, len(problem)))
+    weights = np.zeros((DRAWS, len(problem)))
     for (cluster, _), at in sorted(problem.groupby(["cluster", "stratum"]).indices.items()):  # pandas does not sort them
         drawn = random.multinomial(len(at) * copies[:, clusters.index(cluster)], np.full(len(at), 1 / len(at)))
-        found[:, at] = drawn * weight[at].sum() / len(at)
-    return found / found.sum(axis=1, keepdims=True)
+        weights[:, at] = drawn * weight[at].sum() / len(at)
+    return weights / weights.sum(axis=1, keepdims=True)
 
 
 def _medians(repeats: object, random: np.random.Generator) -> accuracy.Array:
@@ -232,9 +232,9 @@ def _medians(repeats: object, random: np.random.Generator) -> accuracy.Array:
 
 def headline(ranked: Mapping[RankBy, list[Kind]], target: float) -> list[str]:
     """Return sentences for each kind on the first screen. ranked: the choices by each ranking; target: the tightest."""
-    found = {by: {kind.name: kind for kind in kinds} for by, kinds in ranked.items()}
+    kinds_by_name = {by: {kind.name: kind for kind in kinds} for by, kinds in ranked.items()}
     names = [kind.name for kind in next(iter(ranked.values()), []) if kind.first]
-    return [_headline({by: kinds[name] for by, kinds in found.items()}, target) for name in names]
+    return [_headline({by: kinds[name] for by, kinds in kinds_by_name.items()}, target) for name in names]
 
 
 def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
@@ -243,12 +243,12 @@ def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
     where = f"{one.name.capitalize()}, {count(one.problems, 'problem')}{robots}, to a verified residual of {power(target)}: "
     if target not in one.choices:
         return f"{where}no solver that ran on all of them reaches it."
-    mine, theirs = one.choices[target], other.choices[target]
-    if mine.order == theirs.order and mine.unclear == theirs.unclear:
-        speed = f"{_speed(first, mine)}; {second.words} the order of the first three is the same"
+    by_first, by_second = one.choices[target], other.choices[target]
+    if by_first.order == by_second.order and by_first.unclear == by_second.unclear:
+        speed = f"{_speed(first, by_first)}; {second.words} the order of the first three is the same"
     else:
-        speed = f"{_speed(first, mine)}; {_speed(second, theirs)}"
-    return f"{where}{dependable(mine)}. {speed[0].upper()}{speed[1:]}.{_charges(mine)}"
+        speed = f"{_speed(first, by_first)}; {_speed(second, by_second)}"
+    return f"{where}{dependable(by_first)}. {speed[0].upper()}{speed[1:]}.{_charges(by_first)}"
 
 
 def dependable(choice: Choice) -> str:
@@ -257,23 +257,23 @@ def dependable(choice: Choice) -> str:
     exact = [place for place in choice.places if not place.law]
     if not exact:
         return "no solver of Coulomb's law ran on all of them"
-    own = len([place for place in exact if np.isfinite(place.mean)]) - choice.outside
+    ours = len([place for place in exact if np.isfinite(place.mean)]) - choice.outside
     outside = f"{count(choice.outside, 'outside solver')} of Coulomb's law"
-    among = f"{count(own, 'own method')} and {outside}" if choice.outside else "our own methods"
+    compared = f"{count(ours, 'own method')} and {outside}" if choice.outside else "our own methods"
 
     def order(place: Place) -> tuple[float, float]:
         return -place.reached, place.mean
 
     best = min(exact, key=order)
-    told = f"the most dependable choice among {among} is {best.label}, {best.solved} of {choice.problems} solved"
-    told += f", itself the fastest on {best.fastest:.0f}"
+    text = f"the most dependable choice among {compared} is {best.label}, {best.solved} of {choice.problems} solved"
+    text += f", itself the fastest on {best.fastest:.0f}"
     single = [place for place in exact if not place.label.endswith(PORTFOLIO)]
     if best not in single and single:
         alone = min(single, key=order)
-        told += f"; the best single method is {alone.label}, {alone.solved} of {choice.problems} solved"
-        told += f" with a mean of {seconds(alone.mean, 3)}"
+        text += f"; the best single method is {alone.label}, {alone.solved} of {choice.problems} solved"
+        text += f" with a mean of {seconds(alone.mean, 3)}"
     often = max(exact, key=lambda place: place.fastest)
-    return told + (f"; most often the fastest is {often.label}, on {often.fastest:.0f}" if often is not best else "")
+    return text + (f"; most often the fastest is {often.label}, on {often.fastest:.0f}" if often is not best else "")
 
 
 def _speed(by: RankBy, choice: Choice) -> str:

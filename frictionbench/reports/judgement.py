@@ -18,35 +18,35 @@ from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
 from frictionbench.results.judgement import CHOSEN_FROM, LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
 
-MOST = 12  # worst steps in the table
+MOST_STEPS = 12  # worst steps in the table
 ROUNDING = 1e-9  # relative to the largest component of a net impulse: smaller ones are shown as 0
 MOST_VELOCITIES = 12  # velocities whose net impulses are shown: as many as two free bodies in space have
-DRAWN = 6  # worst steps with a picture of their forces
-LEAST = 1e-12  # m/s: smaller violations are drawn here
+MOST_DRAWN = 6  # worst steps with a picture of their forces
+LEAST_DRAWN = 1e-12  # m/s: smaller violations are drawn here
 
 
 def write_judgement(folder: Path) -> Path:
     """Write DIR/judgement.html; return its path. Errors: ResultsError if the folder holds no judgement."""
-    found = read_judged(folder)
-    bad = found.worst(MOST)
-    by_variant = found.rows.drop_duplicates(["variant", "problem"]).set_index("problem").groupby("variant", sort=False)
-    solved = {str(variant): own for variant, own in by_variant}
+    judged = read_judged(folder)
+    bad = judged.worst(MOST_STEPS)
+    by_variant = judged.rows.drop_duplicates(["variant", "problem"]).set_index("problem").groupby("variant", sort=False)
+    solved = {str(variant): rows for variant, rows in by_variant}
     page = environment().get_template("judgement.html")
     text = page.render(
         name=folder.resolve().name,
-        found=found,
+        judged=judged,
         heads=list(PERCENTILES),
-        among=CHOSEN_FROM * MOST,
+        among=CHOSEN_FROM * MOST_STEPS,
         quantities=QUANTITIES,
-        nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
+        nets=[(one, name, _shown(net)) for one in bad[:MOST_DRAWN] for name, net in one.bodies.items()],
         worst=[
-            (one, {variant: own.reindex([one.problem]).iloc[0].to_dict() for variant, own in solved.items()}) for one in bad
+            (one, {variant: rows.reindex([one.problem]).iloc[0].to_dict() for variant, rows in solved.items()}) for one in bad
         ],
         panels=[
-            Panel("residual of each step", partial(_residuals, found=found.touching, solved=solved)),
-            Panel("violation of each law, m/s", partial(_violations, found=found.touching)),
+            Panel("residual of each step", partial(_residuals, judgements=judged.touching, solved=solved)),
+            Panel("violation of each law, m/s", partial(_violations, judgements=judged.touching)),
         ],
-        forces=[Panel(one.file, partial(_forces, one=one)) for one in bad[:DRAWN] if one.forces],
+        forces=[Panel(one.file, partial(_forces, one=one)) for one in bad[:MOST_DRAWN] if one.forces],
     )
     path = folder / "judgement.html"
     write_text(path, text)
@@ -57,18 +57,18 @@ def _shown(net: list[float]) -> dict[str, object]:
     """Return what the page shows of a net impulse, for the first MOST_VELOCITIES velocities."""
     contacts, known, alone, difference, *values = net
     engine, exact = (values[k : k + len(values) // 2][:MOST_VELOCITIES] for k in (0, len(values) // 2))
-    told = "single contacts too" if alone else "the sum alone (hyperstatic)" if known else "no"
-    least = ROUNDING * max(map(abs, values), default=0.0)
-    numbers = [", ".join(f"{value if abs(value) > least else 0:.3g}" for value in part) for part in (engine, exact)]
-    return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], "difference": difference, "determined": told}
+    which = "single contacts too" if alone else "the sum alone (hyperstatic)" if known else "no"
+    rounding = ROUNDING * max(map(abs, values), default=0.0)
+    numbers = [", ".join(f"{value if abs(value) > rounding else 0:.3g}" for value in part) for part in (engine, exact)]
+    return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], "difference": difference, "determined": which}
 
 
-def _residuals(ax: Axes, found: list[Judgement], solved: dict[str, pd.DataFrame]) -> None:
+def _residuals(ax: Axes, judgements: list[Judgement], solved: dict[str, pd.DataFrame]) -> None:
     """Plot the engine's residuals step by step, and those of the solvers."""
-    at = np.arange(1, len(found) + 1)
-    ax.plot(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, marker=".", label="the engine")
-    for k, (variant, own) in enumerate(solved.items()):
-        by_problem = own["residual"].reindex([one.problem for one in found]).to_numpy(float)
+    at = np.arange(1, len(judgements) + 1)
+    ax.plot(at, np.clip([one.residual for one in judgements], ZERO, WORST), color=ALARM, marker=".", label="the engine")
+    for k, (variant, rows) in enumerate(solved.items()):
+        by_problem = rows["residual"].reindex([one.problem for one in judgements]).to_numpy(float)
         colour = COLOURS[k % len(COLOURS)]
         ax.plot(at, np.clip(by_problem, ZERO, WORST), color=colour, marker=".", label=plain(variant))
     residual_axis(ax)
@@ -76,14 +76,14 @@ def _residuals(ax: Axes, found: list[Judgement], solved: dict[str, pd.DataFrame]
     _steps(ax, "verified residual")
 
 
-def _violations(ax: Axes, found: list[Judgement]) -> None:
-    at = np.arange(1, len(found) + 1)
+def _violations(ax: Axes, judgements: list[Judgement]) -> None:
+    at = np.arange(1, len(judgements) + 1)
     for colour, law in zip(COLOURS, LAWS, strict=False):
-        values = np.array([getattr(one, law) for one in found])
+        values = np.array([getattr(one, law) for one in judgements])
         if values.any():
-            ax.plot(at, np.clip(values, LEAST, None), color=colour, marker=".", label=law)
+            ax.plot(at, np.clip(values, LEAST_DRAWN, None), color=colour, marker=".", label=law)
     log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(2, -13, -2)})
-    ax.set_ylim(LEAST / 3, 1e3)
+    ax.set_ylim(LEAST_DRAWN / 3, 1e3)
     _steps(ax, "m/s")
 
 

@@ -42,13 +42,13 @@ class Reference(NamedTuple):
 def references() -> tuple[Reference, ...]:
     """All references, in the order of the file."""
     text = Path(__file__).with_name("references.bib").read_text(encoding="utf-8")
-    found = []
+    entries = []
     for entry in re.findall(r"^@\w+\{.*?^\}\n", text, flags=re.MULTILINE | re.DOTALL):
         key, named = re.match(r"@\w+\{([^,]+),", entry), re.search(r"keywords = \{(.*?)\}", entry)
         assert key is not None, entry
         assert named is not None, entry
-        found.append(Reference(key[1], frozenset(named[1].split(", ")), entry))
-    return tuple(found)
+        entries.append(Reference(key[1], frozenset(named[1].split(", ")), entry))
+    return tuple(entries)
 
 
 def cited(solver: str) -> list[str]:

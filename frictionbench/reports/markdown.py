@@ -23,8 +23,8 @@ def write_markdown(folder: Path, run: Run) -> Path:
 
 def _sentences(run: Run) -> list[str]:
     ranked = {one.rank_by: choice.choices(one) for one in (run, run.ranked_by(run.rank_by.other))}
-    told = choice.headline(ranked, run.outer_targets[-1])
-    lines = [tables.setting(run), *told, tables.exclusions(run), tables.disturbed(run)]
+    headlines = choice.headline(ranked, run.outer_targets[-1])
+    lines = [tables.setting(run), *headlines, tables.exclusions(run), tables.disturbed(run)]
     return [*filter(None, lines), *(f"**{what}**: {names}." for what, names in tables.sentences(run))]
 
 
@@ -36,6 +36,6 @@ def _table(table: Table) -> str:
 
 def _skipped(run: Run) -> str:
     """The solvers of libraries that are not installed."""
-    found = tables.reasons(run)
-    found = found[(found["verdict"] == Verdict.SKIPPED) & found["reason"].str.contains("not installed")]
-    return "".join(f"Skipped: {code(row['label'])}, {escaped(row['reason'])}.  \n" for _, row in found.iterrows())
+    reasons = tables.reasons(run)
+    reasons = reasons[(reasons["verdict"] == Verdict.SKIPPED) & reasons["reason"].str.contains("not installed")]
+    return "".join(f"Skipped: {code(row['label'])}, {escaped(row['reason'])}.  \n" for _, row in reasons.iterrows())

@@ -72,7 +72,7 @@ def view(run: Run) -> Values:
         "hard": tables.hard_shares(run),
         "charts": _charts(runs),
         "rankings": rankings,
-        "scenes": _scenes(run),
+        "scenes": _class_names(run),
         "errors": {
             where: tables.model_errors(own).to_dict() for where, own in run.ranked.groupby(run.ranked["dimension"].map(OVERALL))
         },
@@ -108,7 +108,7 @@ def _head(run: Run, rankings: Records) -> Values:
         "oversubscribed": tables.workers_on_all_cores(run.manifest),
         "gaps": tables.gaps(run),
         "other_law": int((run.rows["claimed"] & (run.rows["verdict"] == Verdict.RELAXED)).sum()),
-        "headline": {by: headline({by: own, **kinds}, target) for by, own in kinds.items()},
+        "headline": {by: headline({by: kinds_first, **kinds}, target) for by, kinds_first in kinds.items()},
         "reliability": tables.sentences(run),
     }
 
@@ -116,7 +116,7 @@ def _head(run: Run, rankings: Records) -> Values:
 def _ranked(run: Run) -> Values:
     """Return all values that depend on the time by which the run ranks. matrices: by target and class of OVERALL; overall: the
     rankings of these classes; classes: those of all other classes of problems."""
-    scenes = _scenes(run)
+    scenes = _class_names(run)
     return {
         "by": run.rank_by,
         "kinds": choices(run),
@@ -130,7 +130,7 @@ def _ranked(run: Run) -> Values:
     }
 
 
-def _scenes(run: Run) -> dict[str, list[str]]:
+def _class_names(run: Run) -> dict[str, list[str]]:
     """Return the classes of problems of each dimension."""
     where = run.ranked["dimension"].map(OVERALL)
     return {name: list(run.ranked.loc[where == name, "problem_class"].unique()) for name in run.overall}
@@ -145,12 +145,12 @@ def _faded(run: Run) -> list[str]:
 
 def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]]:
     """Return by section the charts that have panels. Charts that depend on the ranking have panels for each of the runs."""
-    found: dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]] = {}
+    by_section: dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]] = {}
     for chart in CHARTS:
         drawn = {run.rank_by: chart.panels(run)[chart.on_page] for run in (runs if chart.ranked else runs[:1])}
         if any(drawn.values()):
-            found.setdefault(chart.section, []).append((chart, drawn))
-    return found
+            by_section.setdefault(chart.section, []).append((chart, drawn))
+    return by_section
 
 
 def _maps(run: Run) -> Values:
@@ -165,8 +165,8 @@ def _maps(run: Run) -> Values:
 def _simulated(run: Run) -> dict[str, Records]:
     """Return the simulations listed for each scene."""
     return {
-        str(scene): own.drop(columns=CURVES).head(MOST_SIMULATIONS).to_dict("records")
-        for scene, own in run.simulations.groupby("scene", sort=False)
+        str(scene): simulations.drop(columns=CURVES).head(MOST_SIMULATIONS).to_dict("records")
+        for scene, simulations in run.simulations.groupby("scene", sort=False)
     }
 
 
@@ -187,12 +187,12 @@ def _sheets(run: Run) -> Records:
     parts = [table.assign(target=target) for target, table in run.summaries.items()]
     results = pd.concat([part[part["problem_class"].isin(run.overall)] for part in parts])
     failed = _failures(run)
-    found = []
+    sheets = []
     for row in run.rows.drop_duplicates("label").sort_values("label").to_dict("records"):
         label, variant = row["label"], row["variant"]
         text = descriptions.get(variant, "")
         facts = {name: str(row[name] or "") for name in ("family", "model", "version", "members")}
-        found.append({
+        sheets.append({
             "label": label,
             "variant": variant,
             "facts": {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
@@ -200,7 +200,7 @@ def _sheets(run: Run) -> Records:
             "results": results[results["label"] == label].to_dict("records"),
             "failures": failed[failed["label"] == label].head(MOST_FAILURES).to_dict("records"),
         })  # fmt: skip
-    return found
+    return sheets
 
 
 def _flowing(paragraph: str) -> str:

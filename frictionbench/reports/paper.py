@@ -70,13 +70,13 @@ def chart_names(names: Sequence[str] | None = None) -> Sequence[str]:
 
 def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
     """Save the figures of a chart, one with all panels or one for each map. Return the captions by the files' names."""
-    found, caption = chart.panels(run), _caption(chart, run)
-    panels = [one for one in found if isinstance(one, Panel)]
+    drawings, caption = chart.panels(run), _caption(chart, run)
+    panels = [one for one in drawings if isinstance(one, Panel)]
     captions = _save(chart.name, caption, panels, NOTHING, run, paper, width, font)
-    for one in found:
+    for one in drawings:
         if isinstance(one, Drawing):
-            told = f"{one.title.rstrip('.')}. {caption} {one.note}".rstrip()
-            captions |= _save(f"{chart.name}_{one.name}", told, one.panels, one.handles, run, paper, width, font)
+            text = f"{one.title.rstrip('.')}. {caption} {one.note}".rstrip()
+            captions |= _save(f"{chart.name}_{one.name}", text, one.panels, one.handles, run, paper, width, font)
     return captions
 
 
@@ -99,11 +99,11 @@ def _save(
     size, most = (width / columns, min(height, max(room, NARROWEST) / rows)), columns * rows
     captions, title = {}, caption.partition(". ")[0].rstrip(".")
     for k in range(0, len(panels), most):
-        name, own = f"{stem}_{k // most + 1}" if k else stem, panels[k : k + most]
-        named = save_sheet(own, run.looks, paper / name, columns, size, FONT, font, handles=handles)
-        told = f"{title} (continued, {k // most + 1} of {-(-len(panels) // most)})." if k else caption
-        marked = any(PORTFOLIO in text for text in (told, *named, *(panel.title for panel in own)))
-        captions[name] = told + " An asterisk marks a portfolio, which runs other solvers." * marked
+        name, panels_of_part = f"{stem}_{k // most + 1}" if k else stem, panels[k : k + most]
+        named = save_sheet(panels_of_part, run.looks, paper / name, columns, size, FONT, font, handles=handles)
+        continued = f"{title} (continued, {k // most + 1} of {-(-len(panels) // most)})." if k else caption
+        marked = any(PORTFOLIO in text for text in (continued, *named, *(panel.title for panel in panels_of_part)))
+        captions[name] = continued + " An asterisk marks a portfolio, which runs other solvers." * marked
     return captions
 
 
@@ -144,7 +144,7 @@ def booktabs(table: Table) -> str:
     sizes = [
         [CITED * (1 + cell.count(",")) if c else len(cell) for c, cell in zip(cited, row, strict=True)] for row in table.rows
     ]
-    widths = [max(len(head), *own) for head, *own in zip(table.header, *sizes, strict=True)]
+    widths = [max(len(head), *cell_lengths) for head, *cell_lengths in zip(table.header, *sizes, strict=True)]
     wide = sum(widths) + 2 * len(widths) > LETTERS
     return "\n".join([
         f"% {'both columns, table*' if wide else 'one column, table'}",

@@ -32,8 +32,8 @@ REFERENCES = "references"
 
 def printed(run: Run) -> list[Table]:
     """Return all tables that have rows."""
-    found = [made for make in TABLES for made in make(run)]
-    return [table for table in found if table.rows]
+    tables_made = [made for make in TABLES for made in make(run)]
+    return [table for table in tables_made if table.rows]
 
 
 def _choice(run: Run) -> list[Table]:
@@ -47,19 +47,19 @@ def _choice(run: Run) -> list[Table]:
         "solved charged the time limit; its lead over the next, with the 95 % interval over resampled scenes, problems and "
         f"repeats{'; and the first of the outside libraries' if outside else ''}."
     )
-    header = ["for", "problems", "first", "mean", "lead", "interval", "solved", *outside]
+    header = ["kind of problem", "problems", "first", "mean", "lead", "interval", "solved", *outside]
     return [Table("choice", caption, header, [row[: len(header)] for row in rows])]
 
 
-def _first(kind: Kind, found: Choice, outside: Choice | None) -> list[str]:
-    best = found.places[0]
-    ends = " to ".join(map(ratio, found.interval)) if found.lead and found.interval else found.unclear or "–"
+def _first(kind: Kind, choice: Choice, outside: Choice | None) -> list[str]:
+    best = choice.places[0]
+    ends = " to ".join(map(ratio, choice.interval)) if choice.lead and choice.interval else choice.unclear or "–"
     return [
         kind.name,
         str(kind.problems),
         best.label + (f" ({best.law})" if best.law else ""),
         seconds(best.mean, 3),
-        ratio(found.lead) if found.lead else "–",
+        ratio(choice.lead) if choice.lead else "–",
         ends,
         best.solved,
         f"{outside.places[0].label} {seconds(outside.places[0].mean, 3)}" if outside else "–",
@@ -72,7 +72,7 @@ def _times(run: Run) -> list[Table]:
     facts = {
         "solver": [label for _, label, _ in ranking],
         "where": [where for where, *_ in ranking] if len(run.overall) > 1 else [],
-        "for": [rows[0]["law"] for *_, rows in ranking],
+        "law": [rows[0]["law"] for *_, rows in ranking],
     }
     facts = {name: texts for name, texts in facts.items() if any(texts)}
     header, columns = [*facts], [*facts.values()]
@@ -84,9 +84,9 @@ def _times(run: Run) -> list[Table]:
         "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
         f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved charged the time limit."
     )
-    if "for" in facts:
+    if "law" in facts:
         caption += (
-            " For: what is solved in place of Coulomb's law; such solvers have a mean only where they solve every problem."
+            " Law: what is solved in place of Coulomb's law; such solvers have a mean only where they solve every problem."
         )
     return [Table("times", caption, header, list(zip(*columns, strict=True)))]
 
@@ -113,13 +113,13 @@ def _percentiles(run: Run) -> list[Table]:
 
 def _solvability(run: Run) -> list[Table]:
     """The numbers of verdicts per solver, without verdicts that do not occur."""
-    found = tables.solvability(run)
-    columns = ["cells", "claimed", *(name for name in ENDINGS if found[name].any())]
-    with_error = bool(found["error"].notna().any())
+    counted = tables.solvability(run)
+    columns = ["cells", "claimed", *(name for name in ENDINGS if counted[name].any())]
+    with_error = bool(counted["error"].notna().any())
     rows = [
         [row["label"], *(str(row[name]) for name in columns)]
         + ([residual(row["error"]) if np.isfinite(row["error"]) else "–"] if with_error else [])
-        for row in found.to_dict("records")
+        for row in counted.to_dict("records")
     ]
     caption = "Verdicts of an independent verification. Cells: of a problem and a tolerance; claimed: those reported as solved."
     if with_error:

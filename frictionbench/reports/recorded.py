@@ -15,7 +15,7 @@ from frictionbench.reports.accuracy import in_order, percentiles
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import json_object, scene_title
 
-FEWEST = 20  # steps of a motion that is shown
+FEWEST_STEPS = 20  # steps of a motion that is shown
 
 
 def recorded_problems(run: Run) -> list[dict[str, Any]]:
@@ -23,8 +23,8 @@ def recorded_problems(run: Run) -> list[dict[str, Any]]:
     problem. Otherwise dimension, contacts (None for a bare LCP) and unknowns; solvers: those that solve it with their times, s,
     the fastest first; tried: how many ran."""
     files = run.rows["parameters"].map(file_of)
-    own = run.rows.assign(file=files)[files != ""]
-    groups = own.groupby(["scene", "file", "problem"], sort=False)
+    recorded = run.rows.assign(file=files)[files != ""]
+    groups = recorded.groupby(["scene", "file", "problem"], sort=False)
     return [{"family": family, "file": file, **_recorded(rows)} for (family, file, _), rows in groups]
 
 
@@ -51,7 +51,7 @@ def file_of(parameters: str) -> str:
     return str(values["file"]) if list(values) == ["file"] else ""
 
 
-class Motion(NamedTuple):
+class MotionTimes(NamedTuple):
     """A motion: its title, its number of problems, and its table of reports.accuracy.percentiles at the tightest target."""
 
     title: str
@@ -59,11 +59,11 @@ class Motion(NamedTuple):
     table: pd.DataFrame
 
 
-def motions(run: Run) -> list[Motion]:
+def motions(run: Run) -> list[MotionTimes]:
     """Return the motions with FEWEST ranked steps or more."""
     return [
-        Motion(name, own["problem_id"].nunique(), in_order(percentiles(own, run.budget, weighted=False)))
-        for name, own in step_times(run)
+        MotionTimes(name, times["problem_id"].nunique(), in_order(percentiles(times, run.budget, weighted=False)))
+        for name, times in step_times(run)
     ]
 
 
@@ -75,9 +75,9 @@ def step_times(run: Run) -> list[tuple[str, pd.DataFrame]]:
     title = rows["scene"].where(recorded, pd.Series(titles, index=rows.index, dtype=object))
     of = pd.DataFrame({"title": title, "step": rows["step"]}).groupby(rows["problem_id"]).first()
     times = run.times[run.outer_targets[-1]]
-    found = []
-    for name, own in times.groupby(times["problem_id"].map(of["title"]), sort=False):
-        steps = own["problem_id"].map(of["step"])
-        if steps.nunique() >= FEWEST:
-            found.append((str(name), own.assign(step=steps)))
-    return found
+    times_by_title = []
+    for name, of_motion in times.groupby(times["problem_id"].map(of["title"]), sort=False):
+        steps = of_motion["problem_id"].map(of["step"])
+        if steps.nunique() >= FEWEST_STEPS:
+            times_by_title.append((str(name), of_motion.assign(step=steps)))
+    return times_by_title

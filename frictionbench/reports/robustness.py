@@ -37,8 +37,8 @@ class MapCells:
 def map_cells(run: Run) -> list[MapCells]:
     """Return the maps of the run that have rows. Errors: ResultsError if the maps in the manifest cannot be read."""
     tables = {False: run.rows, True: run.map_simulations}
-    found = (MapCells(spec, at_grid_points(tables[spec.steps > 0], spec)) for spec in maps_of(run.manifest))
-    return [cells for cells in found if len(cells.rows)]
+    mapped = (MapCells(spec, at_grid_points(tables[spec.steps > 0], spec)) for spec in maps_of(run.manifest))
+    return [cells for cells in mapped if len(cells.rows)]
 
 
 def robustness(maps: list[MapCells]) -> pd.DataFrame:

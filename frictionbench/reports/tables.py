@@ -45,9 +45,9 @@ def wrong_claims(run: Run) -> pd.DataFrame:
 
 def reasons(run: Run) -> pd.DataFrame:
     """Return a row per label, verdict and reason with the number of cells."""
-    given = run.rows[run.rows["reason"] != ""]
-    given = given.assign(verdict=endings(given))
-    return given.groupby(["label", "verdict", "reason"], sort=False).size().rename("cells").reset_index()
+    rows = run.rows[run.rows["reason"] != ""]
+    rows = rows.assign(verdict=endings(rows))
+    return rows.groupby(["label", "verdict", "reason"], sort=False).size().rename("cells").reset_index()
 
 
 def problem_classes(run: Run) -> pd.DataFrame:
@@ -75,21 +75,21 @@ def problem_classes(run: Run) -> pd.DataFrame:
 
 def best_first(summary: pd.DataFrame, problem_class: str) -> pd.DataFrame:
     """Return the rows of a class in a summary by label, ordered by the share of the problems solved, then by the mean."""
-    own = summary[summary["problem_class"] == problem_class].set_index("label")
-    return own.assign(share=own["share"].round(9)).sort_values(["share", "mean"], ascending=[False, True])
+    rows = summary[summary["problem_class"] == problem_class].set_index("label")
+    return rows.assign(share=rows["share"].round(9)).sort_values(["share", "mean"], ascending=[False, True])
 
 
 def matrix(summary: pd.DataFrame, problem_class: str, classes: Collection[str]) -> list[tuple[str, dict[str, Any]]]:
     """Return the labels of a class, the best first, each with its rows for this class and for the other classes."""
-    own = summary[summary["problem_class"].isin([problem_class, *classes])]
-    cells = {label: group.set_index("problem_class").to_dict("index") for label, group in own.groupby("label")}
+    rows = summary[summary["problem_class"].isin([problem_class, *classes])]
+    cells = {label: group.set_index("problem_class").to_dict("index") for label, group in rows.groupby("label")}
     return [(label, cells[label]) for label in best_first(summary, problem_class).index]
 
 
 def ranking(summaries: dict[float, pd.DataFrame], problem_class: str) -> list[tuple[str, list[dict[str, Any]]]]:
     """Return the labels of a class, the best at the tightest target first, each with its row at each target."""
-    own = {target: best_first(table, problem_class) for target, table in summaries.items()}
-    return [(label, [table.loc[label].to_dict() for table in own.values()]) for label in own[min(own)].index]
+    ranked = {target: best_first(table, problem_class) for target, table in summaries.items()}
+    return [(label, [table.loc[label].to_dict() for table in ranked.values()]) for label in ranked[min(ranked)].index]
 
 
 def gaps(run: Run) -> int:
@@ -135,34 +135,34 @@ def reliabilities(run: Run) -> pd.DataFrame:
 
 def sentences(run: Run) -> list[tuple[str, str]]:
     """Return statements, each with the solvers for which it holds, as text with counts; those without solvers are left out."""
-    found = reliabilities(run)
-    if found.empty:
+    reliable = reliabilities(run)
+    if reliable.empty:
         return []
     tol = power(float(run.ranked["tol"].min()))
-    complete, inexact = found["own"] == found["problems"], found["exact"] < found["problems"]
+    complete, inexact = reliable["own"] == reliable["problems"], reliable["exact"] < reliable["problems"]
     rows = run.tightest[measured(run.tightest)]
     exact = (rows["own_solved"] & (rows["residual"] <= rows["tol"])).groupby([rows["label"], rows["dimension"]]).all()
     always = exact[exact].reset_index().groupby("label")["dimension"].agg(list)
-    only = {label: "" if len(own) == len(run.overall) else f" ({OVERALL[own[0]]})" for label, own in always.items()}
+    only = {label: "" if len(dims) == len(run.overall) else f" ({OVERALL[dims[0]]})" for label, dims in always.items()}
     errors = {label: f" ({residual(error)})" for label, error in model_errors(run.tightest).items()}
     counted = {
         name: {
             label: f" ({count} of {of} problems to {tol})"
-            for label, count, of in found[["label", name, "problems"]].itertuples(index=False)
+            for label, count, of in reliable[["label", name, "problems"]].itertuples(index=False)
         }
         for name in ("wrong", "crashed")
     }
     another = "for another law, the convex relaxation or soft contact, median error in brackets"
     polygon = "with a polygon for the cone in space, median error by Coulomb's law in brackets"
     claims: list[tuple[str, pd.Series, Mapping[str, str]]] = [
-        (f"Every problem that it takes solved to {tol}", found["label"].isin(only), only),
-        (f"Every problem that it takes solved to {tol} {polygon}", complete & inexact & (found["model"] == "lcp"), errors),
-        ("Wrong claims, with a residual above ten times the tolerance", found["wrong"] > 0, counted["wrong"]),
-        ("Crashed", found["crashed"] > 0, counted["crashed"]),
-        (f"Every problem that it takes solved to {tol} {another}", complete & inexact & (found["model"] != "lcp"), errors),
+        (f"Solve every problem that they accept to {tol}", reliable["label"].isin(only), only),
+        (f"Solve every problem that they accept to {tol} {polygon}", complete & inexact & (reliable["model"] == "lcp"), errors),
+        ("Wrong claims, with a residual above ten times the tolerance", reliable["wrong"] > 0, counted["wrong"]),
+        ("Crashed", reliable["crashed"] > 0, counted["crashed"]),
+        (f"Solve every problem that they accept to {tol} {another}", complete & inexact & (reliable["model"] != "lcp"), errors),
     ]
     return [
-        (what, ", ".join(label + figure.get(label, "") for label in found["label"][holds]))
+        (what, ", ".join(label + figure.get(label, "") for label in reliable["label"][holds]))
         for what, holds, figure in claims
         if holds.any()
     ]
@@ -188,8 +188,8 @@ def hard_shares(run: Run) -> list[HardShares]:
     that it ran on. A problem counts as solved if the residual of the exact problem is within the tolerance.
     """
     rows = run.tightest[measured(run.tightest)]
-    found = [_shares(where, rows[rows["dimension"] == dimension]) for dimension, where in OVERALL.items()]
-    return [table for table in found if table]
+    shares = [_shares(where, rows[rows["dimension"] == dimension]) for dimension, where in OVERALL.items()]
+    return [table for table in shares if table]
 
 
 def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
@@ -225,11 +225,11 @@ def exclusions(run: Run) -> str:
         parts.append(f"{left[name].sum()} {what}")
         left = left[~left[name]]
     facts = run.ranked.drop_duplicates("problem_id")
-    told = f"Left out of all rankings: {', '.join(parts)}"
+    text = f"Left out of all rankings: {', '.join(parts)}"
     if facts["several_outcomes"].any():
         several = count(int(facts["several_outcomes"].sum()), "problem")
-        told += f"; {several} of the {len(facts)} ranked have answers with several velocities, and are ranked with and without"
-    return told + "."
+        text += f"; {several} of the {len(facts)} ranked have answers with several velocities, and are ranked with and without"
+    return text + "."
 
 
 def disturbed(run: Run) -> str:
@@ -237,8 +237,8 @@ def disturbed(run: Run) -> str:
     rows = run.rows[run.rows["disturbed"].eq(True) & run.rows["solve_time"].notna()]
     if rows.empty:
         return ""
-    told = f"Of {len(run.rows)} cells {len(rows)} shared or waited for their core while they were timed"
-    return told + ". The intervals resample the repeats; the command of the run with --retake times these cells again."
+    text = f"Of {len(run.rows)} cells {len(rows)} shared or waited for their core while they were timed"
+    return text + ". The intervals resample the repeats; the command of the run with --retake times these cells again."
 
 
 def workers_on_all_cores(manifest: dict[str, Any]) -> int:

@@ -16,31 +16,32 @@ from frictionbench.results.conventions import count, scene_title
 from frictionbench.results.histories import ConvergenceHistory
 
 WORST = 1e3  # larger residuals, of iterations that diverge, are drawn here
-EXACT = 1e-4  # residual below which an answer's impulses are drawn: errors are then an order of magnitude below visibility
+DRAWN_BELOW = 1e-4  # residual below which an answer's impulses are drawn: their errors are then far below visibility
 
 
 def panels(run: Run) -> list[Panel]:
     """Return a panel per problem with a history of two points or more, all with the same axes."""
     drawn = [history for history in run.histories if history.variant in run.looks and len(history.units) > 1]
     most = max((history.units[-1] for history in drawn), default=1)
-    return [Panel(title, partial(_draw, histories=own, looks=run.looks, most=most)) for title, own in by_problem(drawn).items()]
+    draw = partial(_draw, looks=run.looks, most=most)
+    return [Panel(title, partial(draw, histories=same)) for title, same in by_problem(drawn).items()]
 
 
 def forces(run: Run) -> list[Panel]:
     """Return a panel per redundant problem of few contacts, with the answers that solve the exact problem."""
     known = (history for history in run.histories if history.variant in run.looks and history.residuals)
-    drawn = [history for history in known if history.redundant and history.impulse and history.residuals[-1] <= EXACT]
-    return [Panel(title, partial(_draw_forces, histories=own, looks=run.looks)) for title, own in by_problem(drawn).items()]
+    drawn = [history for history in known if history.redundant and history.impulse and history.residuals[-1] <= DRAWN_BELOW]
+    return [Panel(title, partial(_draw_forces, histories=same, looks=run.looks)) for title, same in by_problem(drawn).items()]
 
 
 def by_problem(histories: Iterable[ConvergenceHistory]) -> dict[str, list[ConvergenceHistory]]:
     """Return the histories on each problem, by its title."""
-    found: dict[str, list[ConvergenceHistory]] = {}
+    grouped: dict[str, list[ConvergenceHistory]] = {}
     for history in histories:
         step = f", step {history.step}" if history.step else ""
         title = f"{scene_title(history.scene, history.parameters)}{step}: {count(history.contacts, 'contact')}"
-        found.setdefault(title, []).append(history)
-    return found
+        grouped.setdefault(title, []).append(history)
+    return grouped
 
 
 def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look], most: int) -> None:

@@ -86,7 +86,7 @@ def _drawings(
 ) -> list[Drawing]:
     """Return a drawing of each map that has such fields, with equal ones merged."""
     made = [(cells, fields(cells)) for cells in map_cells(run)]
-    return [_drawing(run, cells, *_alike(own), legend) for cells, own in made if own]
+    return [_drawing(run, cells, *_alike(drawn_fields), legend) for cells, drawn_fields in made if drawn_fields]
 
 
 def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, legend: Mapping[str, str] = NO_COLOURS) -> Drawing:
@@ -200,20 +200,20 @@ def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
     same: dict[tuple[Any, ...], list[tuple[str, Field]]] = {}
     for label, field in fields:
         same.setdefault((field.title, *sorted(field.tiles)), []).append((label, field))
-    found, notes = [], []
+    merged, notes = [], []
     for alike in same.values():
         (label, field), others = alike[0], len(alike) - 1
         what = f": {field.title}" if field.title else ""
-        found.append(field._replace(title=f"{label}{f' and {others} more' if others else ''}{what}"))
+        merged.append(field._replace(title=f"{label}{f' and {others} more' if others else ''}{what}"))
         if others:
             notes.append(f"{', '.join(name for name, _ in alike)} are equal{f' in {field.title}' if field.title else ''}")
-    return found, "; ".join(notes) + "." * bool(notes)
+    return merged, "; ".join(notes) + "." * bool(notes)
 
 
 def _count(work: str) -> float:
     """Return the sum of all counters of a row; NaN if there are none."""
-    found = counts(work)
-    return float(sum(found.values())) if found else np.nan
+    counters = counts(work)
+    return float(sum(counters.values())) if counters else np.nan
 
 
 def _loop(cells: MapCells) -> list[tuple[str, Field]]:
@@ -224,9 +224,9 @@ def _loop(cells: MapCells) -> list[tuple[str, Field]]:
         ("worst_penetration", "overlap, m"),
         ("contact_free_steps", "contact-free"),
     ):
-        for label, own in cells.by_label.items():
-            if own[column].max() > own[column].min():
-                fields.append((label, _scale(title, own, own[column])))
+        for label, rows in cells.by_label.items():
+            if rows[column].max() > rows[column].min():
+                fields.append((label, _scale(title, rows, rows[column])))
     return fields
 
 

@@ -26,12 +26,12 @@ def panels(run: Run) -> list[Panel]:
     contacts = run.ranked.groupby("problem_id")["contacts"].max()
     times = run.times[TARGET if TARGET in run.times else run.outer_targets[-1]].join(contacts, on="problem_id")
     scenes = times.groupby("scene", sort=False)
-    found = {str(scene): _curves(times) for scene, times in scenes if times["contacts"].nunique() >= SIZES}
-    means = [curve["mean"] for curves in found.values() for curve in curves.values()]
+    curves_by_scene = {str(scene): _curves(times) for scene, times in scenes if times["contacts"].nunique() >= SIZES}
+    means = [curve["mean"] for curves in curves_by_scene.values() for curve in curves.values()]
     ends = (min(mean.min() for mean in means) / 1.5, 1.5 * max(mean.max() for mean in means)) if means else (0.0, 0.0)
     return [
         Panel(scene, partial(_draw, curves=curves, looks=run.looks, ends=ends), notes=_exponents(curves))
-        for scene, curves in found.items()
+        for scene, curves in curves_by_scene.items()
     ]
 
 
@@ -39,7 +39,7 @@ def _curves(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Return for each label, by number of contacts, the mean (s) and `all`, whether all problems of that size were solved."""
     groups = times.groupby(["label", "contacts"])
     table = pd.DataFrame({"mean": groups["charged"].agg(shifted_geometric_mean), "all": groups["reached"].all()})
-    return {str(label): own.droplevel("label") for label, own in table.groupby("label")}
+    return {str(label): of_label.droplevel("label") for label, of_label in table.groupby("label")}
 
 
 def exponent(contacts: Array, time: Array) -> tuple[float, float]:
@@ -52,13 +52,13 @@ def exponent(contacts: Array, time: Array) -> tuple[float, float]:
 
 def _exponents(curves: dict[str, pd.DataFrame]) -> dict[str, str]:
     """Return the exponents, as text, of the labels that solve enough sizes, the smallest first."""
-    found = {}
+    slopes = {}
     for label, curve in curves.items():
-        own = curve[curve["all"] & (curve.index > 0)]
-        slope, error = exponent(own.index.to_numpy(dtype=float), own["mean"].to_numpy())
+        complete = curve[curve["all"] & (curve.index > 0)]
+        slope, error = exponent(complete.index.to_numpy(dtype=float), complete["mean"].to_numpy())
         if np.isfinite(slope):
-            found[label] = slope, error
-    return {label: f"n^{slope:.1f} ± {error:.1f}" for label, (slope, error) in sorted(found.items(), key=lambda one: one[1])}
+            slopes[label] = slope, error
+    return {label: f"n^{slope:.1f} ± {error:.1f}" for label, (slope, error) in sorted(slopes.items(), key=lambda one: one[1])}
 
 
 def _draw(ax: Axes, curves: dict[str, pd.DataFrame], looks: dict[str, Look], ends: tuple[float, float]) -> None:

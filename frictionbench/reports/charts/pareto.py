@@ -25,9 +25,9 @@ HALF = 0.5 + 1e-9  # the upper median: solving half of the problems does not mak
 
 def panels(run: Run) -> list[Panel]:
     """Return a panel for the plane and one for space, if some solver ran on all problems."""
-    found = {where: means(run.ranked[run.ranked["dimension"] == dimension]) for dimension, where in OVERALL.items()}
+    points_by_class = {where: means(run.ranked[run.ranked["dimension"] == dimension]) for dimension, where in OVERALL.items()}
     draw = partial(_draw, looks=run.looks, across=f"time ({run.rank_by.parts}), mean")
-    return [Panel(where, partial(draw, points=points)) for where, points in found.items() if len(points)]
+    return [Panel(where, partial(draw, points=points)) for where, points in points_by_class.items() if len(points)]
 
 
 def means(rows: pd.DataFrame) -> pd.DataFrame:
@@ -38,11 +38,11 @@ def means(rows: pd.DataFrame) -> pd.DataFrame:
         ran=rows["problem_id"].where(measured(rows)),
     )
     points = []
-    for (label, tol), own in rows.groupby(["label", "tol"], sort=False):
-        if own["ran"].nunique() == rows["problem_id"].nunique():
-            weight = weights(own).to_numpy()
-            typical = quantile(own["residual"].to_numpy(), weight, HALF)
-            points.append((label, tol, shifted_geometric_mean(own["time"], weight), np.clip(typical, ZERO, WORST)))
+    for (label, tol), group in rows.groupby(["label", "tol"], sort=False):
+        if group["ran"].nunique() == rows["problem_id"].nunique():
+            weight = weights(group).to_numpy()
+            typical = quantile(group["residual"].to_numpy(), weight, HALF)
+            points.append((label, tol, shifted_geometric_mean(group["time"], weight), np.clip(typical, ZERO, WORST)))
     return pd.DataFrame(points, columns=["label", "tol", "time", "residual"])
 
 
@@ -54,8 +54,8 @@ def front(time: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[n
 
 
 def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look], across: str) -> None:
-    for label, own in points.groupby("label"):
-        look, along = looks[str(label)], own.sort_values("tol", ascending=False)
+    for label, of_label in points.groupby("label"):
+        look, along = looks[str(label)], of_label.sort_values("tol", ascending=False)
         ax.plot(along["time"], along["residual"], **look.line)
     best = points.iloc[front(points["time"].to_numpy(), points["residual"].to_numpy())]
     ax.step(best["time"], best["residual"], where="post", color=INK, lw=3, alpha=0.15, zorder=0)

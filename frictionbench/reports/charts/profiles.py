@@ -28,7 +28,7 @@ FARTHEST = 1e3  # largest ratio to the fastest solver that is shown
 STEPS = 160  # steps of a curve: finer than the resolution of a panel
 UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 SIZES = {"1 to 10 contacts": (1, 10), "11 to 100": (11, 100), "101 to 1000": (101, 1000), "more than 1000": (1001, 10**12)}
-FEWEST = 2  # least number of problems of a class with a panel
+FEWEST_PROBLEMS = 2  # least number of problems of a class with a panel
 
 
 def panels(run: Run) -> list[Panel]:
@@ -38,8 +38,8 @@ def panels(run: Run) -> list[Panel]:
 
 def within_time(run: Run) -> list[Panel]:
     """Return a panel per target and dimension that some solver reaches."""
-    draw, found = partial(_draw_within, looks=run.looks, budget=run.budget), _by_target(run)
-    reached = [(title, times) for title, times in found if times["reached"].any()]
+    draw, times_by_title = partial(_draw_within, looks=run.looks, budget=run.budget), _by_target(run)
+    reached = [(title, times) for title, times in times_by_title if times["reached"].any()]
     return [Panel(title, partial(draw, costs=profiles(times, relative=False))) for title, times in reached]
 
 
@@ -53,7 +53,7 @@ def _by_target(run: Run) -> list[tuple[str, pd.DataFrame]]:
 
 def work(run: Run) -> list[Panel]:
     """Return a panel per dimension and unit that two or more labels count."""
-    found = []
+    panels = []
     for where, times in overall(run.times[run.outer_targets[-1]]).items():
         units = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
         for unit in UNITS:
@@ -61,8 +61,8 @@ def work(run: Run) -> list[Panel]:
             own = times.assign(work=units[unit].fillna(0.0) + 1.0)[counting]
             if len(set(own.loc[own["reached"], "label"])) > 1:
                 draw = partial(_draw, costs=profiles(own, "work"), looks=run.looks)
-                found.append(Panel(f"{where}, {unit}", partial(draw, across=f"{unit} over the fewest of any solver")))
-    return found
+                panels.append(Panel(f"{where}, {unit}", partial(draw, across=f"{unit} over the fewest of any solver")))
+    return panels
 
 
 def counted(text: object) -> dict[str, int]:
@@ -82,17 +82,17 @@ def classes(run: Run) -> list[Panel]:
         return []
     times = run.times[tried[0]]
     facts = run.ranked.groupby("problem_id")[["contacts", "dimension"]].max()
-    found = []
+    panels = []
     for dimension, where in OVERALL.items():
-        own = facts.loc[facts["dimension"] == dimension, "contacts"]
-        members = {name: own.index[own.between(*ends)] for name, ends in SIZES.items()}
-        members = {name: problems for name, problems in members.items() if len(problems) >= FEWEST}
+        contacts = facts.loc[facts["dimension"] == dimension, "contacts"]
+        members = {name: contacts.index[contacts.between(*ends)] for name, ends in SIZES.items()}
+        members = {name: problems for name, problems in members.items() if len(problems) >= FEWEST_PROBLEMS}
         for name, problems in members.items() if len(members) > 1 else ():
             within = times[times["problem_id"].isin(problems)]
             costs = next(map(profiles, overall(within).values()), {})
             title = f"{where}, {name}: {within['problem_id'].nunique()} problems"
-            found.append(Panel(title, partial(_draw, costs=costs, looks=run.looks)))
-    return found
+            panels.append(Panel(title, partial(_draw, costs=costs, looks=run.looks)))
+    return panels
 
 
 def _draw(

@@ -42,9 +42,9 @@ def _tooltips(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
             f"{label}\n{scene_title(row.scene, row.parameters)}, step {row.step}, tolerance {row.tol:g}\n"
             f"residual {row.residual:.1e} in {seconds(row.time)}: {row.verdict}\n"
             + rerun(Path("DIR"), row.key, row.variant, run.plugins)
-            for row in own.itertuples()
+            for row in of_label.itertuples()
         ]
-        for label, own in answers.groupby("label")
+        for label, of_label in answers.groupby("label")
     }
 
 

@@ -32,11 +32,11 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     rasterised = len(rows) > MOST_DOTS
     ax.axvline(ILL, color=INK, lw=0.6, ls=":")
     ax.axhline(UNSTABLE, color=INK, lw=0.6, ls=":")
-    for label, own in rows.groupby("label"):
+    for label, of_label in rows.groupby("label"):
         look = looks[str(label)]
         dots = ax.scatter(
-            own["sensitivity"].clip(*SENSITIVITY),
-            own["backward_error"].clip(ZERO, WORST),
+            of_label["sensitivity"].clip(*SENSITIVITY),
+            of_label["backward_error"].clip(ZERO, WORST),
             s=9,
             lw=0,
             color=look.colour,

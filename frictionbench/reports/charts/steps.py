@@ -19,9 +19,9 @@ def panels(run: Run) -> list[Panel]:
 
 
 def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look], budget: float | None) -> None:
-    for label, own in times.sort_values("step").groupby("label"):
-        look, missed = looks[str(label)], own[~own["reached"]]
-        ax.plot(own["step"], own["charged"], color=look.colour, lw=0.9, ls=look.dash, gid=look.tag)
+    for label, of_label in times.sort_values("step").groupby("label"):
+        look, missed = looks[str(label)], of_label[~of_label["reached"]]
+        ax.plot(of_label["step"], of_label["charged"], color=look.colour, lw=0.9, ls=look.dash, gid=look.tag)
         ax.plot(missed["step"], missed["charged"], "x", color=look.colour, ms=4, mew=1.2, gid=look.tag)
     if budget is not None:
         ax.axhline(budget, color=INK, lw=0.8, ls="--", alpha=0.7)

@@ -41,24 +41,24 @@ def data(comparison: Comparison) -> dict[str, Any]:
     return {"exit_code": comparison.exit_code, "counts": comparison.counts, **plain}
 
 
-def _values(comparison: Comparison, found: Change) -> dict[str, Any]:
-    values = vars(found) | {"worse": found.worse}
-    return values | ({"command": rerun_command(comparison, found)} if isinstance(found, Flip) else {})
+def _values(comparison: Comparison, change: Change) -> dict[str, Any]:
+    values = vars(change) | {"worse": change.worse}
+    return values | ({"command": rerun_command(comparison, change)} if isinstance(change, Flip) else {})
 
 
 def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
     """Return the comparison as JUnit XML. Each text is made `printable`, since XML 1.0 excludes most control characters."""
     root = ElementTree.Element("testsuites", name="frictionbench compare")
-    worse = {(found.variant, getattr(found, "key", found.name)): found for found in comparison.worse}
+    worse = {(change.variant, getattr(change, "key", change.name)): change for change in comparison.worse}
     suites: dict[str, ElementTree.Element] = {}
 
     def case(variant: str, name: str, identity: str, skipped: str | None = None) -> None:
         if variant not in suites:
             suites[variant] = ElementTree.SubElement(root, "testsuite", name=printable(variant))
         one = ElementTree.SubElement(suites[variant], "testcase", classname=printable(variant), name=printable(name))
-        if found := worse.get((variant, identity)):
-            ElementTree.SubElement(one, "failure", message=printable(message(found))).text = (
-                printable(rerun_command(comparison, found)) if isinstance(found, Flip) else None
+        if change := worse.get((variant, identity)):
+            ElementTree.SubElement(one, "failure", message=printable(message(change))).text = (
+                printable(rerun_command(comparison, change)) if isinstance(change, Flip) else None
             )
         elif skipped is not None:
             ElementTree.SubElement(one, "skipped", message=printable(skipped))
@@ -66,24 +66,24 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
     for key, cell in cells.iterrows():
         name = f"{cell['scene']} {cell['table']} {cell['step']} {cell['phase']} {cell['start']} to {cell['tol']:g}"
         case(cell["variant"], name, str(key), cell["reason"] if cell["verdict"] == Verdict.SKIPPED else None)
-    for found in comparison.changes:
-        if not isinstance(found, Flip):
-            case(found.variant, found.name, found.name)
-        elif found.after == GONE:
-            case(found.variant, found.name, found.key)
+    for change in comparison.changes:
+        if not isinstance(change, Flip):
+            case(change.variant, change.name, change.name)
+        elif change.after == GONE:
+            case(change.variant, change.name, change.key)
     if comparison.unusable:
         one = ElementTree.SubElement(ElementTree.SubElement(root, "testsuite", name="runs"), "testcase", name="comparable")
         ElementTree.SubElement(one, "error", message=printable(comparison.unusable))
     return root
 
 
-def message(found: Change) -> str:
+def message(change: Change) -> str:
     """Return a change as one line."""
-    if isinstance(found, Flip):
-        residuals = f"{found.residual_before:.1e} → {found.residual_after:.1e}"
-        return f"{format_verdicts(found)}, residual {residuals} {found.reason}".strip()
-    before, after = ("none" if side is None else f"{side:.6g}" for side in (found.before, found.after))
-    return f"{found.name}: {before} → {after}" + (f", ×{found.ratio:.2f}" if np.isfinite(found.ratio) else "")
+    if isinstance(change, Flip):
+        residuals = f"{change.residual_before:.1e} → {change.residual_after:.1e}"
+        return f"{format_verdicts(change)}, residual {residuals} {change.reason}".strip()
+    before, after = ("none" if side is None else f"{side:.6g}" for side in (change.before, change.after))
+    return f"{change.name}: {before} → {after}" + (f", ×{change.ratio:.2f}" if np.isfinite(change.ratio) else "")
 
 
 def _plain(value: Any) -> Any:

@@ -33,22 +33,22 @@ def lines(paths: Iterable[Path]) -> dict[str, list[Line]]:
     """
     runs = sorted(map(read, paths), key=lambda run: run.made)
     measured = [(run, run.measured) for run in runs]
-    found = {}
+    lines_by_solver = {}
     for variant in sorted({variant for _, cells in measured for variant in cells["variant"]}):
-        own = [(run, cells[cells["variant"] == variant]) for run, cells in measured if variant in set(cells["variant"])]
-        common = reduce(pd.Index.intersection, [cells.index for _, cells in own])
-        good = [key for key in common if all(cells["verdict"][key] in ACCEPTED for _, cells in own)]
-        found[variant] = [_line(run, cells.loc[common], good) for run, cells in own]
-    if not found:
+        of_variant = [(run, cells[cells["variant"] == variant]) for run, cells in measured if variant in set(cells["variant"])]
+        common = reduce(pd.Index.intersection, [cells.index for _, cells in of_variant])
+        good = [key for key in common if all(cells["verdict"][key] in ACCEPTED for _, cells in of_variant)]
+        lines_by_solver[variant] = [_line(run, cells.loc[common], good) for run, cells in of_variant]
+    if not lines_by_solver:
         raise ResultsError("history: no cell was measured in these runs")
-    return found
+    return lines_by_solver
 
 
-def history(found: dict[str, list[Line]]) -> str:
+def history(lines_by_solver: dict[str, list[Line]]) -> str:
     """Return the lines as a Markdown table."""
     rows = []
-    for variant, own in found.items():
-        for i, line in enumerate(own):
+    for variant, of_variant in lines_by_solver.items():
+        for i, line in enumerate(of_variant):
             verdicts = ", ".join(f"{count} {verdict}" for verdict, count in line.verdicts.most_common())
             results = (str(line.verdicts.total()), verdicts, format_counts(dict(line.work)), seconds(line.time))
             names = ("" if i else variant, str(line.run.path), line.run.made[:10], line.run.code)

@@ -28,12 +28,12 @@ def markdown(comparison: Comparison) -> str:
     made.filters |= {"code": code, "escaped": escaped, "seconds": seconds}
     made.tests["finite"] = lambda value: bool(np.isfinite(value))
     changes = {
-        variant: [found for found in comparison.changes if found.variant == variant and not isinstance(found, Time)]
+        variant: [change for change in comparison.changes if change.variant == variant and not isinstance(change, Time)]
         for variant in solvers(comparison)
     }
     times = sorted(comparison.times, key=lambda time: (not time.worse, not time.significant, -time.ratio))
-    given = {"comparison": comparison, "changes": changes, "times": times, "listed": LISTED, "alpha": ALPHA}
-    text = made.get_template("comparison.md").render(given, rerun_command=rerun_command, format_verdicts=format_verdicts)
+    values = {"comparison": comparison, "changes": changes, "times": times, "listed": LISTED, "alpha": ALPHA}
+    text = made.get_template("comparison.md").render(values, rerun_command=rerun_command, format_verdicts=format_verdicts)
     parts = re.split(r"\n{2,}", text.strip())
     whole = list(takewhile(lambda size: size < LONGEST, accumulate(len(part) + 2 for part in parts)))
     cut = [] if len(whole) == len(parts) else ["Truncated; `--out` writes the complete comparison as data."]
@@ -49,8 +49,8 @@ def summarise(comparison: Comparison) -> None:
 
 def solvers(comparison: Comparison) -> list[str]:
     """Return the solvers with changes, those with a regression first."""
-    worse = {found.variant for found in comparison.worse}
-    return sorted({found.variant for found in comparison.changes}, key=lambda name: (name not in worse, name))
+    worse = {change.variant for change in comparison.worse}
+    return sorted({change.variant for change in comparison.changes}, key=lambda name: (name not in worse, name))
 
 
 def rerun_command(comparison: Comparison, flip: Flip) -> str:

@@ -72,6 +72,6 @@ def legend_size(names: Collection[str], width: float, font: float) -> tuple[int,
 
 def _legend(figure: Figure, named: Mapping[str, Artist], height: float, font: float) -> None:
     """Add a legend below the panels, in as many columns as the longest name allows; the figure grows by its height."""
-    across, own = legend_size(named, figure.get_figwidth(), font)
-    figure.set_figheight(height + own)
+    across, legend_height = legend_size(named, figure.get_figwidth(), font)
+    figure.set_figheight(height + legend_height)
     figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=across, handlelength=3)

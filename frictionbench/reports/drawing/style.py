@@ -74,15 +74,15 @@ class Look(NamedTuple):
 def looks(labels: Iterable[str]) -> dict[str, Look]:
     """Return a look for each label, which depends on its name and is therefore the same in every report. If two labels have the
     same marker and colour, or the same marker and dash, by which lines differ in greyscale, the later one gets others."""
-    found: dict[str, Look] = {}
+    looks_by_label: dict[str, Look] = {}
     for label in sorted(set(labels), key=lambda label: (_solver(label) not in _PLACES, label)):
         place, shift = _place(label)
-        marks = [look[1:3] for look in [*found.values()][1 - len(_MARKERS) * len(_DASHES) :]]
-        dots = [look[:2] for look in found.values()]
+        marks = [look[1:3] for look in [*looks_by_label.values()][1 - len(_MARKERS) * len(_DASHES) :]]
+        dots = [look[:2] for look in looks_by_label.values()]
         each = [_drawn(place + k, shift + j) for k in range(len(COLOURS)) for j in range(len(_MARKERS) * len(_DASHES))]
         drawn = next((one for one in each if one[1:] not in marks and one[:2] not in dots), each[0])
-        found[label] = Look(*drawn, f"label-{_number(label):x}")
-    return dict(sorted(found.items()))
+        looks_by_label[label] = Look(*drawn, f"label-{_number(label):x}")
+    return dict(sorted(looks_by_label.items()))
 
 
 def _solver(label: str) -> str:

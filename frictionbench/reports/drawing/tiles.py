@@ -116,7 +116,7 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
 def paths(tiles: Iterable[Tile]) -> list[tuple[str, list[tuple[str, str]]]]:
     """Return, by colour and then by tooltip, the SVG path of the tiles that have both, in grid lines."""
     return [
-        (colour, [(tooltip, "".join(map(_square, own))) for tooltip, own in groupby(same, key=attrgetter("tooltip"))])
+        (colour, [(tooltip, "".join(map(_square, equal))) for tooltip, equal in groupby(same, key=attrgetter("tooltip"))])
         for colour, same in groupby(sorted(tiles, key=_order), key=attrgetter("colour"))
     ]
 
