@@ -19,14 +19,14 @@ from typing import Any
 def importer(package: str, file: str) -> Callable[[str], Any]:
     """Return the __getattr__ of a package. file: its __init__, which says from which module each name is imported."""
     listed = (node for node in ast.walk(ast.parse(Path(file).read_text("utf-8"))) if isinstance(node, ast.ImportFrom))
-    found = {each.asname or each.name: (node.module or "", each.name) for node in listed for each in node.names}
+    modules = {each.asname or each.name: (node.module or "", each.name) for node in listed for each in node.names}
 
     def get(name: str) -> Any:
-        module, own = found.get(name, ("", ""))
+        module, attribute = modules.get(name, ("", ""))
         if module.partition(".")[0] != "frictionbench":
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        value = None if module == package else getattr(import_module(module), own, None)
-        value = import_module(f"{module}.{own}") if value is None else value
+        value = None if module == package else getattr(import_module(module), attribute, None)
+        value = import_module(f"{module}.{attribute}") if value is None else value
         setattr(sys.modules[package], name, value)
         return value
 

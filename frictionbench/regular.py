@@ -16,18 +16,17 @@ from typing import BinaryIO
 def regular(path: Path, most: int) -> Iterator[BinaryIO]:
     """A regular file of at most `most` bytes, open for reading. Errors: OSError with the reason as its strerror."""
     _require(os.stat(path), most)  # to open a device can have effects
-    with os.fdopen(
-        os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb"
-    ) as file:  # does not wait for a pipe's writer
-        found = os.fstat(file.fileno())
-        _require(found, most)
-        if not found.st_size and file.read(1):
+    flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC  # does not wait for a pipe's writer
+    with os.fdopen(os.open(path, flags), "rb") as file:
+        status = os.fstat(file.fileno())
+        _require(status, most)
+        if not status.st_size and file.read(1):
             raise OSError(errno.EINVAL, "not a regular file: it states no size")  # as in /proc
         yield file
 
 
-def _require(found: os.stat_result, most: int) -> None:
-    if not stat.S_ISREG(found.st_mode):
+def _require(status: os.stat_result, most: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "not a regular file")
-    if found.st_size > most:
+    if status.st_size > most:
         raise OSError(errno.EFBIG, f"larger than the limit of {most / 2**20:g} MiB")

@@ -202,7 +202,7 @@ def compare(
     runs: Annotated[
         list[Path],
         typer.Argument(
-            metavar="DIR", help="A baseline file or a results folder, and a results folder. With --history any number."
+            metavar="DIR", help="A baseline file or results folder, then a results folder; any number with --history."
         ),
     ],
     accept: Annotated[bool, typer.Option("--accept", help="Write the run DIR as the baseline BASELINE.")] = False,
@@ -224,7 +224,7 @@ def compare(
     no_times: Annotated[bool, typer.Option("--no-times", help="Do not compare times.")] = False,
     rank_by: options.By = RankBy.BODIES,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Also write it as Markdown, JSON and JUnit XML.")
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Also write the comparison as Markdown, JSON and JUnit XML.")
     ] = None,
 ) -> None:
     """Compare two runs as Markdown, or show runs over time.
@@ -290,7 +290,7 @@ def judge(
     folder: Annotated[
         Path,
         typer.Argument(
-            metavar="FOLDER", help="Steps of an engine, *.npz, or one, by frictionbench.capture or frictionbench.save."
+            metavar="FOLDER", help="A folder of an engine's steps, *.npz, or one such file (frictionbench.capture or .save)."
         ),
     ],
     against: Annotated[
@@ -308,7 +308,7 @@ def judge(
 
     Its impulses are measured by Coulomb's law, and exact solvers answer the same steps.
     """
-    from frictionbench.commands.judge import as_data, told
+    from frictionbench.commands.judge import as_data, summary
     from frictionbench.harness.judge import prepared
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.run import run as run_plan
@@ -321,8 +321,8 @@ def judge(
     plan, written = prepared(folder, variants, plugins, tol, time_limit, workers, out, progress)
     with _resumable(written, progress):
         run_plan(plan, written, workers, progress)
-    report_of_it = write_judgement(written)
-    typer.echo(json.dumps(as_data(written), indent=1) if as_json else f"{told(written)}\nreport: {report_of_it}")
+    page = write_judgement(written)
+    typer.echo(json.dumps(as_data(written), indent=1) if as_json else f"{summary(written)}\nreport: {page}")
 
 
 @_command()
@@ -375,18 +375,18 @@ def show(
     steps: Annotated[
         int | None, typer.Option("--steps", metavar="N", min=1, help="Number of steps; by default the scene's duration.")
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="By default by its settings.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="By default named by the scene.")] = None,
 ) -> None:
     """Animate a scene on an HTML page.
 
     It shows bodies, contact impulses, friction cones and the energy balance.
     """
-    from frictionbench.commands.show import page_name, recorded, told
+    from frictionbench.commands.show import energy_balance, page_name, recorded
     from frictionbench.reports.animation import write_animation
 
     motion = recorded(scene, solver, scheme, steps)
     typer.echo(f"animation: {write_animation(motion, out or Path(page_name(scene, solver and motion.solver, scheme)))}")
-    typer.echo(told(motion))
+    typer.echo(energy_balance(motion))
     if motion.ended:
         typer.echo(f"the motion ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
 
@@ -431,7 +431,7 @@ def map_(
 @_command("check-solver")
 def check_solver(
     solver: Annotated[
-        list[str], typer.Argument(metavar="FILE|NAME...", help="Files that define solvers, or names; all variants of each.")
+        list[str], typer.Argument(metavar="FILE|NAME...", help="Files that define solvers, or names; with all their variants.")
     ],
     jobs: options.Jobs = None,
 ) -> None:
@@ -443,9 +443,9 @@ def check_solver(
     from frictionbench.harness.progress import Progress
 
     progress = Progress()
-    found = examine(solver, _jobs(jobs, progress), progress)
-    typer.echo(format_findings(found))
-    raise typer.Exit(int(any(one.violations for one in found)))
+    results = examine(solver, _jobs(jobs, progress), progress)
+    typer.echo(format_findings(results))
+    raise typer.Exit(int(any(one.violations for one in results)))
 
 
 @_command()
@@ -497,16 +497,16 @@ def _stop(number: int, _: Any) -> None:
 
 def _reworded(error: typer.BadParameter) -> str:
     """Return the message for an unusable argument: the value, and what is wrong with it."""
-    found: dict[str, Any] = next(iter(getattr(error.__cause__, "errors", list)()), {"type": "", "input": ""})
-    bounds = found.get("ctx", {})
+    detail: dict[str, Any] = next(iter(getattr(error.__cause__, "errors", list)()), {"type": "", "input": ""})
+    bounds = detail.get("ctx", {})
     words = {
         "float_parsing": "is not a number",
         "int_parsing": "is not a whole number",
         "greater_than_equal": f"is below {bounds.get('ge')}",
     }
-    if found["type"] not in words:
+    if detail["type"] not in words:
         return error.message.removeprefix("Value error, ")
-    return f"{found['input']!r} {words[found['type']]}"
+    return f"{detail['input']!r} {words[detail['type']]}"
 
 
 @contextmanager

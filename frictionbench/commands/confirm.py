@@ -36,10 +36,10 @@ from frictionbench.results.times import Pair, may_be_slower
 from frictionbench.solvers import executable, plugins
 
 PAIRS, PAIRS_UNTIMED = 8, 3  # runs of each code: eight equal signs are significant at 1 %; verdicts and counters hardly vary
-FEW = 0.1  # share of the solved cells: rounding on another machine changes fewer verdicts
+FEW_LOST = 0.1  # share of the solved cells: rounding on another machine changes fewer verdicts
 ENVIRONMENT = Path(sys.prefix).resolve()  # may be inside a repository, but belongs to none of its versions
-GIVE = "give a checkout or an environment that holds the baseline's"
-OTHER = "{} was made with another content of {}; run it again in a new folder"
+GIVE_BASELINE = "give a checkout or an environment that holds the baseline's"
+DIFFERS = "{} was made with another content of {}; run it again in a new folder"
 START = "import runpy, sys; sys.path.insert(0, sys.argv.pop(1)); runpy.run_module('frictionbench', run_name='__main__')"
 
 
@@ -64,44 +64,44 @@ def confirmed(
         require_code(code)
     settings = store.read_manifest(comparison.current)["settings"]
     stored, current = cells.read(comparison.baseline), cells.read(comparison.current)
-    require(current.code in ("", machine.revision()), "DIR", OTHER.format(current.path, f"frictionbench, {current.code}"))
+    require(current.code in ("", machine.revision()), "DIR", DIFFERS.format(current.path, f"frictionbench, {current.code}"))
     known = set(stored.measured["variant"]) & set(current.measured["variant"])
-    variants = known if code else {found.variant for found in comparison.worse} & known
+    variants = known if code else {change.variant for change in comparison.worse} & known
     if not variants:
         return comparison
     made = {variant: plugin.get("content") for plugin in settings.get("plugins") or () for variant in plugin["solvers"]}
     for variant in sorted(variants):
         for plugin in trusted({"variant": variant}, settings, named):
-            require(made.get(variant) in (None, plugin.content), "DIR", OTHER.format(current.path, plugin.source))
-    given = named if variants & comparison.sources.keys() else []
-    outside = [plugins.absolute(spec) if plugins.defines_all(spec) else spec for spec in given]
+            require(made.get(variant) in (None, plugin.content), "DIR", DIFFERS.format(current.path, plugin.source))
+    trusted_specs = named if variants & comparison.sources.keys() else []
+    outside = [plugins.absolute(spec) if plugins.defines_all(spec) else spec for spec in trusted_specs]
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
         now = Code([sys.executable, "-P", "-c", START, str(PACKAGE.parent)], outside)
         before = baseline_code(code, outside, Path(scratch)) if code else None
         if before and before.command == now.command:  # only its plug-ins may differ
             variants &= comparison.sources.keys()
-            require(bool(variants), "code", f"{code} holds no frictionbench, of which all these solvers are; {GIVE}")
+            require(bool(variants), "code", f"{code} holds no frictionbench, of which all these solvers are; {GIVE_BASELINE}")
         options = [*_options(settings), *(part for variant in sorted(variants) for part in ("--solver", variant))]
         timed = before is not None and limits.times
         sides = [side for side in (before, now) if side is not None]
         pairs: list[Pair] = []
-        own = [_home(), *(path.resolve() for spec in outside for path in plugins.files(spec))]
+        tested = [_home(), *(path.resolve() for spec in outside for path in plugins.files(spec))]
         others, untimed = dict[str, list[str]](), ""
         most, begun = PAIRS if timed else PAIRS_UNTIMED, time.monotonic()
         for i in range(most):
             left = f", about {(time.monotonic() - begun) / i * (most - i) / 60:.1f} min left" if i else ""
             tell(f"confirm: {i} of {most} pairs of runs are done{left}")
-            found = {
+            cells_by_side = {
                 id(side): _cells(side, options, Path(tempfile.mkdtemp(dir=scratch)), limits.rank_by)
                 for side in sides[:: (-1) ** i]
             }
-            base = found[id(before)] if before else stored
-            for other in chain(*other_loads(current, found[id(now)], alone=False).values()):
-                raise InputError(f"DIR: {OTHER.format(current.path, other)}")
-            pairs.append((base.table, found[id(now)].table))
+            base = cells_by_side[id(before)] if before else stored
+            for other in chain(*other_loads(current, cells_by_side[id(now)], alone=False).values()):
+                raise InputError(f"DIR: {DIFFERS.format(current.path, other)}")
+            pairs.append((base.table, cells_by_side[id(now)].table))
             if before:
                 others |= other_loads(stored, base)
-                untimed = untimed or of_another_version(stored, base, found[id(now)], own)
+                untimed = untimed or of_another_version(stored, base, cells_by_side[id(now)], tested)
             if timed and PAIRS_UNTIMED <= i + 1 < most and not may_be_slower(pairs, most, limits.slowdown):
                 tell(f"confirm: ended after {i + 1} of {most} pairs: whatever the others show, no solver is found slower")
                 break
@@ -120,28 +120,28 @@ def require_whole(code: str, stored: pd.DataFrame, runs: list[pd.DataFrame]) -> 
             again = [ran.loc[key] for ran in runs if key in ran.index]
             verdicts = {row["verdict"] for row in again}
             if again and verdicts <= {Verdict.CRASHED, Verdict.SKIPPED}:
-                told = f"{again[0]['verdict']} here and solved in the baseline: {again[0]['reason']}"
-                raise ResultsError(f"{code}: {variant}, {cell['scene']} ({key}) is {told}")
+                message = f"{again[0]['verdict']} here and solved in the baseline: {again[0]['reason']}"
+                raise ResultsError(f"{code}: {variant}, {cell['scene']} ({key}) is {message}")
             lost += bool(again) and not verdicts & {*ACCEPTED, Verdict.TIMEOUT}
-        if lost == len(solved) or lost > max(1, FEW * len(solved)):
-            told = f"of {len(solved)} cells of {variant} that the baseline solved {lost} are not solved here"
-            raise ResultsError(f"{code}: {told}, as if it lacked something; {GIVE}")
+        if lost == len(solved) or lost > max(1, FEW_LOST * len(solved)):
+            message = f"of {len(solved)} cells of {variant} that the baseline solved {lost} are not solved here"
+            raise ResultsError(f"{code}: {message}, as if it lacked something; {GIVE_BASELINE}")
 
 
-def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Cells, own: list[Path]) -> str:
+def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Cells, tested: list[Path]) -> str:
     """Return why a plug-in's times with the baseline's code are not the baseline's, so that a slower solver could pass, or "".
 
-    own: files and folders of the version under test, except for the environment there.
+    tested: files and folders of the version under test, except for the environment there.
     """
     for variant, names in other_loads(stored, before).items():
         known, then = (side.loaded.get(variant, {}) for side in (stored, before))
         for name in names:
             path = Path(before.places.get(variant, {}).get(name, ""))
-            tested = any(map(path.resolve().is_relative_to, own)) and not path.resolve().is_relative_to(ENVIRONMENT)
+            is_tested = any(map(path.resolve().is_relative_to, tested)) and not path.resolve().is_relative_to(ENVIRONMENT)
             if name not in then:
-                return f"{variant} loads no {name} there, as for the baseline; {GIVE}"
-            if name in known and str(path) in after.places.get(variant, {}).values() and path.is_absolute() and tested:
-                return f"both versions run the current {name}, not the baseline's; {GIVE}, or --no-times"
+                return f"{variant} loads no {name} there, as for the baseline; {GIVE_BASELINE}"
+            if name in known and str(path) in after.places.get(variant, {}).values() and path.is_absolute() and is_tested:
+                return f"both versions run the current {name}, not the baseline's; {GIVE_BASELINE}, or --no-times"
     return ""
 
 
@@ -151,9 +151,9 @@ def _options(settings: dict[str, Any]) -> list[str]:
         suite, sources = settings["suite"], settings["sources"]
         if suite not in SUITES or any(source["file"] for source in sources):
             raise InputError(f"confirm: the problems of {suite} come from files; its cells cannot be run again")
-        own = {scene_title(source.scene, json.dumps(source.parameters)) for source in SUITES[suite]().sources}
+        sources_of_suite = {scene_title(source.scene, json.dumps(source.parameters)) for source in SUITES[suite]().sources}
         specs = [(source["scene"], scene_title(source["scene"], json.dumps(source["parameters"]))) for source in sources]
-        chosen = dict.fromkeys(scene if spec in own else spec for scene, spec in specs)
+        chosen = dict.fromkeys(scene if spec in sources_of_suite else spec for scene, spec in specs)
         limits = ["--tol", ",".join(map(repr, settings["tolerances"])), "--time-limit", repr(settings["time_limit"])]
     except (KeyError, TypeError):
         raise ResultsError("confirm: the run's manifest lacks the settings to run its cells again") from None
@@ -162,9 +162,9 @@ def _options(settings: dict[str, Any]) -> list[str]:
 
 def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cells.Cells:
     """Run with these options and a version of the code. Errors: ResultsError with the last line of its error output."""
-    given = [part for spec in code.solvers for part in ("--solver", spec)]
+    plugins_given = [part for spec in code.solvers for part in ("--solver", spec)]
     done = subprocess.run(
-        [*code.command, "run", *options, *given, "--out", folder],
+        [*code.command, "run", *options, *plugins_given, "--out", folder],
         capture_output=True,
         text=True,
         check=False,
@@ -182,8 +182,8 @@ def require_code(code: str) -> None:
     require(bool(code), "code", "is empty, as a variable that is not set")
     revision = not code.startswith("-") and _git("rev-parse", "--verify", "--quiet", f"{code}^{{tree}}")
     if bool(revision) == Path(code).is_dir():
-        told = f"both a folder and a revision; write ./{code} or {code}^0" if revision else "neither a folder nor a revision"
-        raise InputError(f"code: {code!r} is {told} of the git repository in the current folder")
+        problem = f"both a folder and a revision; write ./{code} or {code}^0" if revision else "neither a folder nor a revision"
+        raise InputError(f"code: {code!r} is {problem} of the git repository in the current folder")
 
 
 def baseline_code(code: str, named: list[str], scratch: Path) -> Code:

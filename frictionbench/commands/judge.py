@@ -14,34 +14,32 @@ from frictionbench.results.judgement import read_judged
 
 def as_data(folder: Path) -> dict[str, Any]:
     """Return the judgement as plain values for JSON: the page's sentences and tables, and every step."""
-    found = read_judged(folder)
-    told = {name: getattr(found, name) for name in ("creep", "forces", "laws", "notes", "percentiles", "beside")}
-    return {"folder": str(folder), **told, "steps": [one._asdict() for one in found.steps]}
+    judged = read_judged(folder)
+    values = {name: getattr(judged, name) for name in ("creep", "forces", "laws", "notes", "percentiles", "beside")}
+    return {"folder": str(folder), **values, "steps": [one._asdict() for one in judged.steps]}
 
 
-def told(folder: Path) -> str:
+def summary(folder: Path) -> str:
     """Return the summary of a judged folder: laws, notes, the worst step, and a table of the engine and the solvers."""
-    found = read_judged(folder)
-    without = len(found.steps) - len(found.touching)
-    lines = [f"{count(len(found.touching), 'step')} with contacts judged by Coulomb's law, {without} without contact"]
-    for answer in filter(None, (found.creep, found.forces, found.impossible)):
+    judged = read_judged(folder)
+    without = len(judged.steps) - len(judged.touching)
+    lines = [f"{count(len(judged.touching), 'step')} with contacts judged by Coulomb's law, {without} without contact"]
+    for answer in filter(None, (judged.creep, judged.forces, judged.impossible)):
         lines += paragraph(printable(answer), screen(), "")
-    most = ", ".join(f"{law} in {count}" for law, count in found.laws.items())
+    most = ", ".join(f"{law} in {count}" for law, count in judged.laws.items())
     lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")
-    for one in found.worst(1):
+    for one in judged.worst(1):
         lines += [f"worst step: {printable(one.file)}, residual {residual(one.residual, 1)}, {one.law}"]
-    if noted := found.notes:
+    if noted := judged.notes:
         means = "; ".join(f"{printable(name)} {rough_percent(mean)} in {count(n, 'step')}" for name, (mean, n) in noted.items())
         lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")
     header = ("", "solved", "residual p50", "residual worst", "time p50", "time p99", "time worst")
     digits = partial(residual, decimals=1)
-    engine = _shown(found.percentiles["residual"], ("p50", "worst"), digits)
+    engine = _shown(judged.percentiles["residual"], ("p50", "worst"), digits)
     body: list[tuple[str, ...]] = [("the engine", "", *engine, "", "", "")]
-    for other in found.beside:
-        residuals, times = (
-            _shown(other["residual"], ("p50", "worst"), digits),
-            _shown(other["time"], ("p50", "p99", "worst"), seconds),
-        )
+    for other in judged.beside:
+        residuals = _shown(other["residual"], ("p50", "worst"), digits)
+        times = _shown(other["time"], ("p50", "p99", "worst"), seconds)
         body.append((other["variant"], f"{other['solved']}/{other['steps']}", *residuals, *times))
     return "\n".join([*lines, "", *columns(header, body, screen(), ("time p99", "residual p50"))])
 

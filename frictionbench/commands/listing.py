@@ -21,8 +21,8 @@ def listed(what: str) -> dict[str, Facts]:
 def show(what: str) -> None:
     """Print each name with its short facts in brackets, and below it the summary and the facts that are lists."""
     width = screen()
-    for name, told in listed(what).items():
-        facts = {fact.replace("_", " "): value for fact, value in told.items() if value and value != [name]}
+    for name, entry in listed(what).items():
+        facts = {fact.replace("_", " "): value for fact, value in entry.items() if value and value != [name]}
         texts = [facts.pop("summary")]
         texts += [f"{fact}: {_words(value)}" for fact, value in facts.items() if isinstance(value, dict | list)]
         short = [_short(fact, value) for fact, value in facts.items() if not isinstance(value, dict | list)]
@@ -51,7 +51,8 @@ def _scenes() -> dict[str, Facts]:
     made: dict[str, Any] = {**scenes(), **instances()}
     return {
         name: {
-            "summary": one.summary + (f" Another name of {own}." if (own := one.make.__name__) in made.keys() - {name} else ""),
+            "summary": one.summary
+            + (f" Another name of {alias}." if (alias := one.make.__name__) in made.keys() - {name} else ""),
             "dimension": one.dimension,
             "one_step": name in instances(),
             "parameters": dict(one.parameters),
@@ -62,11 +63,11 @@ def _scenes() -> dict[str, Facts]:
 
 def _solvers() -> dict[str, Facts]:
     """Return the solvers of this package and of loaded plug-ins, and installed plug-ins without importing their code."""
-    found: dict[str, Facts] = {}
+    solvers: dict[str, Facts] = {}
     for name, info in sorted(available().items()):
         made: Any = info.make()
         first = find(info.specs[0])[0]
-        found[name] = {
+        solvers[name] = {
             "summary": info.summary,
             "family": info.family,
             "model": info.model,
@@ -80,14 +81,14 @@ def _solvers() -> dict[str, Facts]:
             "variants": list(info.specs),
         }
     for name, point in installed().items():
-        found[name] = {"summary": f"Installed plug-in: {point.value}.", "distribution": distribution(point)}
-    return found
+        solvers[name] = {"summary": f"Installed plug-in: {point.value}.", "distribution": distribution(point)}
+    return solvers
 
 
 def _suites() -> dict[str, Facts]:
-    found = {}
+    suites = {}
     for name, make in SUITES.items():
         plan = make()
         facts = {"summary": " ".join((make.__doc__ or "").split()), "takes": plan.expects}
-        found[name] = facts | {"tolerances": list(plan.tolerances), "solvers": list(plan.variants)}
-    return found
+        suites[name] = facts | {"tolerances": list(plan.tolerances), "solvers": list(plan.variants)}
+    return suites

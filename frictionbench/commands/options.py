@@ -46,7 +46,7 @@ Suite = Annotated[
     typer.Argument(metavar="SUITE", help="smoke, standard, ...: see `frictionbench list suites`; by default standard."),
 ]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]
-Row = Annotated[str, typer.Argument(metavar="ROW", help="The row's key, or its beginning; without, failed rows are listed.")]
+Row = Annotated[str, typer.Argument(metavar="ROW", help="A row's key or its beginning; without it, failed rows are listed.")]
 Scenes = Annotated[
     list[str] | None,
     typer.Option("--scene", metavar="SCENE", help="Only this scene, like stack or 'stack[blocks=5]'; may be repeated."),
@@ -56,14 +56,14 @@ Solvers = Annotated[
     typer.Option(
         "--solver",
         metavar="SOLVER",
-        help="Only this solver, like 'nsgs[relaxation=1.3]', a file that defines some, 'exec:./program {problem} {answer}', "
-        "or an installed one; may be repeated.",
+        help="Only this solver, like 'nsgs[relaxation=1.3]', a file that defines solvers, 'exec:./program {problem} {answer}', "
+        "or an installed plug-in; may be repeated.",
     ),
 ]
 Trusted = Annotated[
     list[str] | None,
     typer.Option(
-        "--solver", metavar="FILE|NAME", help="Outside solvers to trust; files named in a results folder are not run."
+        "--solver", metavar="FILE|NAME", help="A plug-in that may be run; the results folder names it, but is not trusted."
     ),
 ]
 Tolerances = Annotated[
@@ -82,7 +82,7 @@ Data = Annotated[
     typer.Option(
         "--data",
         metavar="DIR|FILE|fclib/FAMILY",
-        help="Recorded problems for `run recorded` or, of a sequence, `run replay`; may be repeated.",
+        help="Recorded problems for `run recorded`, or the steps of a sequence for `run replay`; may be repeated.",
     ),
 ]
 Cluster = Annotated[
@@ -95,10 +95,10 @@ Budget = Annotated[
         "--budget",
         metavar="1ms|250us|0.5s",
         parser=parse_duration,
-        help="A time for each problem: the share solved within it is shown.",
+        help="Also show the share of problems that are solved within this time.",
     ),
 ]
-_BY = "The time that ranks or is compared: bodies: form, setup and solve; form: setup and solve alone."
+_BY = "Time by which solvers are ranked or compared: bodies (form, setup and solve) or form (setup and solve)."
 By = Annotated[RankBy, typer.Option("--rank-by", help=_BY)]
 ByOfProblem = Annotated[
     RankBy | None, typer.Option("--rank-by", help=f"{_BY} By default bodies, but form where a problem is given by its matrix.")
@@ -111,9 +111,9 @@ Config = Annotated[
     typer.Option(
         "--config",
         metavar="FILE|DIR",
-        help="Options of this command from a TOML file, or of the run in a folder; what is given here comes first.",
+        help="Read options from a TOML file, or from the run in a folder; options of the command line take precedence.",
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of text.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress; results and errors alone.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show only results and errors, no progress.")]
 Scheme = Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Time-stepping scheme.")]

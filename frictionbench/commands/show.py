@@ -18,11 +18,11 @@ from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DEFAULT_SCHEME, rough_percent
 from frictionbench.results.motion import Motion, decoded
 
-EXACT = {2: "lemke", 3: "interior_point"}
+EXACT_SOLVERS = {2: "lemke", 3: "interior_point"}
 MAX_SECONDS = 3600.0  # seconds for a plug-in to simulate a scene: the user can interrupt it earlier
 
 
-def told(motion: Motion) -> str:
+def energy_balance(motion: Motion) -> str:
     """Return the energy balance in one line, relative to the largest kinetic energy, at least a thousandth of the total."""
     energy = motion.energy
     scale = max(motion.kinetic.max(), 1e-3 * np.abs(energy).max(), np.finfo(float).tiny)
@@ -30,14 +30,14 @@ def told(motion: Motion) -> str:
     end, rise = (rough_percent(abs(share)) for share in shares)
     worst = motion.residual.max(initial=0.0, where=np.isfinite(motion.residual))
     most = f"rises by at most {rise} in a step" if shares[1] > 0 else "never rises in a step"
-    told = f"energy, kinetic and potential, in per cent of the largest kinetic energy ({motion.kinetic.max():.3g} J)"
-    return f"{told}: {'rises' if shares[0] > 0 else 'falls'} by {end} in all, {most}; worst residual {worst:.0e}"
+    text = f"energy, kinetic and potential, in per cent of the largest kinetic energy ({motion.kinetic.max():.3g} J)"
+    return f"{text}: {'rises' if shares[0] > 0 else 'falls'} by {end} in all, {most}; worst residual {worst:.0e}"
 
 
 def page_name(scene: str, solver: str | None, scheme: str) -> str:
     """Return the page's file name, from the scene, the solver and scheme if not the default: stack-blocks=5-moreau.html."""
-    given = (scene, solver or "", scheme if scheme != DEFAULT_SCHEME else "")
-    return "-".join(re.sub(r"[^\w.=]+", "-", text).strip("-") for text in given if text) + ".html"
+    parts = (scene, solver or "", scheme if scheme != DEFAULT_SCHEME else "")
+    return "-".join(re.sub(r"[^\w.=]+", "-", text).strip("-") for text in parts if text) + ".html"
 
 
 def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int | None) -> Motion:
@@ -51,7 +51,7 @@ def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int |
         raise InputError(f"scene: {name} is a problem of one step and has no motion; `show` takes {', '.join(scenes())}")
     with process.memory_within(MEMORY_LIMIT):
         stage = scene(name, **settings)
-    solver_spec = solver_spec or EXACT[stage.dimension]
+    solver_spec = solver_spec or EXACT_SOLVERS[stage.dimension]
     variants, plugins = load_plugins([solver_spec])
     require(len(variants) == 1, "solver", f"{solver_spec} defines {len(variants)} solvers; name one of them")
     (variant,) = variants
@@ -61,5 +61,5 @@ def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int |
     with scratch_pool(plugins) as pool:
         call = (name, settings, variant, scheme, steps)
         (outcome,) = pool.run([Task(worker.run_show, call, MAX_SECONDS, plugins[0].source)])
-    found = decoded(outcome.result(f"solver: {variant} cannot be shown"), f"solver: {variant}")
-    return replace(found, scene=stage.name, solver=variant)
+    motion = decoded(outcome.result(f"solver: {variant} cannot be shown"), f"solver: {variant}")
+    return replace(motion, scene=stage.name, solver=variant)

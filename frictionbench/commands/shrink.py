@@ -52,14 +52,16 @@ def shrink(
             cell = SolveCell(part.hash, f"shrink {trials}", row["variant"], row["tol"])
             record = no_problem(Source(row["scene"]), "") | {"repeats": 1}
             (outcome,) = pool.run([cell_task(cell, row["time_limit"], plugins, record)])
-            found = row_of(outcome, plugins)
-            if failed := fails_as(row, found):
+            again = row_of(outcome, plugins)
+            if failed := fails_as(row, again):
                 tell(f"trial {trials}: fails with {len(contacts)} contacts")
             elif trials == 1:
-                now = f"{found['verdict']} ({found['reason']})" if found.get("reason") else found["verdict"]
-                longer = "; run it with a longer --time-limit" if found["verdict"] == Verdict.TIMEOUT else ""
-                told = f"was {row['verdict']} and is {now} from a cold start; only what fails again alike can be shrunk{longer}"
-                raise InputError(f"row: {row['key']} {told}")
+                now = f"{again['verdict']} ({again['reason']})" if again.get("reason") else again["verdict"]
+                longer = "; run it with a longer --time-limit" if again["verdict"] == Verdict.TIMEOUT else ""
+                change = (
+                    f"was {row['verdict']} and is {now} from a cold start; only what fails again alike can be shrunk{longer}"
+                )
+                raise InputError(f"row: {row['key']} {change}")
             return failed
 
         whole = list(range(problem.contacts))
@@ -71,10 +73,10 @@ def shrink(
     return path, small, trials, commands.solve(path, row["variant"], row["tol"], commands.sources(settings))
 
 
-def fails_as(row: Row, found: Row) -> bool:
+def fails_as(row: Row, again: Row) -> bool:
     """Return whether a trial has the row's verdict, and a rounding floor within the row's tolerance or its rounding floor."""
-    hidden = (found.get("residual_floor") or 0.0) > max(row["tol"], row.get("residual_floor") or 0.0)
-    return found["verdict"] == row["verdict"] and not hidden
+    hidden = (again.get("residual_floor") or 0.0) > max(row["tol"], row.get("residual_floor") or 0.0)
+    return again["verdict"] == row["verdict"] and not hidden
 
 
 def reduced(parts: list[int], fails: Callable[[list[int]], bool]) -> list[int]:

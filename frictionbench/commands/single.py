@@ -79,9 +79,9 @@ def solve_one(
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
     if as_json:
-        told = {"problem": problem, **{name: facts[name] for name in ("summary", "contradiction")}, "tol": tol}
-        told |= {"rank_by": rank_by, "solvers": [_data(row) for row in applicable], "advice": advice(rows, rank_by)}
-        print(json.dumps(told, indent=1))
+        data = {"problem": problem, **{name: facts[name] for name in ("summary", "contradiction")}, "tol": tol}
+        data |= {"rank_by": rank_by, "solvers": [_data(row) for row in applicable], "advice": advice(rows, rank_by)}
+        print(json.dumps(data, indent=1))
         return
     title = f"tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
     if record["dimension"] != SPATIAL:  # in space the exact problem is not an LCP
@@ -103,12 +103,12 @@ def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
     """Return which solver to use, from rows with the best first, and the best by the other ranking if it differs."""
     if solved := [row for row in rows if row["verdict"] == Verdict.SOLVED]:
         best, others = solved[0], len(solved) - 1
-        told = f"use {best['variant']}: solved {rank_by.words} in {_time(_seconds(best, rank_by))}"
-        told += f"; {others} other{'s' * (others != 1)} solve{'s' * (others == 1)} it as well" if others else ""
+        text = f"use {best['variant']}: solved {rank_by.words} in {_time(_seconds(best, rank_by))}"
+        text += f"; {others} other{'s' * (others != 1)} solve{'s' * (others == 1)} it as well" if others else ""
         other = min(solved, key=lambda row: _seconds(row, rank_by.other))
         if other is not best and _seconds(other, rank_by.other) < _seconds(best, rank_by.other):
-            told += f"; {rank_by.other.words} {other['variant']} is faster: {_time(_seconds(other, rank_by.other))}"
-        return told
+            text += f"; {rank_by.other.words} {other['variant']} is faster: {_time(_seconds(other, rank_by.other))}"
+        return text
     answered = [row for row in rows if row.get("residual") is not None and row["residual"] < np.inf]
     if not answered:
         return "no solver returned an answer that can be judged"
@@ -201,8 +201,8 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
         work = ", ".join(f"{key} {value}" for key, value in counts(row.get("work")).items())
         verdict = ending(row["verdict"], row["model"])
         results = (verdict, _number(row.get("residual")), _time(_seconds(row, rank_by)), _number(row.get("model_residual")))
-        told = (label, row["variant"], *results, *times, (row.get("status") or "").lower(), work)
-        lines.append(tuple(map(printable, told)))
+        cells = (label, row["variant"], *results, *times, (row.get("status") or "").lower(), work)
+        lines.append(tuple(map(printable, cells)))
         if row.get("reason"):
             remarks.append(printable(f"{label} {row['variant']}: {row['reason']}"))
     header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")

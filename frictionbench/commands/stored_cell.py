@@ -74,7 +74,7 @@ def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugi
         return ()
     if not named:
         source = sources(settings).get(variant)
-        told = f"the run loaded it from {source!r}" if source else "the manifest does not name the file"
-        raise InputError(f"solver: {variant} is not part of frictionbench; {told}. To run it, name it with --solver")
+        origin = f"the run loaded it from {source!r}" if source else "the manifest does not name the file"
+        raise InputError(f"solver: {variant} is not part of frictionbench; {origin}. To run it, name it with --solver")
     _, plugins = load_plugins(named, (variant,))
     return tuple(plugin for plugin in plugins if variant in plugin.solvers)

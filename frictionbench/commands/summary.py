@@ -14,7 +14,7 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import ENDINGS, endings
 from frictionbench.results.store import read_table
 
-MOST, LONGEST = 6, 160  # reasons shown and characters of each: two lines of a terminal at most
+MOST_REASONS, LONGEST = 6, 160  # reasons shown and characters of each: two lines of a terminal at most
 
 
 def folder_for(plan: Plan) -> Path:
@@ -55,5 +55,5 @@ def _reasons(rows: pd.DataFrame) -> str:
     failed = rows[rows["verdict"].isin([Verdict.SKIPPED, Verdict.CRASHED]) & rows["reason"].notna()]
     counts = failed.groupby(["variant", "verdict", "reason"]).size().sort_values(ascending=False, kind="stable")
     lines = [f"{count} × {variant} {verdict}: {reason}"[:LONGEST] for (variant, verdict, reason), count in counts.items()]
-    more = [f"... and {len(lines) - MOST} more reasons, in the report"] if len(lines) > MOST else []
-    return "\n".join([*lines[:MOST], *more])
+    more = [f"... and {len(lines) - MOST_REASONS} more reasons, in the report"] if len(lines) > MOST_REASONS else []
+    return "\n".join([*lines[:MOST_REASONS], *more])

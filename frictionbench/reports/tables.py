@@ -124,12 +124,8 @@ def reliabilities(run: Run) -> pd.DataFrame:
         "own": rows["own_solved"],
         **{name: rows["verdict"] == name for name in ("near_miss", "unjudgeable", "wrong", "timeout", "crashed")},
     }
-    table = (
-        rows[["label", "model"]]
-        .assign(**ended)
-        .groupby("label", sort=False)
-        .agg({"model": "first"} | dict.fromkeys(ended, "sum"))
-    )
+    groups = rows[["label", "model"]].assign(**ended).groupby("label", sort=False)
+    table = groups.agg({"model": "first"} | dict.fromkeys(ended, "sum"))
     return table.sort_values(["exact", "own"], ascending=False, kind="stable").reset_index()
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from frictionbench.commands.show import page_name, recorded, told
+from frictionbench.commands.show import energy_balance, page_name, recorded
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scene, scenes
@@ -108,7 +108,7 @@ def test_encoded_motion_round_trip() -> None:
     assert [c.shape for c in again.contacts] == [c.shape for c in motion.contacts]
     assert [o.body for o in again.outlines] == [2, -1, -1, 0, 1]
     assert page_name("stack[blocks=5]", None, "moreau") == "stack-blocks=5-moreau.html"
-    assert "s by <0.01 % in all, " in told(recorded("bouncing_ball[restitution=1]", None, "moreau", 200))
+    assert "s by <0.01 % in all, " in energy_balance(recorded("bouncing_ball[restitution=1]", None, "moreau", 200))
 
 
 def test_invalid_motions_are_refused() -> None:

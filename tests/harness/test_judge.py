@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import frictionbench as fb
-from frictionbench.commands.judge import told
+from frictionbench.commands.judge import summary
 from frictionbench.harness.judge import judge_file, prepared
 from frictionbench.harness.run import run
 from frictionbench.problems.measures import judged, violations
@@ -89,7 +89,7 @@ def test_worst_steps_are_peaks_then_the_next_and_equal_steps_count(folder) -> No
 
 def test_summary_and_page(folder, monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.commands.judge.screen", lambda: 60)
-    text = told(folder)
+    text = summary(folder)
     assert "residual worst  time p50  time worst" in text  # heads are whole words on a narrow terminal
     assert "3 steps with contacts judged by Coulomb's law, 1 without contact" in text
     assert "law violated most: dissipation in 1" in text
