@@ -12,7 +12,7 @@ from frictionbench.problems import Census, FrictionProblem, Shape, census, first
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM, INK
 from studies.motions import coulomb, thrown
-from studies.study import Row, Study, Summary, Tables, finish, require, share
+from studies.study import Row, Study, Summary, Tables, finish, listing, require, share
 
 BLUE = "#0077bb"
 ROUNDING = 1e-12  # residuals below it are rounding
@@ -108,7 +108,7 @@ def summary(found: Tables) -> Summary:
     require((beyond["middle_residual"] > 1e-3).all(), "no middle with a sticking solution is a solution")
     several = block[block["several_velocities"] > 0]
     require(not several["p0"].any(), "a block with a P0 matrix has one velocity")
-    high = block.loc[(block["several_velocities"] / block["draws"]).idxmax()]
+    high = block[block["several_velocities"] == block["several_velocities"].max()]  # of equal draws
     least = (several["friction"] * several["aspect"]).min()
     listed, odd = motions["listed"].sum(), (motions["isolated"] + motions["not_convex"]).sum()
     many = int(motions["several_velocities"].sum())
@@ -124,9 +124,9 @@ def summary(found: Tables) -> Summary:
         "middle_residual": f"{far['middle_residual']:.2f}",
         "middle_gap": f"{far['middle_gap']:.3g}",
         "threshold": f"{least:.3g}",
-        "mu": f"{high['friction']:.3g}",
-        "aspect": f"{high['aspect']:g}",
-        "share": share(int(high["several_velocities"]), int(high["draws"])),
+        "mu": listing([f"{mu:.3g}" for mu in high["friction"]], "or"),
+        "aspect": listing([f"{aspect:g}" for aspect in high["aspect"].unique()], "or"),
+        "share": share(int(high["several_velocities"].iloc[0]), int(high["draws"].iloc[0])),
         "problems": motions["problems"].sum(),
         "unique": motions["one"].sum(),
         "convex": motions["convex"].sum(),

@@ -21,7 +21,7 @@ METHOD = (  # how the figures were measured, in words for reports
     "The rate is in problems per second of processor time on one core, in the fastest round. Each problem has its own "
     + ", ".join(f"{name.replace('_', ' ')} ({low:g} to {high:g})" for name, (low, high) in DRAWN.items())
     + ". The ratio is the rate over that of single calls of the solver that is named. These are timed again in turn with "
-    "each row, so that the ratio differs by some percent from the quotient of two rates of the table.",
+    "each row, so that the ratio is not the quotient of two rates of the table where the machine's speed varies.",
     "Ways: "
     + "; ".join(f"{way}: {meaning.replace('`', '')}" for way, meaning in WAYS.items())
     + ". All include form, solve and, except for calls, the residual of every answer. Cold starts are from zero impulses, "
