@@ -12,8 +12,6 @@ form a stratum: with S strata, a problem in a stratum of n problems has the weig
 1965) is the number of problems of equal weight whose mean has the same variance. A solver that was skipped on a whole class has
 no mean there; one that was skipped on some of its problems is charged for these. Over all problems in the plane, and over all
 in space, solvers are compared on the same problems, so that every skipped problem counts as not solved.
-
-A single-precision solver is ranked only at the targets for which it was asked; others are no failures of the method.
 """
 
 from collections.abc import Sequence

@@ -8,8 +8,7 @@
         def setup(self, formed): ...                 # the method's or library's preparation: orderings, workspaces, factors
         def solve(self, prepared, tol, limit, start=None) -> Answer: ...
 
-A missing `form` or `setup` passes its argument on unchanged. Every registered solver has `prepare`, which is
-setup(form(problem)).
+A missing `form` or `setup` passes its argument on unchanged. Every registered solver has `prepare`: setup(form(problem)).
 
 `tol` is the requested residual of the solver's own model, as defined in problems.residual: the defect of each contact is
 measured in its own unit of velocity, `problem.units` (nc,), that of its island. A solver that stops by a single velocity stops

@@ -24,6 +24,7 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.check import Array, require
+from frictionbench.problems.forms.joints import CONTRADICTION, ROUNDING
 from frictionbench.problems.friction import FrictionProblem
 
 LEAST = 1e-9  # relative to the largest weight: smaller ones are set to zero
@@ -88,13 +89,14 @@ def contradiction(problem: FrictionProblem) -> Contradiction | None:
         return None
     weight = _polished(rows, np.asarray(proposed.x), nc)
     defect, gain = _sums(rows, right, weight)
-    if gain <= 0 or (weight[:nc] < 0).any():
-        return None
+    gain -= float(np.abs(weight[nc:]) @ np.maximum(CONTRADICTION * np.abs(right[nc:]), ROUNDING * size))
+    if gain <= 0 or (weight[:nc] < 0).any() or not weight[:nc].any():
+        return None  # joint equations hold to rounding, and a problem whose equations contradict each other by more is refused
     beyond = gain / (size * defect) if defect > 0 else np.inf
     if beyond < FAR:
         return None
     y, z = np.split(weight / row, [nc])
-    least = gain * (1 - 1 / np.sqrt(beyond)) / float(y @ problem.units) if y.any() else np.inf
+    least = gain * (1 - 1 / np.sqrt(beyond)) / float(y @ problem.units)
     largest = _power_of_two(np.array(max(y.max(initial=0.0), np.abs(z).max(initial=0.0))))  # exact, so that the proof holds
     return Contradiction(y / largest, z / largest, beyond, least)
 

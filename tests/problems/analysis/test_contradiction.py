@@ -53,13 +53,14 @@ def test_opposite_walls(angle) -> None:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_what_has_a_solution_has_no_proof(seed) -> None:
-    """The bias of every contact is such that a random velocity leaves all of them, some just so."""
+    """The bias of every contact is such that a random velocity leaves all of them, some just so, and moves with the joints,
+    one of whose equations is stated twice, with biases that differ by rounding."""
     random = np.random.default_rng(seed)
     for problem in (random_problem(seed, contacts=8), spatial(seed, contacts=8, nv=12, joints=2)):
-        v = random.standard_normal(len(problem.free_velocity))
-        reached = problem.replace(
-            bias=-(problem.normal @ v) + random.choice([0.0, 1.0], problem.contacts), joint_bias=-(problem.joints @ v)
-        )
+        v, F = random.standard_normal(len(problem.free_velocity)), problem.joints.toarray()
+        twice, rounded = np.vstack([F, 2 * F[:1]]), np.append(np.ones(len(F)), np.full(len(F[:1]), 1 + 4e-16))
+        bias = -(problem.normal @ v) + random.choice([0.0, 1.0], problem.contacts)
+        reached = problem.replace(bias=bias, joints=twice, joint_bias=-rounded * (twice @ v))
         assert contradiction(reached) is None
 
 
