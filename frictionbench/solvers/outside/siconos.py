@@ -9,12 +9,11 @@ Licence: Apache-2.0. (The metadata of Debian's 4.4.0 state 4.5.0.)
 Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensionless Delassus matrix with a decoupled second
     tangent for friction_3d_ on planar problems, in Siconos' block storage, that of its own simulations, and dense where that is
     faster and as reliable: for friction_2d_cpg and friction_2d_lemke, for admm and prox where W is more than half full and up
-    to 100 and 64 contacts, for nsn_ac and nsn_fb up to 16; for global_, in space only, the entries of M and H = J' and q,
-    dimensionless. Setup: none. Solve: one message to the child and its reply.
+    to 100 and 80 contacts, for friction_2d_nsgs up to 48, for nsn_ac and nsn_fb up to 16; for global_, in space only, the
+    entries of M and H = J' and q, dimensionless. Setup: none. Solve: one message to the child and its reply.
 Clock: around Siconos' problem object and the driver's call, in the child, of matrices in its storage. Solvers are compared by
     it, as a user of Siconos has no child: the column solve_time is this clock, and call_time the whole call.
 Charged: W's entries and the units cost some 40 µs at 2 contacts, and up to .2 ms after a child's call has emptied the caches.
-    friction_2d_nsgs is asked for more than by hand, where its answers are near misses.
 Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho (by default
     constant), `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=friction_3d_admm]'
     --solver 'siconos[method=friction_3d_admm,settings=tuned]'`; for friction_3d_nsgs a relaxation of 1.3, `frictionbench solve
@@ -56,10 +55,10 @@ _SPATIAL = tuple(f"friction_3d_{name}" for name in ("nsgs", "prox", "admm", "nsn
 _GLOBAL = ("global_friction_3d_admm", "global_friction_3d_ipm")
 _METHODS = (*_LCP, *_PLANAR, *_SPATIAL, *_GLOBAL)
 # The contacts up to which W is dense, measured on 30 problems of 4 to 400 contacts: beyond, block storage is faster, and
-# Newton's methods, which then use another linear solver, fail less often. Sweeps are never slower with block storage.
+# Newton's methods, which then use another linear solver, fail less often. Sweeps in space are never slower with block storage.
 _DENSE = {
-    **{"friction_2d_cpg": 10**9, "friction_2d_lemke": 10**9, "friction_3d_admm": 100, "friction_3d_prox": 64},
-    **{"friction_3d_nsn_ac": 16, "friction_3d_nsn_fb": 16},
+    **{"friction_2d_cpg": 10**9, "friction_2d_lemke": 10**9, "friction_2d_nsgs": 48},
+    **{"friction_3d_admm": 100, "friction_3d_prox": 80, "friction_3d_nsn_ac": 16, "friction_3d_nsn_fb": 16},
 }
 _FULL = ("friction_3d_admm", "friction_3d_prox")  # dense also if most pairs of contacts share a body
 _BALANCED = {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2}  # SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING
