@@ -9,7 +9,7 @@ import pytest
 from tests.helpers.browser import faults, in_browser
 from tests.helpers.paths import ROOT
 
-LONG = ("api", "peers", "studies", "commands")  # for their tables and sections axe takes minutes
+LONG = ("api", "battery", "peers", "studies", "commands")  # for their tables and sections axe takes minutes
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def site(tmp_path_factory) -> Path:
 
 
 @in_browser
-@pytest.mark.parametrize("name", ["index", "published", "figures", "notebooks/choose", *LONG])
+@pytest.mark.parametrize("name", ["index", "published", "figures", "search", "notebooks/choose", *LONG])
 def test_pages_look(site, name) -> None:
     assert faults(site / f"{name}.html", accessible=name not in LONG) == []
-    assert '<span class="option">--paper</span>' in (site / "figures.html").read_text(encoding="utf-8")
+    assert '<span class="unbroken">--paper</span>' in (site / "figures.html").read_text(encoding="utf-8")
