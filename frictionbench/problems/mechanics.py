@@ -60,9 +60,9 @@ class Mechanics(ReadOnly):
 
     def _like(self, **changes: Any) -> Self:
         """A copy without derived data and with changed defining fields, which must be checked and read-only."""
-        own, again = vars(self), object.__new__(type(self))
-        vars(again).update({name: own[name] for name in self.DEFINED_BY} | changes)
-        return again
+        fields, copy = vars(self), object.__new__(type(self))
+        vars(copy).update({name: fields[name] for name in self.DEFINED_BY} | changes)
+        return copy
 
     def fresh(self) -> Self:
         """The same problem without anything derived from it, so that the cost of preparation is incurred again."""
@@ -193,8 +193,9 @@ class Mechanics(ReadOnly):
 
     @property
     def _motion(self) -> Measures:
-        """The measures of either law, of which q, scale and velocity_scale are the same."""
-        return vars(self).get("_relaxed_measures") or self._measures
+        """Measures of which only q, scale and velocity_scale are used: these are equal for both laws, so that those of the
+        relaxation serve if they have been computed already."""
+        return self._relaxed_measures if "_relaxed_measures" in vars(self) else self._measures
 
     @cached_property
     def _measures(self) -> Measures:
@@ -223,8 +224,8 @@ class Mechanics(ReadOnly):
 
     def _units_at(self, q: Array, scale: Array) -> tuple[Array, Index64]:
         """The units (nc,) for free contact velocities q (nc*d,), and the islands (nc,) of contacts that share a unit."""
-        found: tuple[Array, Index64] = mechanical_units(*self._bodies, self._moves, self.bias, q, scale, self.friction_bias)
-        return found
+        units: tuple[Array, Index64] = mechanical_units(*self._bodies, self._moves, self.bias, q, scale, self.friction_bias)
+        return units
 
     @cached_property
     def _moves(self) -> Array:
@@ -261,10 +262,10 @@ class Mechanics(ReadOnly):
         the slow parts of the balanced problem as accurately as the fast ones.
         """
         factor = factors(self.parts(), self.relaxation_units if relaxed else self.units)
-        own = factor[: self.contacts]
-        biases = self._over(factor) | {"bias": self.bias / own, "friction_bias": self.friction_bias / own}
+        of_contacts = factor[: self.contacts]
+        biases = self._over(factor) | {"bias": self.bias / of_contacts, "friction_bias": self.friction_bias / of_contacts}
         check.set_read_only(tuple(biases.values()))
-        return self._like(**biases), own
+        return self._like(**biases), of_contacts
 
     def _over(self, factor: Array) -> dict[str, Array]:
         """The fields that are velocities, except the contacts' bias, divided by the factors of the entries of parts()."""
@@ -275,8 +276,8 @@ class Mechanics(ReadOnly):
         """The part of each contact (nc,), numbered from 0. If the problem is mechanical, the parts of the velocities and of the
         joint equations follow, with -1 for those that are not connected to any contact."""
         J, M, F = self.contact_rows, self.mass_rows, self.joint_rows
-        found: Index64 = mechanical_parts(J.start, J.column, M.start, M.column, F.start, F.column)
-        return found
+        parts: Index64 = mechanical_parts(J.start, J.column, M.start, M.column, F.start, F.column)
+        return parts
 
     def velocity(self, impulse: Array) -> Array:
         """v (nv,) after the contact impulses (nc, d) or (nc*d,), which satisfies the joint equations; computed without W."""
@@ -307,8 +308,8 @@ class Mechanics(ReadOnly):
             and impulse.flags.c_contiguous
         ):
             return impulse
-        flat, given = check.entries("impulse", impulse, shape[0] * shape[1]), np.shape(impulse)
-        check.require(given == shape or len(given) == 1, "impulse", f"must have shape {shape}, got {given}")
+        flat, actual = check.entries("impulse", impulse, shape[0] * shape[1]), np.shape(impulse)
+        check.require(actual == shape or len(actual) == 1, "impulse", f"must have shape {shape}, got {actual}")
         return flat.reshape(shape)
 
     def _pushed(self, r: Array) -> Array:

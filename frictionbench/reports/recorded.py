@@ -15,7 +15,7 @@ from frictionbench.reports.accuracy import in_order, percentiles
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import json_object, scene_title
 
-FEWEST_STEPS = 20  # steps of a motion that is shown
+FEWEST_STEPS = 20  # steps of a motion that is shown: as many as the suite `replay` takes of each
 
 
 def recorded_problems(run: Run) -> list[dict[str, Any]]:

@@ -164,7 +164,7 @@ def pointedness(problem: FrictionProblem) -> float:
     directions = np.array([[1.0, -1.0]]) if d == 2 else np.array([np.cos(angle), np.sin(angle)])
     K = directions.shape[1]
     eye = sparse.eye_array(nc)
-    # W r = 0 iff J' r = 0, because W is symmetric and positive semidefinite.
+    # Nothing moves iff J' r = 0. If only W is known, iff W r = 0, which is the same if W is J M^-1 J'.
     if not problem.mechanical and nc * d > DENSE_ROWS:
         return np.nan
     push = sparse.csr_array(problem.jacobian.T) if problem.mechanical else problem.W / (problem.W.max() or 1.0)

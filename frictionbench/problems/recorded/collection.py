@@ -2,7 +2,7 @@
 
 fclib_registry.csv, in the folder of this file, lists 15 of its families with the size and sha256 of each file as of May 2024
 (commit 3e2066ef). The repository states no licence, so this project contains nothing of it. Its files are stored by git-LFS,
-downloaded from the main branch, and refused if their sha256 has changed. Fetched files are stored in the cache folder,
+downloaded from the branch master, and refused if their sha256 has changed. Fetched files are stored in the cache folder,
 FRICTIONBENCH_CACHE or by default the user's, and read from there without a network. An interrupted download resumes at the file
 where it stopped.
 """
@@ -18,7 +18,7 @@ from platformdirs import user_cache_dir
 
 from frictionbench.problems.check import InputError, require, require_installed
 
-ADDRESS = "https://media.githubusercontent.com/media/FrictionalContactLibrary/fclib-library/master/"
+DOWNLOAD_URL = "https://media.githubusercontent.com/media/FrictionalContactLibrary/fclib-library/master/"
 REGISTRY = Path(__file__).with_name("fclib_registry.csv")
 
 
@@ -48,9 +48,9 @@ def family(name: str) -> str:
     wanted = name.removeprefix("fclib/").strip("/").lower()
     exact = [known for known in registry() if known.lower() == wanted]
     last = [known for known in registry() if known.lower().endswith(f"/{wanted}")]
-    found = exact or sorted(last, key=lambda known: not known.startswith("Local/"))
-    require(bool(found), "family", f"unknown family {name!r}; known are {', '.join(f'fclib/{one}' for one in registry())}")
-    return found[0]
+    matches = exact or sorted(last, key=lambda known: not known.startswith("Local/"))
+    require(bool(matches), "family", f"unknown family {name!r}; known are {', '.join(f'fclib/{one}' for one in registry())}")
+    return matches[0]
 
 
 def cache_folder() -> Path:
@@ -61,13 +61,13 @@ def cache_folder() -> Path:
 def fetch(name: str) -> Iterator[Entry]:
     """Download the missing files of a family one after another, check each, and yield it when it is stored.
 
-    They come from ADDRESS, or from a mirror given by FRICTIONBENCH_FCLIB.
+    They come from DOWNLOAD_URL, or from a mirror given by FRICTIONBENCH_FCLIB.
     Errors: InputError naming a file that cannot be downloaded or differs from the registry, or pooch if it is not installed.
     """
     require_installed("pooch", "recorded")
     import pooch
 
-    address = os.environ.get("FRICTIONBENCH_FCLIB", ADDRESS).rstrip("/")
+    address = os.environ.get("FRICTIONBENCH_FCLIB", DOWNLOAD_URL).rstrip("/")
     for entry in registry()[name]:
         path = cache_folder() / entry.path
         try:
