@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from frictionbench.problems.analysis.contradiction import contradiction
     from frictionbench.problems.catalogue import instances, make_instance as instance, problem_of as problem, scene, scenes
     from frictionbench.problems.packed import Batch
-    from frictionbench.problems.recorded.own import EngineStep
+    from frictionbench.problems.recorded.native import EngineStep
     from frictionbench.problems.residual import residual, residual_floor
     from frictionbench.solvers import Answers, available, solve, solve_many, solver
     from frictionbench.tables import read_results

@@ -6,8 +6,8 @@ from typing import Any
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, check, recorded
 from frictionbench.problems.friction import require_problem
-from frictionbench.problems.recorded import fclib, own
-from frictionbench.problems.recorded.own import EngineStep
+from frictionbench.problems.recorded import fclib, native
+from frictionbench.problems.recorded.native import EngineStep
 
 HDF5_SUFFIXES = (".hdf5", ".h5")
 
@@ -48,7 +48,7 @@ def load_step(path: str | Path) -> EngineStep:
     >>> load_step("step.npz")
     EngineStep(2 contacts in the plane, 3 velocities, soft contacts 1.00 %)
     """
-    return own.load_step(check.path("path", path))
+    return native.load_step(check.path("path", path))
 
 
 def save(
@@ -84,7 +84,7 @@ def save(
     if impulse is not None or notes or step is not None:
         _save_step(problem, path, impulse, notes or {}, step)
     elif path.suffix == ".npz":
-        own.save(problem, path)
+        native.save(problem, path)
     elif isinstance(problem, LCP):
         raise InputError("problem: FCLIB's format does not hold LCPs; write an .npz")
     else:
@@ -100,4 +100,4 @@ def _save_step(
         raise InputError("problem: an LCP has no contacts, whose impulses an engine could have found")
     if path.suffix != ".npz":
         raise InputError(f"path: {path} must end in .npz, which alone holds the impulses of an engine")
-    own.save(EngineStep(problem, impulse, notes, step), path)
+    native.save(EngineStep(problem, impulse, notes, step), path)

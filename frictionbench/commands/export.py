@@ -12,7 +12,7 @@ from frictionbench.harness.plans.plan import MEMORY_LIMIT, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.problems import LCP, InputError
 from frictionbench.problems.check import require
-from frictionbench.problems.recorded import collection, fclib, own
+from frictionbench.problems.recorded import collection, fclib, native
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
 from frictionbench.results.files import replaced
@@ -56,7 +56,7 @@ def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
         if not path.exists():
             with replaced(path) as file:
                 if isinstance(problem, LCP) or path.suffix == ".npz":
-                    own.save(problem, file)
+                    native.save(problem, file)
                 else:
                     title = f"frictionbench {record['scene']} {record['parameters']} step {record['step']}"
                     fclib.write(problem, file, record["scene"], title)

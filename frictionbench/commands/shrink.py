@@ -17,7 +17,7 @@ from frictionbench.harness.plans.plan import SolveCell, Source
 from frictionbench.harness.run import cell_task, row_of
 from frictionbench.harness.workers.pool import scratch_pool
 from frictionbench.problems import FrictionProblem, InputError
-from frictionbench.problems.recorded.own import save
+from frictionbench.problems.recorded.native import save
 from frictionbench.problems.subproblems import keep_contacts
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import commands

@@ -26,7 +26,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.measures import judged, penetration, violations
-from frictionbench.problems.recorded import own
+from frictionbench.problems.recorded import native
 from frictionbench.problems.residual import contact_residuals, residual_floor
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.results.files import replaced, subfolder
@@ -45,11 +45,11 @@ def judge_file(folder: Path, path: Path) -> Judgement:
 
     Errors: InputError naming the file, or the field in it that cannot be used.
     """
-    step = own.load_step(path)
+    step = native.load_step(path)
     problem, impulse = judged(step), step.impulse
     require(np.abs(impulse).max(initial=0.0) < DIVERGED, str(path), f"impulse: an entry of {DIVERGED:g} N s or more overflows")
     with replaced(subfolder(folder, FOLDER) / f"{problem.hash}.npz") as file:
-        own.save(problem, file)
+        native.save(problem, file)
     by_contact, laws = contact_residuals(problem, impulse), violations(problem, impulse)
     largest = dict(zip(LAWS, (float(one.max(initial=0.0)) for one in laws), strict=True))
     law = LAWS[int(np.argmax([one[by_contact.argmax()] for one in laws]))] if problem.contacts else ""

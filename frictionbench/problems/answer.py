@@ -75,21 +75,21 @@ class AnswerError(ValueError):
         self.claimed = claimed
 
 
-def checked_copy(given: Any) -> Answer:
+def checked_copy(returned: Any) -> Answer:
     """A copy of an answer. Errors: AnswerError."""
-    if not isinstance(given, Answer):
-        raise AnswerError(f"the solver returned {_kind(given)}, not an Answer", claimed=True)
-    if not isinstance(given.status, Status):
-        raise AnswerError(f"status is {_kind(given.status)}, not a Status", claimed=True)
-    claimed = given.status is Status.SOLVED
+    if not isinstance(returned, Answer):
+        raise AnswerError(f"the solver returned {_kind(returned)}, not an Answer", claimed=True)
+    if not isinstance(returned.status, Status):
+        raise AnswerError(f"status is {_kind(returned.status)}, not a Status", claimed=True)
+    claimed = returned.status is Status.SOLVED
     return Answer(
-        impulse=_numbers("impulse", given.impulse, claimed),
-        status=given.status,
-        work=_counts(given.work, claimed),
-        z=None if given.z is None else _numbers("z", given.z, claimed),
-        detail=str(given.detail)[:LONGEST],
-        clock=given.clock if isinstance(given.clock, float) and 0 <= given.clock < math.inf else None,
-        softness=None if given.softness is None else _numbers("softness", given.softness, claimed),
+        impulse=_numbers("impulse", returned.impulse, claimed),
+        status=returned.status,
+        work=_counts(returned.work, claimed),
+        z=None if returned.z is None else _numbers("z", returned.z, claimed),
+        detail=str(returned.detail)[:LONGEST],
+        clock=returned.clock if isinstance(returned.clock, float) and 0 <= returned.clock < math.inf else None,
+        softness=None if returned.softness is None else _numbers("softness", returned.softness, claimed),
     )
 
 

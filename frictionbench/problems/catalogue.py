@@ -34,8 +34,8 @@ InstanceFunction = TypeVar("InstanceFunction", bound=Callable[..., FrictionProbl
 
 def near(name: str, known: Iterable[str]) -> str:
     """The end of an error about an unknown name, such as " (did you mean lemke?)"; "" if no known name is similar."""
-    found = get_close_matches(name, list(known), n=1)
-    return f" (did you mean {found[0]}?)" if found else ""
+    matches = get_close_matches(name, list(known), n=1)
+    return f" (did you mean {matches[0]}?)" if matches else ""
 
 
 def import_all(package: str, path: list[str]) -> None:
@@ -70,15 +70,15 @@ def _all(kind: str) -> dict[str, Generator[Any]]:
     """All generators of a kind by name, in alphabetical order; the modules that register them are imported here."""
     package = f"frictionbench.problems.{kind}s"
     import_all(package, list(import_module(package).__path__))
-    return {name: found for name, found in sorted(_REGISTERED.items()) if found.kind == kind}
+    return {name: generator for name, generator in sorted(_REGISTERED.items()) if generator.kind == kind}
 
 
 def _add(kind: str, make: Callable[..., Any], name: str, dimension: int, **defaults: Any) -> None:
     """List a function under a name; defaults replace those of its signature. Errors: ValueError if the name is taken."""
     if name in _REGISTERED:
         raise ValueError(f"{kind}: the name {name!r} is taken by {_REGISTERED[name].make}")
-    own = {key: parameter.default for key, parameter in signature(make).parameters.items()}
-    _REGISTERED[name] = Generator(name, make, own | defaults, getdoc(make) or "", dimension, kind)
+    parameters = {key: parameter.default for key, parameter in signature(make).parameters.items()}
+    _REGISTERED[name] = Generator(name, make, parameters | defaults, getdoc(make) or "", dimension, kind)
 
 
 def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
@@ -88,13 +88,13 @@ def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
     known = scenes() | instances()
     if name not in known:
         raise InputError(f"{kind}: unknown {kind} {name!r}{near(name, known)}; `frictionbench list scenes` names all")
-    found = known[name]
-    if found.kind != kind:
+    generator = known[name]
+    if generator.kind != kind:
         raise InputError(f"{kind}: {name!r} is no {kind} but a problem of one step; frictionbench.problem({name!r}) makes it")
-    for key in set(parameters) - found.parameters.keys() - {*(UNITS if kind == "scene" else ())}:
-        like, its = near(key, found.parameters), ", ".join(found.parameters)
+    for key in set(parameters) - generator.parameters.keys() - {*(UNITS if kind == "scene" else ())}:
+        like, its = near(key, generator.parameters), ", ".join(generator.parameters)
         raise InputError(f"{key}: the {kind} {name} has no such parameter{like}; it has {its}")
-    return found
+    return generator
 
 
 def generator(
@@ -112,8 +112,8 @@ def generator(
     of these parameters, which the function itself need not take; None if the scene has no such parameter.
     Errors: ValueError if a name is taken.
     """
-    given = zip(LAWS, (friction, restitution, step, duration), strict=True)
-    laws = {name: default for name, default in given if default is not None}
+    pairs = zip(LAWS, (friction, restitution, step, duration), strict=True)
+    laws = {name: default for name, default in pairs if default is not None}
 
     def register(make: SceneFunction) -> SceneFunction:
         for name, defaults in {make.__name__: {}, **others}.items():
@@ -179,10 +179,10 @@ def scene(name: str, **parameters: Any) -> Scene:
     (3, 0.01, 6)
     """
     units = {key: number(key, parameters[key], above=0) for key in UNITS if key in parameters}
-    found = find_scene(name, parameters)
-    chosen = found.parameters | parameters
+    generator = find_scene(name, parameters)
+    chosen = generator.parameters | parameters
     laws: dict[str, Any] = {key: number(key, chosen[key]) for key in LAWS if key in chosen}
-    made = found.make(**{key: chosen[key] for key in signature(found.make).parameters})
+    made = generator.make(**{key: chosen[key] for key in signature(generator.make).parameters})
     if units:
         made = made.in_units(units.get("mass_unit", 1.0), units.get("length_unit", 1.0))
     return replace(made, name=name, parameters=chosen, **laws)
@@ -197,8 +197,8 @@ def make_instance(name: str, **parameters: Any) -> FrictionProblem:
     >>> fb.instance("cubes", boxes=4, friction=0.3).dimension
     3
     """
-    found = _find("instance", name, parameters)
-    return found.make(**found.parameters | parameters)
+    generator = _find("instance", name, parameters)
+    return generator.make(**generator.parameters | parameters)
 
 
 def require_known(name: str, parameters: Iterable[str]) -> None:

@@ -17,12 +17,12 @@ def duplicate(problem: Problem) -> Problem:
 
     Arrays that are read-only in the original are read-only in the copy, because kernels are compiled for each kind of array.
     """
-    return _own(problem.fresh())
+    return _copy_of_value(problem.fresh())
 
 
 def nudged(problem: Problem, ulps: int) -> Problem:
     """A copy of the problem with every number multiplied by 1 + ulps * eps: larger by about ulps to 2 ulps last places."""
-    return _own(problem.fresh(), 1.0 + ulps * np.finfo(float).eps)
+    return _copy_of_value(problem.fresh(), 1.0 + ulps * np.finfo(float).eps)
 
 
 def same(one: FrictionProblem | LCP, other: FrictionProblem | LCP) -> bool:
@@ -32,25 +32,25 @@ def same(one: FrictionProblem | LCP, other: FrictionProblem | LCP) -> bool:
 
 def _digest(problem: FrictionProblem | LCP) -> str:
     parts = {name: value if isinstance(value, tuple) else (value,) for name, value in vars(problem.fresh()).items()}
-    return content_hash(**{f"{name} {k}": part for name, found in parts.items() for k, part in enumerate(found)})
+    return content_hash(**{f"{name} {k}": part for name, values in parts.items() for k, part in enumerate(values)})
 
 
-def _own(value: Any, factor: float = 1.0) -> Any:
+def _copy_of_value(value: Any, factor: float = 1.0) -> Any:
     """A copy of the value, its real numbers multiplied by the factor."""
     if isinstance(value, np.ndarray):
         array = value * factor if value.dtype == float and factor != 1.0 else value.copy()
         array.setflags(write=value.flags.writeable)
         return array
     if isinstance(value, tuple) and hasattr(value, "_fields"):  # a matrix by rows
-        return type(value)(*(_own(part, factor) for part in value))
+        return type(value)(*(_copy_of_value(part, factor) for part in value))
     if sparse.issparse(value):
         matrix = copy.copy(value)
         for part in ("data", "indices", "indptr"):
-            setattr(matrix, part, _own(getattr(value, part), factor))
+            setattr(matrix, part, _copy_of_value(getattr(value, part), factor))
         return matrix
     if hasattr(value, "__dict__"):  # a problem or its operator
-        again = object.__new__(type(value))
+        result = object.__new__(type(value))
         for name, part in vars(value).items():
-            object.__setattr__(again, name, _own(part, factor))
-        return again
+            object.__setattr__(result, name, _copy_of_value(part, factor))
+        return result
     return value

@@ -119,10 +119,10 @@ class FrictionProblem(Mechanics):
 
     def replace(self, **changes: Any) -> "FrictionProblem":
         """The same problem with some of its fields changed. Errors: InputError naming the field."""
-        given = {name: getattr(self, name) for name in self.FIELDS} | changes
+        fields = {name: getattr(self, name) for name in self.FIELDS} | changes
         if self.mechanical:
-            return FrictionProblem(dimension=self.dimension, **given)
-        return GivenDelassus(d=self.dimension, **given)
+            return FrictionProblem(dimension=self.dimension, **fields)
+        return GivenDelassus(d=self.dimension, **fields)
 
     @property
     def mechanical(self) -> bool:
@@ -227,8 +227,8 @@ class GivenDelassus(FrictionProblem):
         return self.q, scale, float(delassus.largest(self.q, self.dimension)), units, float(spread(units))
 
     def _units_at(self, q: Array, scale: Array) -> tuple[Array, Index64]:
-        found: tuple[Array, Index64] = delassus_units(*self.blocks, q, scale, self.friction_bias)
-        return found
+        units: tuple[Array, Index64] = delassus_units(*self.blocks, q, scale, self.friction_bias)
+        return units
 
     @cached_property
     def islands(self) -> Index64:
@@ -238,8 +238,8 @@ class GivenDelassus(FrictionProblem):
         return {"q": self.q / np.repeat(factor, self.dimension)}
 
     def parts(self) -> Index64:
-        found: Index64 = delassus_parts(*self.blocks[:2])
-        return found
+        labels: Index64 = delassus_parts(*self.blocks[:2])
+        return labels
 
     def contact_velocity(self, impulse: Array) -> Array:
         return delassus.act(*self.blocks, self._by_contact(impulse), self.offset, False)
@@ -271,6 +271,6 @@ def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:
     return mu, bias
 
 
-def require_problem(given: object) -> None:
+def require_problem(problem: object) -> None:
     """Errors: InputError naming `problem` if it is neither a friction problem nor an LCP."""
-    require(isinstance(given, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {type(given)}")
+    require(isinstance(problem, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {type(problem)}")

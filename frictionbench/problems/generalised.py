@@ -144,10 +144,10 @@ class ReducedScene(GeneralisedScene):
         return self.full.energy(self.place(q), np.zeros(len(self.full.weights)))
 
     def contacts(self, q: Array, margin: float | None = None) -> GivenContacts:
-        found, X = self.full.contacts(self.place(q), self.touch if margin is None else margin), self.slopes(q)
+        full_contacts, X = self.full.contacts(self.place(q), self.touch if margin is None else margin), self.slopes(q)
         nv = len(X)
-        N, T = found.normal_rows.dense(nv) @ X, found.tangent_rows.dense(nv) @ X
-        return GivenContacts(found.gap, found.place, found.bodies, found.feature, q, N, T)
+        N, T = full_contacts.normal_rows.dense(nv) @ X, full_contacts.tangent_rows.dense(nv) @ X
+        return GivenContacts(full_contacts.gap, full_contacts.place, full_contacts.bodies, full_contacts.feature, q, N, T)
 
     def fastest(self, v: Array) -> float:
         return self.full.fastest(self.slopes(self.q0) @ v)

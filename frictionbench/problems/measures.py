@@ -21,7 +21,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded.own import EngineStep
+from frictionbench.problems.recorded.native import EngineStep
 
 
 class Violations(NamedTuple):

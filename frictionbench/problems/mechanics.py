@@ -301,12 +301,8 @@ class Mechanics(ReadOnly):
 
     def _by_contact(self, impulse: Array) -> Array:
         shape = self.contacts, self.dimension
-        if (
-            type(impulse) is np.ndarray
-            and impulse.shape == shape
-            and impulse.dtype == np.float64
-            and impulse.flags.c_contiguous
-        ):
+        fits = type(impulse) is np.ndarray and impulse.shape == shape and impulse.dtype == np.float64
+        if fits and impulse.flags.c_contiguous:
             return impulse
         flat, actual = check.entries("impulse", impulse, shape[0] * shape[1]), np.shape(impulse)
         check.require(actual == shape or len(actual) == 1, "impulse", f"must have shape {shape}, got {actual}")

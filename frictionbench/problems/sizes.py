@@ -45,12 +45,12 @@ def agree(d: int, fields: dict[str, Any], names: dict[str, str] | None = None) -
             if size is not None:
                 per_contact = rows.get(field, 1) if number == "contacts" else 1
                 stated.setdefault(number, []).append((field, shape, size / per_contact))
-    for number, found in stated.items():
-        counts = Counter(one for _, _, one in found)
+    for number, uses in stated.items():
+        counts = Counter(one for _, _, one in uses)
         most = max(counts, key=lambda count: (count.is_integer(), counts[count]))  # of equally frequent ones, the first
-        for field, shape, one in found:
+        for field, shape, one in uses:
             if one != most or not most.is_integer():
-                agreeing = dict.fromkeys(named.get(other, other) for other, _, same in found if same == most and other != field)
+                agreeing = dict.fromkeys(named.get(other, other) for other, _, same in uses if same == most and other != field)
                 reason = f"states {f'{one:g}' if one.is_integer() else 'no whole number of'} {number} by its shape {shape}"
                 reason += f", but {', '.join(agreeing)} {most:g}" if agreeing and most.is_integer() else ""
                 reason += f"; {named.get('dimension', 'dimension')} is {d}" if number == "contacts" else ""

@@ -36,7 +36,7 @@ def separate(problem: FrictionProblem) -> Parts:
     if count == 1:
         return [(np.arange(nc), problem)]
     members = ([np.flatnonzero(of == k) for of in np.split(part, [nc, nc + nv])] for k in range(count))
-    return [(own, _taken(problem, own, velocities, joints)) for own, velocities, joints in members]
+    return [(contacts, _taken(problem, contacts, velocities, joints)) for contacts, velocities, joints in members]
 
 
 def _taken(problem: FrictionProblem, contacts: Index64, velocities: Index64, joints: Index64) -> FrictionProblem:

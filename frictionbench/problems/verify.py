@@ -103,8 +103,8 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
     accepted = claimed and verdict in ACCEPTED
     with np.errstate(over="ignore", invalid="ignore"):
         defect = ledger_defect(problem, impulse)
-    said = answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else ""
-    reasons = [why, soft, "" if accepted and quiet else answer.detail, said]
+    status = answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else ""
+    reasons = [why, soft, "" if accepted and quiet else answer.detail, status]
     return Finding(verdict, "; ".join(filter(None, reasons)), exact, of_model, floor, fclib_error(problem, impulse), defect)
 
 

@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.recorded.own import save
+from frictionbench.problems.recorded.native import save
 from frictionbench.results import store
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from tests.helpers.command_line import frictionbench

@@ -11,7 +11,7 @@ from frictionbench.harness.cells.collect import collect, stored_start
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.recorded import own
+from frictionbench.problems.recorded import native
 from tests.helpers.command_line import frictionbench
 from tests.helpers.friction_problems import block
 from tests.helpers.made_results import write_folder
@@ -21,7 +21,7 @@ MOTION = Source("stopping_block", {}, pick=3, steps=6)
 
 def test_export_writes_what_the_suffix_says(tmp_path) -> None:
     (path,) = export("stack[blocks=2]", tmp_path / "stack.npz")
-    assert own.load(path).hash == scene("stack", blocks=2).problem().hash
+    assert native.load(path).hash == scene("stack", blocks=2).problem().hash
     with pytest.raises(InputError, match=r"^out: .*stack\.txt must end in .hdf5, .h5, .npz, or name a folder"):
         list(export("stack[blocks=2]", tmp_path / "stack.txt"))
     assert not (tmp_path / "stack.txt").exists()
@@ -47,7 +47,7 @@ def test_a_problem_of_two_sources_is_written_once(collected, tmp_path) -> None:
 def test_problems_that_fclib_cannot_represent(collected, tmp_path) -> None:
     """In a folder they are .npz; a file of another kind is refused with the problem's name."""
     biased = tmp_path / "biased.npz"
-    own.save(block().replace(friction_bias=np.ones(1)), biased)
+    native.save(block().replace(friction_bias=np.ones(1)), biased)
     collect(collected, Source("biased", {"file": biased.name}, file=str(biased)))
     assert sorted(path.suffix for path in export(str(collected), tmp_path / "files")) == [".hdf5"] * 3 + [".npz"]
     with pytest.raises(InputError, match=r"^out: FCLIB's format .* robot_step.*as \.npz"):

@@ -16,7 +16,7 @@ from frictionbench.harness.run import run
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import make_instance, scene as make_scene
 from frictionbench.problems.instances.random_bodies import random_problem
-from frictionbench.problems.recorded import fclib, own, read
+from frictionbench.problems.recorded import fclib, native, read
 from frictionbench.reports.page import write_report
 from frictionbench.reports.recorded import recorded_problems
 from frictionbench.reports.run import read_run
@@ -123,7 +123,7 @@ def test_files_in_order_are_a_sequence(tmp_path) -> None:
     data, out = tmp_path / "set", tmp_path / "out"
     data.mkdir()
     for name, problem in zip(names, problems, strict=True):
-        own.save(problem, data / name)
+        native.save(problem, data / name)
     run(choose(RunOptions("replay", tol="1e-8", data=[str(data)]), ("nsgs",)), out, 1, Progress())
     rows = read_table(out, "solves")
     started = rows.groupby("step")["start"].agg(list).to_dict()

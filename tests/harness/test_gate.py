@@ -23,7 +23,7 @@ from frictionbench.harness.plans.plan import BatchCell, Source
 from frictionbench.harness.workers import supervisor
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.recorded.own import save
+from frictionbench.problems.recorded.native import save
 from frictionbench.reports.comparison.markdown import markdown
 from frictionbench.results import cells, store
 from frictionbench.results.compare import Limits, accept, compare, confirm, other_loads

@@ -13,7 +13,7 @@ from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.random_bodies import random_problem
-from frictionbench.problems.recorded.own import load
+from frictionbench.problems.recorded.native import load
 from frictionbench.problems.subproblems import keep_contacts
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError

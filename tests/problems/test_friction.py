@@ -13,7 +13,7 @@ from scipy.sparse.linalg import splu
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.forms.cone import project_cone
 from frictionbench.problems.instances.random_bodies import random_problem
-from frictionbench.problems.recorded.own import load, save
+from frictionbench.problems.recorded.native import load, save
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block, contacts_of, nothing, spatial

@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.measures import judged, penetration, violations
-from frictionbench.problems.recorded.own import EngineStep
+from frictionbench.problems.recorded.native import EngineStep
 from tests.helpers.friction_problems import contacts_of
 
 H = 0.01

@@ -17,7 +17,7 @@ import pytest
 
 from frictionbench.harness.workers import cluster
 from frictionbench.problems.instances.random_bodies import random_problem
-from frictionbench.problems.recorded.own import EngineStep, save
+from frictionbench.problems.recorded.native import EngineStep, save
 from frictionbench.results.store import read_table
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT

@@ -14,7 +14,7 @@ import pytest
 
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.recorded import fclib, own, read
+from frictionbench.problems.recorded import fclib, native, read
 from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
 from frictionbench.results.cells import counts
@@ -134,7 +134,7 @@ def test_mutated_files(tmp_path, kind) -> None:
     """Bytes changed, and of a manifest values, which stay JSON."""
     random = np.random.default_rng(12)
     folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("b", "p")])
-    own.save(scene("stack", blocks=2).problem(), folder / "problem.npz")
+    native.save(scene("stack", blocks=2).problem(), folder / "problem.npz")
     fclib.write(scene("stack", blocks=2).problem(), folder / "problem.hdf5")
     content = (folder / kind).read_bytes()
     told = []

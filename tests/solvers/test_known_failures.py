@@ -8,7 +8,7 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.recorded import own
+from frictionbench.problems.recorded import native
 from frictionbench.problems.spec import parse
 from tests.helpers.friction_problems import assert_solved, contacts_of, known_by_W, spatial
 from tests.helpers.paths import DATA
@@ -37,7 +37,7 @@ def redundant_joints(name: int) -> FrictionProblem:
 
 def robot(name: str) -> FrictionProblem:
     """A step of a robot on which Newton's steps went round in circles, or stopped at rows that are all but dependent."""
-    return own.load(DATA / f"robot_{name}.npz")
+    return native.load(DATA / f"robot_{name}.npz")
 
 
 def table() -> FrictionProblem:

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from frictionbench.problems.instances.random_bodies import random_problem
-from frictionbench.problems.recorded.own import save
+from frictionbench.problems.recorded.native import save
 from frictionbench.results.files import ResultsError
 from tests.helpers.browser import browse, faults, in_browser
 from tests.helpers.made_results import solve_row, write_folder

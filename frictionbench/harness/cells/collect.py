@@ -37,7 +37,7 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.recorded import read_recording
 from frictionbench.problems.recorded.archive import read_arrays
-from frictionbench.problems.recorded.own import load, save
+from frictionbench.problems.recorded.native import load, save
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.simulate import first_problem_of, simulate

@@ -130,10 +130,10 @@ def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
     velocity_count: the number of velocities, None also if it is infinite.
     """
     try:
-        found = census(problem)
+        census_result = census(problem)
     except (InputError, ArithmeticError):
         return {"solutions": None, "velocity_count": None}
-    return {"solutions": found.shape.value, "velocity_count": found.velocity_count}
+    return {"solutions": census_result.shape.value, "velocity_count": census_result.velocity_count}
 
 
 def _walk(cone: Cone, choices: list[list[Choice]], mode: str = "") -> Iterator[Polyhedron]:

@@ -71,14 +71,14 @@ def refined(problem: FrictionProblem, impulse: Array) -> Array | None:
         if least <= FINEST / 100:
             break
         step = _step(problem, sizes[:, None] * r, W) / sizes[:, None]
-        share, found = 1.0, np.inf
+        share, error = 1.0, np.inf
         for _ in range(HALVINGS):
-            if (found := residual(problem, r + share * step)) < least:
+            if (error := residual(problem, r + share * step)) < least:
                 break
             share /= 4
-        if not found < least:
+        if not error < least:
             break
-        r, least = r + share * step, found
+        r, least = r + share * step, error
     return r if least <= max(FINEST, residual_floor(problem, r)) else None
 
 
@@ -103,5 +103,5 @@ def _step(problem: FrictionProblem, x: Array, W: sparse.csr_array) -> Array:
     J = sparse.block_diag(of_x, format="csr") + sparse.block_diag(of_w, format="csr") @ W
     eye = sparse.eye_array(nc * d)
     system = sparse.csc_array(sparse.block_array([[DAMPING * eye, J.T], [J, -eye]]))
-    found = splu(system).solve(np.concatenate([np.zeros(nc * d), -error.ravel()]))
-    return np.asarray(found[: nc * d]).reshape(nc, d)
+    solution = splu(system).solve(np.concatenate([np.zeros(nc * d), -error.ravel()]))
+    return np.asarray(solution[: nc * d]).reshape(nc, d)

@@ -103,11 +103,11 @@ def distinct(points: Array) -> Array:
 
 def maximal(pieces: Iterable[Polyhedron], within: Callable[[Polyhedron, Polyhedron], bool]) -> list[Polyhedron]:
     """The pieces that do not lie in another; of equal ones, the first."""
-    found: list[Polyhedron] = []
+    pieces_kept: list[Polyhedron] = []
     for piece in pieces:
-        if not any(within(piece, other) for other in found):
-            found = [other for other in found if not within(other, piece)] + [piece]
-    return found
+        if not any(within(piece, other) for other in pieces_kept):
+            pieces_kept = [other for other in pieces_kept if not within(other, piece)] + [piece]
+    return pieces_kept
 
 
 def is_face(piece: Polyhedron, other: Polyhedron) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 
 from frictionbench.problems.capture.parts import Contacts, Step, captured
 from frictionbench.problems.check import Array, InputError, require
-from frictionbench.problems.recorded.own import EngineStep
+from frictionbench.problems.recorded.native import EngineStep
 from frictionbench.problems.spatial.rotation import frames
 
 
@@ -92,8 +92,8 @@ def _damping(plant: Any, now: Any) -> Array:
 
     result = np.zeros(plant.num_velocities())
     for joint in (plant.get_joint(JointIndex(i)) for i in plant.GetJointIndices()):
-        own = joint.GetDampingVector(now)
-        result[joint.velocity_start() : joint.velocity_start() + len(own)] = own
+        damping = joint.GetDampingVector(now)
+        result[joint.velocity_start() : joint.velocity_start() + len(damping)] = damping
     return result
 
 

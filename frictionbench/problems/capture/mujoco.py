@@ -24,7 +24,7 @@ from scipy import sparse
 
 from frictionbench.problems.capture.parts import Contacts, Step, captured, require_finite, share_of_softness
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.recorded.own import EngineStep
+from frictionbench.problems.recorded.native import EngineStep
 
 Mask = NDArray[np.bool_]
 TORSION, ROLLING = 3, 4  # the first rows of a contact for torsional friction and for rolling friction
@@ -133,17 +133,17 @@ def _contacts(mj: Any, model: Any, data: Any, J: Array, mask: Mask) -> tuple[Con
         where = f"contact {number}"
         require(not moves[number].any(), where, "its surfaces move, which a problem cannot express")
         if dim == 1:
-            own = np.vstack([J[first], _tangents(mj, model, data, at[number], where)])
+            rows_of_contact = np.vstack([J[first], _tangents(mj, model, data, at[number], where)])
             f, mu = np.array([data.efc_force[first], 0.0, 0.0]), 0.0
         else:
             mu = at.friction[number, :2].max()
-            own, f = _decoded(mj, data, J, first, at.friction[number, : dim - 1])
-            others["torsional friction"] += h * own[TORSION:ROLLING].T @ f[TORSION:ROLLING]
-            others["rolling friction"] += h * own[ROLLING:].T @ f[ROLLING:]
+            rows_of_contact, f = _decoded(mj, data, J, first, at.friction[number, : dim - 1])
+            others["torsional friction"] += h * rows_of_contact[TORSION:ROLLING].T @ f[TORSION:ROLLING]
+            others["rolling friction"] += h * rows_of_contact[ROLLING:].T @ f[ROLLING:]
             share = at.friction[number, :2] / mu
-            own[1:3] *= share[:, None]
+            rows_of_contact[1:3] *= share[:, None]
             f[1:3] /= share
-        rows.append(own[:3])
+        rows.append(rows_of_contact[:3])
         impulses.append(h * f[None, :3])
         friction.append(mu)
     gap = (at.dist - at.includemargin)[touching]

@@ -19,7 +19,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded.own import EngineStep
+from frictionbench.problems.recorded.native import EngineStep
 
 FAITHFUL = 1e-9  # relative to the velocities: the allowed error of a captured step's velocity
 REST = "other forces, the integrator, the solver's tolerance"  # such as adhesion and unsymmetric implicit terms

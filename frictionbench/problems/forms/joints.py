@@ -192,12 +192,12 @@ def _require_solution(held: JointEquations, F: sparse.csr_array, bias: Array, un
     This depends on F and the biases alone. With each row in its own unit, the defect of the least-squares velocity is compared
     with the rounding errors of its terms and of those of F v*.
     """
-    own = bias / unit
-    check.require(bool(np.isfinite(own).all()), "joints", "b_F overflows")
+    scaled_bias = bias / unit
+    check.require(bool(np.isfinite(scaled_bias).all()), "joints", "b_F overflows")
     v = held.solution()
-    terms = abs(F) @ (np.abs(v) + np.abs(free)) / unit + np.abs(own)
-    defect = np.abs(F @ v / unit + own)
-    bad = np.flatnonzero(~(defect <= np.maximum(CONTRADICTION * np.abs(own), ROUNDING * terms.max())))
+    terms = abs(F) @ (np.abs(v) + np.abs(free)) / unit + np.abs(scaled_bias)
+    defect = np.abs(F @ v / unit + scaled_bias)
+    bad = np.flatnonzero(~(defect <= np.maximum(CONTRADICTION * np.abs(scaled_bias), ROUNDING * terms.max())))
     listed = ", ".join(map(str, bad[:6].tolist())) + ", ..." * (len(bad) > 6)
     missed = f"rows {listed} are missed by up to {(defect * unit)[bad].max(initial=0.0):.2g} m/s"
     check.require(not len(bad), "joint_bias", f"the joint equations contradict each other: {missed}")

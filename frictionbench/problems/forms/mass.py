@@ -40,10 +40,10 @@ def inverse_mass(mass: Rows) -> Rows:
     blocks = np.split(np.argsort(label, kind="stable"), size.cumsum()[:-1])
     entries = np.split(np.argsort(label[row], kind="stable"), np.bincount(label[row]).cumsum()[:-1])
     place, allowed = np.empty(n, int), 1e-12 * np.abs(value).max()
-    for coordinates, own in zip(blocks, entries, strict=True):
+    for coordinates, in_block in zip(blocks, entries, strict=True):
         place[coordinates] = np.arange(len(coordinates))
         block = np.zeros((len(coordinates), len(coordinates)))
-        block[place[row[own]], place[mass.column[own]]] = value[own]
+        block[place[row[in_block]], place[mass.column[in_block]]] = value[in_block]
         require(bool(np.abs(block - block.T).max() <= allowed), "mass", "not symmetric")
         at = start[coordinates][:, None] + np.arange(len(coordinates))
         column[at], inverse[at] = coordinates, _inverse(block, coordinates)

@@ -38,10 +38,10 @@ def box_wall(
     random = np.random.default_rng([count("seed", seed, least=0), rows, bricks, points])
     place = [(k, j) for k in range(rows) for j in range(bricks - k % 2)]
     centre = np.array([(j + k % 2 / 2, 0.0, (2 * k + 1) * HALF[2]) for k, j in place])
-    found = list(_contacts({at: a for a, at in enumerate(place)}, CORNERS if points == 4 else CORNERS + MIDDLES))
-    bodies = np.array([pair for pair, _, _ in found])
-    point = centre[bodies[:, 0]] + np.array([arm for _, arm, _ in found])
-    normal = np.array([along for _, _, along in found]) + 1e-3 * random.standard_normal((len(found), 3))
+    contacts = list(_contacts({at: a for a, at in enumerate(place)}, CORNERS if points == 4 else CORNERS + MIDDLES))
+    bodies = np.array([pair for pair, _, _ in contacts])
+    point = centre[bodies[:, 0]] + np.array([arm for _, arm, _ in contacts])
+    normal = np.array([along for _, _, along in contacts]) + 1e-3 * random.standard_normal((len(contacts), 3))
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     velocity = number("noise", noise, least=0) * random.standard_normal((len(centre), 6))
     velocity += falling(len(centre), number("step", step, above=0))

@@ -19,7 +19,7 @@ from pathlib import Path
 from frictionbench.problems.catalogue import instance, near
 from frictionbench.problems.check import require
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded import own
+from frictionbench.problems.recorded import native
 
 FOLDER = Path(__file__).parent / "steps"
 ROBOTS = FOLDER / "robots"
@@ -47,6 +47,6 @@ def _kept(folder: Path, case: str) -> FrictionProblem:
     known = recorded_steps(folder)
     some = ", ".join(known[:SHOWN]) + (f" and {len(known) - SHOWN} more" if len(known) > SHOWN else "")
     require(case in known, "case", f"unknown step {case!r:.100}{near(str(case), known)}; known are {some}")
-    problem = own.load(folder / f"{case}.npz")
+    problem = native.load(folder / f"{case}.npz")
     assert isinstance(problem, FrictionProblem)
     return problem

@@ -100,8 +100,8 @@ def _least_overlap(centre: Array, radius: Array, side: float) -> Array:
         slope += np.column_stack([np.bincount(ends, along, minlength=n) for along in push.T])
         return float((overlap**2).sum() + (low**2).sum() + (high**2).sum()) / 2, slope.ravel()
 
-    found = minimize(energy, centre.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": 1000, "gtol": 1e-7})
-    return np.asarray(found.x).reshape(n, 3)
+    minimum = minimize(energy, centre.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": 1000, "gtol": 1e-7})
+    return np.asarray(minimum.x).reshape(n, 3)
 
 
 def _touching_pairs(centre: Array, radius: Array, side: float) -> tuple[Index64, Array]:

@@ -2,7 +2,7 @@
 
 FCLIB's HDF5              problems.recorded.fclib       read and written
 Siconos's text            problems.recorded.siconos     friction problems, local and global, and LCPs
-the package's own .npz    problems.recorded.own         read and written
+the package's own .npz    problems.recorded.native      read and written
 arrays in an .npz         problems.recorded.plain       M, N, T, mu, v or W, q, mu, d; an LCP's M, q; ContactBench's G, g, mus
 """
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded import fclib, own, plain, siconos
+from frictionbench.problems.recorded import fclib, native, plain, siconos
 from frictionbench.problems.recorded.archive import MAX_BYTES, opened, read_arrays
 
 HDF5, ZIP, NUMPY = b"\x89HDF\r\n\x1a\n", b"PK\x03\x04", b"\x93NUMPY"
@@ -40,8 +40,8 @@ def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]
 
 def _archive(path: Path) -> FrictionProblem | LCP:
     arrays = read_arrays(path)
-    if own.holds(arrays):
-        return own.problem(path, arrays)
+    if native.holds(arrays):
+        return native.problem(path, arrays)
     reader = plain.kind(arrays)
     try:
         if reader is None:

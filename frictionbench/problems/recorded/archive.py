@@ -73,11 +73,11 @@ def _listed(file: BinaryIO) -> int:
 
     zipfile reads the whole directory before it gives their number.
     """
-    found, end = 0, b""
+    entries, end = 0, b""
     while part := file.read(CHUNK):
-        found += (end + part).count(ENTRY)
+        entries += (end + part).count(ENTRY)
         end = part[1 - len(ENTRY) :]
-    return found
+    return entries
 
 
 def _claimed(name: str, stream: IO[bytes]) -> int:

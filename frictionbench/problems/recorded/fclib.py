@@ -155,13 +155,13 @@ def write(problem: FrictionProblem, path: Path, title: str = "", description: st
                 matrices["G"], vectors["b"] = sparse.csr_array(problem.joints.T), problem.joint_bias
             file[OURS] = problem.free_velocity
         for name, matrix in matrices.items():
-            entries, own = matrix.tocoo(), group.create_group(name)
+            entries, matrix_group = matrix.tocoo(), group.create_group(name)
             sizes = {"m": matrix.shape[0], "n": matrix.shape[1], "nz": -2 if local else matrix.nnz, "nzmax": matrix.nnz}
             for size, value in sizes.items():
-                own[size] = _integer(value)
-            own["p"] = (matrix.indptr if local else entries.col).astype(np.int32)
-            own["i"] = (matrix.indices if local else entries.row).astype(np.int32)
-            own["x"] = matrix.data if local else entries.data
+                matrix_group[size] = _integer(value)
+            matrix_group["p"] = (matrix.indptr if local else entries.col).astype(np.int32)
+            matrix_group["i"] = (matrix.indices if local else entries.row).astype(np.int32)
+            matrix_group["x"] = matrix.data if local else entries.data
         for name, vector in (vectors | {"mu": problem.friction}).items():
             group[f"vectors/{name}"] = vector
 

@@ -134,11 +134,11 @@ def _compare(problem: FrictionProblem, arrays: Arrays) -> None:
     """Errors: InputError naming W or q if it is given in addition to masses and contact rows, and differs from theirs."""
     for name in ("W", "q"):
         if name in arrays:
-            given, n = arrays[name], len(problem.q)
+            stated, n = arrays[name], len(problem.q)
             shape = (n, n) if name == "W" else (n,)
-            require(given.shape == shape, name, f"expected shape {shape} as of the bodies, got {given.shape}")
-            own = problem.W.toarray() if name == "W" else problem.q
-            off, most = (float(np.abs(part).max(initial=0.0)) for part in (given - own, own))
+            require(stated.shape == shape, name, f"expected shape {shape} as of the bodies, got {stated.shape}")
+            computed = problem.W.toarray() if name == "W" else problem.q
+            off, most = (float(np.abs(part).max(initial=0.0)) for part in (stated - computed, computed))
             require(off <= SAME * most, name, f"differs from that of the bodies by up to {off:.2g}; give one of the two")
 
 

@@ -127,8 +127,8 @@ def _matrix(numbers: _Numbers, name: str, storage: int | None = None) -> sparse.
 
 
 def _dense(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
-    again = numbers.whole(f"{name}, rows"), numbers.whole(f"{name}, columns")
-    require(again == (m, n), name, f"states the shape {(m, n)} first and {again} later")
+    repeated = numbers.whole(f"{name}, rows"), numbers.whole(f"{name}, columns")
+    require(repeated == (m, n), name, f"states the shape {(m, n)} first and {repeated} later")
     return sparse.csr_array(numbers.reals(name, m * n).reshape(n, m).T)
 
 

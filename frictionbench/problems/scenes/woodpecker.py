@@ -54,8 +54,8 @@ class Woodpecker(GeneralisedScene):
         height = q[0] + np.array([TO_SPRING * q[1] + TO_BIRD * q[2], 0, 0]) + self.heights
         place = np.column_stack([np.full(3, POLE), height, np.ones(3), np.zeros(3)])
         bodies, feature = np.array([[2, -1], [0, -1], [0, -1]]), np.array([[0, 0], [1, 0], [2, 0]])
-        found = GivenContacts(gap, place, bodies, feature, q, self.closing, self.sinking)
-        return found.only(gap <= (self.touch if margin is None else margin))
+        touching = gap <= (self.touch if margin is None else margin)
+        return GivenContacts(gap, place, bodies, feature, q, self.closing, self.sinking).only(touching)
 
     def coefficients(self, contacts: Contacts) -> Array:
         return np.full(len(contacts), self.friction)

@@ -66,16 +66,16 @@ def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float =
             v = after
         staying = contacts.only(np.abs(contacts.normal @ v) <= still)
         slip = _signs(staying.tangent @ v, still)
-        found = accelerations(scene, q, v, time, staying, slip, solve)
+        accelerating = accelerations(scene, q, v, time, staying, slip, solve)
         if len(staying):
-            solved.append(found.solved)
-        stays = found.contacts[:, 0] <= SURE * found.size
-        starts = _signs(found.contacts[:, 1], SURE * found.size)
+            solved.append(accelerating.solved)
+        stays = accelerating.contacts[:, 0] <= SURE * accelerating.size
+        starts = _signs(accelerating.contacts[:, 1], SURE * accelerating.size)
         mode = Mode(staying.feature[stays], np.where(slip, slip, starts)[stays])
         q, v = project(scene, q, v, mode)
         if end - time <= 1e-12 * scene.step:
             break
-        flight = fly(scene, q, v, time, end, mode, solve, found.size, speed, accuracy)
+        flight = fly(scene, q, v, time, end, mode, solve, accelerating.size, speed, accuracy)
         smooth.append(flight.smooth)
         time, q, v = flight.time, flight.q, flight.v
         if flight.event in ("", "slip", "turn"):  # its contacts are closed up to there, to the integrator's accuracy

@@ -50,13 +50,13 @@ def find_spatial_contacts(geometry: SpatialGeometry, q: Array, margin: float) ->
     """All contacts with gap <= margin (m) at the coordinates q (7 nb,)."""
     q = check.vector("q", q)
     centre, turn = geometry.centres(q), geometry.rotations(q)
-    found: list[Contact] = []
+    contacts: list[Contact] = []
     for i, body in enumerate(geometry.bodies):
         points = centre[i, None] if isinstance(body.shape, Sphere) else _Box(body.shape.half, centre[i], turn[i]).points
         for k, plane in enumerate(geometry.obstacles):
             shift = body.shape.radius if isinstance(body.shape, Sphere) else 0.0
             gaps = points @ plane.normal - plane.height - shift
-            found += [
+            contacts += [
                 (gaps[c], points[c] - shift * plane.normal, plane.normal, (i, -1), (64 * i + c, -1 - k))
                 for c in np.flatnonzero(gaps <= margin).tolist()
             ]
@@ -70,14 +70,14 @@ def find_spatial_contacts(geometry: SpatialGeometry, q: Array, margin: float) ->
             normal = between / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
             gap = distance - one.radius - other.radius
             if gap <= margin:
-                found.append((gap, centre[i] - one.radius * normal, normal, (i, j), (64 * i, 6 * j)))
+                contacts.append((gap, centre[i] - one.radius * normal, normal, (i, j), (64 * i, 6 * j)))
         elif isinstance(one, Cuboid) and isinstance(other, Cuboid):
-            found += _boxes((i, j), (_Box(one.half, centre[i], turn[i]), _Box(other.half, centre[j], turn[j])), margin)
+            contacts += _boxes((i, j), (_Box(one.half, centre[i], turn[i]), _Box(other.half, centre[j], turn[j])), margin)
     return SpatialContacts(
-        gap=np.array([gap for gap, *_ in found]),
-        place=np.array([[*point, *normal] for _, point, normal, *_ in found]).reshape(-1, 6),
-        bodies=np.array([bodies for *_, bodies, _ in found], dtype=np.int64).reshape(-1, 2),
-        feature=np.array([feature for *_, feature in found], dtype=np.int64).reshape(-1, 2),
+        gap=np.array([gap for gap, *_ in contacts]),
+        place=np.array([[*point, *normal] for _, point, normal, *_ in contacts]).reshape(-1, 6),
+        bodies=np.array([bodies for *_, bodies, _ in contacts], dtype=np.int64).reshape(-1, 2),
+        feature=np.array([feature for *_, feature in contacts], dtype=np.int64).reshape(-1, 2),
         q=q,
     )
 

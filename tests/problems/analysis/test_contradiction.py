@@ -11,7 +11,7 @@ from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import Status
 from frictionbench.problems.analysis.contradiction import FAR, contradiction
 from frictionbench.problems.instances.random_bodies import random_problem
-from frictionbench.problems.recorded.own import save
+from frictionbench.problems.recorded.native import save
 from frictionbench.problems.residual import residual
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve

@@ -7,8 +7,8 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.problems.instances.random_bodies import random_problem
-from frictionbench.problems.recorded import own
-from frictionbench.problems.recorded.own import EngineStep
+from frictionbench.problems.recorded import native
+from frictionbench.problems.recorded.native import EngineStep
 from tests.helpers.friction_problems import spatial
 
 PROBLEM = spatial(5, contacts=3)
@@ -61,7 +61,7 @@ def test_unusable_steps_are_refused(tmp_path, settings, named) -> None:
     ],
 )
 def test_edited_steps_are_refused(tmp_path, name, value, told) -> None:
-    own.save(EngineStep(PROBLEM, IMPULSE, NOTES, 0.01), tmp_path / "step.npz")
+    native.save(EngineStep(PROBLEM, IMPULSE, NOTES, 0.01), tmp_path / "step.npz")
     np.savez(tmp_path / "step.npz", **dict(np.load(tmp_path / "step.npz")) | {name: value})
     for read in (fb.load, fb.load_step):
         with pytest.raises(fb.InputError, match=f"step.npz: {told}"):

@@ -7,7 +7,7 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem, InputError
-from frictionbench.problems.recorded import own, read
+from frictionbench.problems.recorded import native, read
 from frictionbench.problems.recorded.archive import require_known
 from tests.helpers.friction_problems import known_by_W
 
@@ -56,7 +56,7 @@ def test_every_array_is_read(tmp_path) -> None:
 def test_unknown_arrays_of_our_own_format_are_refused(tmp_path) -> None:
     problem = fb.scene("stack", blocks=1).problem()
     for one in (problem, known_by_W(problem), problem.lcp()):
-        own.save(one, tmp_path / "problem.npz")
+        native.save(one, tmp_path / "problem.npz")
         with np.load(tmp_path / "problem.npz") as stored:
             arrays = dict(stored)
         assert complaint(tmp_path, arrays | {"J_data": np.ones(2)}).startswith("J_data: unknown array")

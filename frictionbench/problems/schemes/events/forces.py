@@ -48,13 +48,14 @@ def rates(scene: Scene, q: Array, v: Array, contacts: Contacts) -> Rates:
         return Rates(np.zeros(nc), np.zeros((nc, d - 1)), np.zeros(nj))
     eps = way / fastest
     ahead, behind = scene.moved(q, eps * v), scene.moved(q, -eps * v)
-    found = []
+    speeds_at = []
     for place in (ahead, behind):
         near = scene.contacts(place, scene.touch + 10 * way)
         speeds = [near.normal_rows.dense(nv) @ v, *(near.tangent_rows.dense(nv) @ v).reshape(-1, d - 1).T]
-        found.append(dict(zip(map(tuple, near.feature.tolist()), np.column_stack(speeds), strict=True)))
+        speeds_at.append(dict(zip(map(tuple, near.feature.tolist()), np.column_stack(speeds), strict=True)))
+    after, before = speeds_at
     features = [tuple(feature) for feature in contacts.feature.tolist()]
-    lasting = [found[0][f] - found[1][f] if f in found[0] and f in found[1] else np.zeros(d) for f in features]
+    lasting = [after[f] - before[f] if f in after and f in before else np.zeros(d) for f in features]
     contact = np.array(lasting).reshape(-1, d) / (2 * eps)
     joint = (scene.joints(ahead)[1] - scene.joints(behind)[1]) @ v / (2 * eps) if nj else np.zeros(0)
     return Rates(contact[:, 0], contact[:, 1:], joint)

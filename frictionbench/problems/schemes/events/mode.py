@@ -68,9 +68,9 @@ def forces(scene: Scene, q: Array, v: Array, time: float, contacts: Contacts, mo
     x, _, rank, _ = np.linalg.lstsq(A, lacking, rcond=SINGULAR) if len(A) else (np.zeros(0), 0, 0, 0)
     tangential = -mu * mode.slip * x[:nc]
     tangential[sticks] = x[nc : nc + sticks.sum()]
-    own = np.column_stack([(rows.T * scene.accelerate(q, rows.T)).sum(axis=0) for rows in (N, T)])
+    stiffness = np.column_stack([(rows.T * scene.accelerate(q, rows.T)).sum(axis=0) for rows in (N, T)])
     sign = 1.0 if rank < len(A) else float(np.linalg.slogdet(A)[0])
-    return Forces(free + moved @ x, x[:nc], tangential, sign, rank < len(A), own)
+    return Forces(free + moved @ x, x[:nc], tangential, sign, rank < len(A), stiffness)
 
 
 def project(scene: Scene, q: Array, v: Array, mode: Mode) -> tuple[Array, Array]:

@@ -63,31 +63,31 @@ class _Path:
         return near, contacts, forces(self.scene, q, v, time, contacts, self.mode) if complete else None
 
     def slope(self, time: float, y: Array) -> Array:
-        _, contacts, found = self.at(time, y)
+        _, contacts, forces = self.at(time, y)
         v = y[self.nv : 2 * self.nv]
-        if found is None:
+        if forces is None:
             return np.concatenate([v, np.zeros(len(y) - self.nv)])
-        work = found.tangential @ np.where(self.mode.slip, contacts.tangent_rows.dense(len(v)) @ v, 0.0)
-        return np.concatenate([v, found.a, [work], np.column_stack([found.normal, found.tangential]).ravel()])
+        work = forces.tangential @ np.where(self.mode.slip, contacts.tangent_rows.dense(len(v)) @ v, 0.0)
+        return np.concatenate([v, forces.a, [work], np.column_stack([forces.normal, forces.tangential]).ravel()])
 
     def conditions(self, time: float, y: Array) -> Array:
         """The values of the conditions, by KINDS and contact, which are at least -tolerance while the mode holds."""
-        near, contacts, found = self.at(time, y)
+        near, contacts, forces = self.at(time, y)
         others = [gap for gap, f in zip(near.gap, map(tuple, near.feature.tolist()), strict=True) if f not in self.features]
         touch, nc = min(others, default=self.scene.reach), len(self.mode.slip)
-        if found is None:
+        if forces is None:
             return np.concatenate([[touch, -1.0, 1.0, 1.0], np.ones(3 * nc)])
         q, v = y[: self.nv], y[self.nv : 2 * self.nv]
         turn = np.where(self.mode.slip, self.mode.slip * (contacts.tangent_rows.dense(len(v)) @ v), 1.0)
         holds, lift, slip = 1.0, np.ones(nc), np.ones(nc)
-        if found.redundant:
+        if forces.redundant:
             holds = 1.0 if self._holds(time, q, v, contacts) else -1.0
         else:
-            lift = found.normal * found.stiffness[:, 0] + MARGIN * self.size
+            lift = forces.normal * forces.stiffness[:, 0] + MARGIN * self.size
             mu = self.scene.coefficients(contacts)
-            spare = (mu * found.normal - np.abs(found.tangential)) * found.stiffness[:, 1] + MARGIN * self.size
+            spare = (mu * forces.normal - np.abs(forces.tangential)) * forces.stiffness[:, 1] + MARGIN * self.size
             slip = np.where(self.mode.slip == 0, spare, 1.0)
-        return np.concatenate([[touch, 1.0, found.sign * self.start.sign, holds], lift, slip, turn])
+        return np.concatenate([[touch, 1.0, forces.sign * self.start.sign, holds], lift, slip, turn])
 
     def _holds(self, time: float, q: Array, v: Array, contacts: Contacts) -> bool:
         self.evaluations += 1

@@ -34,8 +34,8 @@ LCP_FIELDS = ("M", "q")
 _MATRICES = {"mass", "normal", "tangent", "joints", "W", "M"}
 _PARTS = ("data", "indices", "indptr", "shape")
 NAMES = ("impulse", "step", "notes")  # the arrays of an engine's step
-MOST, LONGEST = 100, 200  # the limits of the number of notes and of the characters of each
-LARGEST = 2**16  # the limit of the bytes of all notes
+MOST_NOTES, LONGEST_NOTE = 100, 200  # the limits of the number of notes and of the characters of each
+LARGEST_NOTES = 2**16  # the limit of the bytes of all notes
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +86,9 @@ class EngineStep(ReadOnly):
         return path
 
 
-def save(given: FrictionProblem | LCP | EngineStep, path: Path) -> None:
+def save(stored: FrictionProblem | LCP | EngineStep, path: Path) -> None:
     """Write a problem or a step to path (.npz)."""
-    problem = given.problem if isinstance(given, EngineStep) else given
+    problem = stored.problem if isinstance(stored, EngineStep) else stored
     dimension, fields = (0, LCP_FIELDS) if isinstance(problem, LCP) else (problem.dimension, problem.FIELDS)
     values = {name: getattr(problem, name) for name in fields}
     arrays = {name: value for name, value in values.items() if name not in _MATRICES}
@@ -96,12 +96,12 @@ def save(given: FrictionProblem | LCP | EngineStep, path: Path) -> None:
         if name in _MATRICES:
             parts = {"data": matrix.data, "indices": matrix.indices, "indptr": matrix.indptr, "shape": np.array(matrix.shape)}
             arrays |= {f"{name}_{part}": value for part, value in parts.items()}
-    if isinstance(given, EngineStep):
-        arrays["impulse"] = given.impulse
-        if given.step is not None:
-            arrays["step"] = np.array(given.step)
-        if given.notes:
-            arrays["notes"] = np.frombuffer(json.dumps(dict(given.notes), ensure_ascii=False).encode(), dtype=np.uint8)
+    if isinstance(stored, EngineStep):
+        arrays["impulse"] = stored.impulse
+        if stored.step is not None:
+            arrays["step"] = np.array(stored.step)
+        if stored.notes:
+            arrays["notes"] = np.frombuffer(json.dumps(dict(stored.notes), ensure_ascii=False).encode(), dtype=np.uint8)
     np.savez(path, allow_pickle=False, dimension=np.array(dimension), **arrays)
 
 
@@ -134,16 +134,16 @@ def _read(path: Path, arrays: dict[str, Array]) -> tuple[FrictionProblem | LCP, 
     """The problem, and the step of an engine if the file contains one."""
     try:
         require_known(arrays, _names(arrays))
-        found = _problem(arrays)
-        if isinstance(found, LCP) or not arrays.keys() & {*NAMES}:
-            return found, None
+        problem_read = _problem(arrays)
+        if isinstance(problem_read, LCP) or not arrays.keys() & {*NAMES}:
+            return problem_read, None
         require("impulse" in arrays, "impulse", "is missing: the file holds a problem, but not what an engine answered")
-        expected, shape = (found.contacts, found.dimension), arrays["impulse"].shape
+        expected, shape = (problem_read.contacts, problem_read.dimension), arrays["impulse"].shape
         require(shape == expected, "impulse", f"expected shape {expected}, got {shape}")
         step = arrays.get("step")
         require(step is None or step.size == 1, "step", "expected a number")
         notes = _text(arrays["notes"]) if "notes" in arrays else {}
-        return found, EngineStep(found, arrays["impulse"], notes, None if step is None else float(step.item()))
+        return problem_read, EngineStep(problem_read, arrays["impulse"], notes, None if step is None else float(step.item()))
     except KeyError as error:
         raise InputError(f"{path}: field {error.args[0]} is missing") from None
     except (ValueError, TypeError) as error:
@@ -155,12 +155,12 @@ def _problem(arrays: dict[str, Array]) -> FrictionProblem | LCP:
     require(dimension in (0, 2, 3), "dimension", f"must be 2 or 3, or 0 for an LCP, got {dimension!r}")
     dimension = int(dimension)
     fields = _fields(arrays, dimension == 0)
-    given: dict[str, Any] = {name: _matrix(arrays, name) if name in _MATRICES else arrays[name] for name in fields}
+    values: dict[str, Any] = {name: _matrix(arrays, name) if name in _MATRICES else arrays[name] for name in fields}
     if dimension == 0:
-        return LCP(**given)
-    if "W" in given:
-        return FrictionProblem.from_delassus(**given, d=dimension)
-    return FrictionProblem(**given, dimension=dimension)
+        return LCP(**values)
+    if "W" in values:
+        return FrictionProblem.from_delassus(**values, d=dimension)
+    return FrictionProblem(**values, dimension=dimension)
 
 
 def _fields(arrays: Collection[str], lcp: bool) -> tuple[str, ...]:
@@ -181,7 +181,8 @@ def _matrix(arrays: dict[str, Array], name: str) -> sparse.csr_array:
 
 
 def _text(stored: Array) -> Any:
-    require(stored.dtype == np.uint8 and stored.ndim == 1 and stored.size <= LARGEST, "notes", "not the bytes of a short text")
+    usable = stored.dtype == np.uint8 and stored.ndim == 1 and stored.size <= LARGEST_NOTES
+    require(usable, "notes", "not the bytes of a short text")
     try:
         return json.loads(stored.tobytes().decode())
     except (ValueError, RecursionError):
@@ -189,10 +190,11 @@ def _text(stored: Array) -> Any:
 
 
 def _checked(notes: Any) -> dict[str, float]:
-    require(isinstance(notes, Mapping) and len(notes) <= MOST, "notes", f"expected at most {MOST} names, each with a share")
+    few = isinstance(notes, Mapping) and len(notes) <= MOST_NOTES
+    require(few, "notes", f"expected at most {MOST_NOTES} names, each with a share")
     for name in notes:
-        usable = isinstance(name, str) and 0 < len(name) <= LONGEST and name.isprintable()
-        require(usable, "notes", f"a name is a printable text of 1 to {LONGEST} characters, got {name!r:.80}")
+        usable = isinstance(name, str) and 0 < len(name) <= LONGEST_NOTE and name.isprintable()
+        require(usable, "notes", f"a name is a printable text of 1 to {LONGEST_NOTE} characters, got {name!r:.80}")
     shares = {name: _number("notes", share) for name, share in notes.items()}
     for name, share in shares.items():
         require(0 <= share <= 1, "notes", f"the share of {name} must be from 0 to 1, got {share:g}")
