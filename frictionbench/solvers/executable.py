@@ -45,11 +45,11 @@ def absolute(source: str) -> str:
         raise InputError(f"solver: {source!r} is no command; write 'exec:./mysolver {{problem}} {{answer}}'") from None
     missing = [name for name in FILES if not any(name in word for word in others)]
     require(not missing, "solver", f"{source!r} lacks {' and '.join(missing)}, in whose place paths of files are put")
-    found = shutil.which(first)
-    if found is None:
+    program = shutil.which(first)
+    if program is None:
         hint = ("; write ./" if shutil.which(f"./{first}") else "; chmod +x ") + first if Path(first).is_file() else ""
         raise InputError(f"solver: {first} is not an executable file{hint}")
-    return PREFIX + shlex.join(str(Path(word).absolute()) if Path(word).is_file() else word for word in (found, *others))
+    return PREFIX + shlex.join(str(Path(word).absolute()) if Path(word).is_file() else word for word in (program, *others))
 
 
 def files(source: str) -> list[Path]:
@@ -134,16 +134,16 @@ def _run(command: tuple[str, ...], text: str, contacts: tuple[int, int]) -> Answ
                 raise ValueError(f"{words[0]}: {error.strerror}{why.get(error.errno or 0, '')}") from None
         if done.returncode:
             with output.open("rb") as written:
-                said = written.read(300).decode("utf-8", "replace").strip()
+                output_text = written.read(300).decode("utf-8", "replace").strip()
             detail = f"exit code {done.returncode}" if done.returncode > 0 else f"ended by signal {-done.returncode}"
-            return Answer(np.zeros(contacts), Status.FAILED, detail=f"{detail}{f': {said}' if said else ''}")
+            return Answer(np.zeros(contacts), Status.FAILED, detail=f"{detail}{f': {output_text}' if output_text else ''}")
         if not answer.is_file():
             raise ValueError("answer: the executable wrote no file")
         with answer.open("rb") as read:
-            found = read.read(LONGEST + 1)
-    if len(found) > LONGEST:
+            content = read.read(LONGEST + 1)
+    if len(content) > LONGEST:
         raise ValueError(f"answer: longer than {LONGEST} bytes")
-    return parse_answer(found.decode("utf-8", "replace"), contacts)
+    return parse_answer(content.decode("utf-8", "replace"), contacts)
 
 
 def parse_answer(text: str, contacts: tuple[int, int]) -> Answer:

@@ -108,12 +108,12 @@ class Hybrid:
             with TimeLimit(left() if name == members[-1] else SHARE * left()):
                 answer = member.solve(stage, tol, own_limit, guess)
             work |= {f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
-            found, floor = residual_with_floor(problem, answer.impulse)
-            if max(found, floor) <= tol:
+            error, floor = residual_with_floor(problem, answer.impulse)
+            if max(error, floor) <= tol:
                 return Answer(answer.impulse, Status.SOLVED, work, detail=f"answered by {name}")
-            rounded = rounded or found <= tol or (found <= floor and answer.status is Status.SOLVED)
-            if found < least:
-                impulse, least, found_by = answer.impulse, found, name
+            rounded = rounded or error <= tol or (error <= floor and answer.status is Status.SOLVED)
+            if error < least:
+                impulse, least, found_by = answer.impulse, error, name
             late = late or answer.status is Status.TIME_LIMIT
             if name == members[0] and (proof := contradiction(problem)) and proof.least_residual > tol:
                 return Answer(impulse, Status.INFEASIBLE, work, detail=str(proof))
@@ -132,8 +132,8 @@ class Hybrid:
         swept = loop.solve_many(_only(packed, chosen), tol, min(SWEEPS, limit or SWEEPS) if space else limit, start)
         impulse, work = swept.impulse, {f"{simple} {unit}": counts for unit, counts in swept.work.items()}
         if few.any():
-            found, counts = few_contacts_each(packed, steps, tol, limit, start)
-            impulse = np.where(np.repeat(few, nc)[:, None], found, impulse)
+            newton_impulse, counts = few_contacts_each(packed, steps, tol, limit, start)
+            impulse = np.where(np.repeat(few, nc)[:, None], newton_impulse, impulse)
             work |= {"newton sweeps": counts[:, 0], "newton steps": counts[:, 1]}
         least = np.where(few | chosen, residuals(packed, impulse).max(axis=1), np.inf)  # the larger of residual and floor
         solved, members = least <= tol, np.ones(len(nc), np.int64)

@@ -136,17 +136,17 @@ class SolverInfo:
 
     def __post_init__(self) -> None:
         """Errors: ValueError naming the property that is not as described for the class."""
-        named, said = isinstance(self.name, str) and re.fullmatch(r"[\w.-]+", self.name), isinstance(self.family, str)
+        named, has_family = isinstance(self.name, str) and re.fullmatch(r"[\w.-]+", self.name), isinstance(self.family, str)
         self._require(bool(named), "name", "letters, digits, _, . and -")
-        self._require(said and self.family.isprintable() and self.family.strip() != "", "family", "text")
+        self._require(has_family and self.family.isprintable() and self.family.strip() != "", "family", "text")
         self._require(self.model in get_args(Model), "model", f"one of {', '.join(get_args(Model))}")
         self._require(self.dimension in ((2,), (3,), (2, 3)), "dimension", "(2,), (3,) or (2, 3)")
         self._require(self.precision in get_args(Precision), "precision", f"one of {', '.join(get_args(Precision))}")
         for flag in ("warm_start", "sparse", "remote"):
             self._require(isinstance(getattr(self, flag), bool), flag, "True or False")
         for names in ("needs", "lacks", "variants", "members"):
-            given = getattr(self, names)
-            self._require(isinstance(given, tuple) and all(isinstance(each, str) for each in given), names, "a tuple of texts")
+            texts = getattr(self, names)
+            self._require(isinstance(texts, tuple) and all(isinstance(each, str) for each in texts), names, "a tuple of texts")
         self._require(set(self.lacks) <= set(LACKS), "lacks", f"of {', '.join(LACKS)}")
 
     def _require(self, condition: bool, field: str, expected: str) -> None:
@@ -309,11 +309,11 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
     if info.ours and {key: values.get(key, getattr(instance, key)) for key in chosen} not in possible:
         raise InputError(f"solver: {name} has no variant {spec}; it has {', '.join(info.specs)}")
     try:
-        made = replace(instance, **values)
-        varied = replace(info, **{fact: getattr(made, fact) for fact in _VARIANT_PROPERTIES if hasattr(made, fact)})
+        changed = replace(instance, **values)
+        varied = replace(info, **{fact: getattr(changed, fact) for fact in _VARIANT_PROPERTIES if hasattr(changed, fact)})
     except ValueError as error:
         raise InputError(f"solver: {spec}: {error}") from None
-    _found[spec] = varied, made
+    _found[spec] = varied, changed
     return _found[spec]
 
 
@@ -374,8 +374,8 @@ def solve(
         late = is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING)
     if time_limit is not None and (late or answer.status is Status.TIME_LIMIT):
         bare = isinstance(problem, LCP)
-        found = problem.residual(answer.z) if bare else residual(problem, answer.impulse)  # type: ignore[union-attr,arg-type]
-        answer.status, answer.detail = Status.TIME_LIMIT, f"after {time_limit:g} s, with a residual of {found:.2g}"
+        error = problem.residual(answer.z) if bare else residual(problem, answer.impulse)  # type: ignore[union-attr,arg-type]
+        answer.status, answer.detail = Status.TIME_LIMIT, f"after {time_limit:g} s, with a residual of {error:.2g}"
     answer.solver = spec
     checked = answer.status is Status.SOLVED and info.ours and not instance.knows_rounding
     if checked and isinstance(problem, FrictionProblem) and residual_with_floor(problem, answer.impulse)[1] > tol:

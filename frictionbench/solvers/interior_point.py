@@ -131,8 +131,8 @@ class InteriorPoint(Phased):
             if is_over():
                 unsolved = unsolved or Status.WORK_LIMIT
                 break
-            own = None if start is None else start[contacts]
-            answer = self.solve(self.setup(self.form(part)), tol, limit, own)
+            start_of_part = None if start is None else start[contacts]
+            answer = self.solve(self.setup(self.form(part)), tol, limit, start_of_part)
             for unit, count in answer.work.items():
                 work[unit] = work.get(unit, 0) + count
             history += answer.history

@@ -21,10 +21,10 @@ def installed_version(need: str) -> str | None:
         package = module.partition(".")[0]
         return _output(python, f"import {module}, importlib.metadata as m; print(m.version({package!r}))")
     try:
-        found = version(need)
+        installed = version(need)
     except PackageNotFoundError:
         return None
-    return found if need not in LICENSED or _output(sys.executable, LICENSED[need]) is not None else None
+    return installed if need not in LICENSED or _output(sys.executable, LICENSED[need]) is not None else None
 
 
 def _output(python: str, script: str) -> str | None:

@@ -50,10 +50,10 @@ def files(source: str) -> list[Path]:
 
 def installed() -> dict[str, EntryPoint]:
     """The entry points by name, the first of each name, except names that are registered already; none is imported."""
-    found: dict[str, EntryPoint] = {}
+    by_name: dict[str, EntryPoint] = {}
     for point in entry_points(group=GROUP):
-        found.setdefault(point.name, point)
-    return {name: point for name, point in sorted(found.items()) if name not in available()}
+        by_name.setdefault(point.name, point)
+    return {name: point for name, point in sorted(by_name.items()) if name not in available()}
 
 
 def content(source: str) -> str:
@@ -129,9 +129,9 @@ def describe_error(error: BaseException) -> str:
         text = str(error)
     except Exception as another:  # str() runs code of the plug-in
         text = f"its message cannot be formatted: {type(another).__name__}"
-    told = " ".join(f"{type(error).__name__}: {text}"[:400].split()) + (f" (at {places})" if places else "")
+    description = " ".join(f"{type(error).__name__}: {text}"[:400].split()) + (f" (at {places})" if places else "")
     damaged = bool(frames) and frames[0].filename == caching.__file__
-    return told + (f"; compiled kernels are damaged: delete {config.CACHE_DIR}" if damaged else "")
+    return description + (f"; compiled kernels are damaged: delete {config.CACHE_DIR}" if damaged else "")
 
 
 def _point(name: str) -> EntryPoint:

@@ -75,19 +75,19 @@ class CasADi:
     def form(self, problem: FrictionProblem) -> DualProgram | DenseLCP:
         return dense_lcp(problem) if self.method == "ipopt" else dual_program(problem, _DEFINITE[self.method])
 
-    def setup(self, given: DualProgram | DenseLCP) -> DualProgram | DenseLCP:
-        return given._replace(M=sparse.csc_matrix(given.M)) if isinstance(given, DenseLCP) else given
+    def setup(self, formed: DualProgram | DenseLCP) -> DualProgram | DenseLCP:
+        return formed._replace(M=sparse.csc_matrix(formed.M)) if isinstance(formed, DenseLCP) else formed
 
-    def solve(self, given: DualProgram | DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        if isinstance(given, DenseLCP):
-            return _by_ipopt(given, tol * given.share / MARGIN, limit or 3000, self.settings == "tuned")
-        eps = max(tol * given.given.share / MARGIN, 1e-12)
-        made = _quadratic(self.method, len(given.g), eps if self.method == "qpoases" else 0.0, limit or 10_000)
-        found = made(h=given.H, g=given.g, lbx=0.0, ubx=np.inf)
-        stats = made.stats()
-        status, z = Status.SOLVED if stats["success"] else Status.FAILED, np.array(found["x"]).ravel()
+    def solve(self, prepared: DualProgram | DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        if isinstance(prepared, DenseLCP):
+            return _by_ipopt(prepared, tol * prepared.share / MARGIN, limit or 3000, self.settings == "tuned")
+        eps = max(tol * prepared.given.share / MARGIN, 1e-12)
+        library_solver = _quadratic(self.method, len(prepared.g), eps if self.method == "qpoases" else 0.0, limit or 10_000)
+        result = library_solver(h=prepared.H, g=prepared.g, lbx=0.0, ubx=np.inf)
+        stats = library_solver.stats()
+        status, z = Status.SOLVED if stats["success"] else Status.FAILED, np.array(result["x"]).ravel()
         detail, clock = stats["unified_return_status"], stats.get("t_wall_solver")
-        return given.answer(z, status, detail, clock, iterations=int(stats["iter_count"]))
+        return prepared.answer(z, status, detail, clock, iterations=int(stats["iter_count"]))
 
 
 @lru_cache(maxsize=16)
@@ -99,15 +99,15 @@ def _quadratic(method: str, n: int, eps: float, limit: int) -> Any:
     return casadi.conic("solver", method, sparsity, options | _OPTIONS[method] | {"error_on_fail": False})
 
 
-def _by_ipopt(given: DenseLCP, eps: float, limit: int, tuned: bool) -> Answer:
-    n = len(given.q)
-    M: Any = given.M  # in compressed columns
-    made = _complementarity(n, M.indptr.tobytes(), M.indices.tobytes(), max(eps**2, 1e-15), limit, tuned)
-    found = made(x0=0.0, lbx=0.0, lbg=0.0, ubg=0.0, p=np.concatenate([M.data, given.q]))
-    y, stats = np.array(found["x"]).ravel()[:n], made.stats()
-    accurate = np.abs(np.minimum(y, M @ y + given.q)).max() <= eps
+def _by_ipopt(lcp: DenseLCP, eps: float, limit: int, tuned: bool) -> Answer:
+    n = len(lcp.q)
+    M: Any = lcp.M  # in compressed columns
+    library_solver = _complementarity(n, M.indptr.tobytes(), M.indices.tobytes(), max(eps**2, 1e-15), limit, tuned)
+    result = library_solver(x0=0.0, lbx=0.0, lbg=0.0, ubg=0.0, p=np.concatenate([M.data, lcp.q]))
+    y, stats = np.array(result["x"]).ravel()[:n], library_solver.stats()
+    accurate = np.abs(np.minimum(y, M @ y + lcp.q)).max() <= eps
     status = Status.SOLVED if stats["success"] and accurate else Status.FAILED
-    return given.scaled.answer(y, status, stats["return_status"], iterations=int(stats["iter_count"]))
+    return lcp.scaled.answer(y, status, stats["return_status"], iterations=int(stats["iter_count"]))
 
 
 @lru_cache(maxsize=16)

@@ -83,12 +83,12 @@ class CCP:
         return scaled, (P, scaled.q, G, scaled.h, A, b)
 
     def setup(self, formed: tuple[ScaledProgram, Any]) -> tuple[ScaledProgram, Any]:
-        scaled, given = formed
-        return scaled, import_module("qpsolvers").Problem(*given)
+        scaled, arguments = formed
+        return scaled, import_module("qpsolvers").Problem(*arguments)
 
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         qpsolvers: Any = import_module("qpsolvers")
-        (scaled, given), backend = prepared, BACKENDS[self.backend]
+        (scaled, qp), backend = prepared, BACKENDS[self.backend]
         eps, gap = scaled.tolerances(tol, 1e-14)  # the least gap that ECOS reaches
         accuracy = eps / MARGIN
         settings: dict[str, Any] = {
@@ -100,8 +100,8 @@ class CCP:
         settings |= _TUNED[self.backend] if self.settings == "tuned" else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # qpsolvers warns of a failure; the status reports it
-            found = qpsolvers.solve_problem(given, self.backend, **settings)
-        return scaled.answer(found.z, found.found, *_iterations_and_detail(found.extras), found.solve_time)
+            result = qpsolvers.solve_problem(qp, self.backend, **settings)
+        return scaled.answer(result.z, result.found, *_iterations_and_detail(result.extras), result.solve_time)
 
 
 def _iterations_and_detail(extras: Mapping[str, Any]) -> tuple[int | None, str]:

@@ -43,9 +43,9 @@ class DAQP:
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         daqp: Any = import_module("daqp")
-        scaled, given = prepared
+        scaled, arguments = prepared
         accuracy = tol * scaled.share / MARGIN
-        _, _, flag, info = daqp.solve(*given, primal_tol=accuracy, dual_tol=accuracy, iter_limit=limit or 10_000)
+        _, _, flag, info = daqp.solve(*arguments, primal_tol=accuracy, dual_tol=accuracy, iter_limit=limit or 10_000)
         clock = float(info["setup_time"] + info["solve_time"])
         return scaled.answer(np.array(info["lam"]), flag > 0, int(info["iterations"]), f"exit flag {flag}", clock)
 
@@ -71,9 +71,9 @@ class Quadprog:
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         quadprog: Any = import_module("quadprog")
-        scaled, given = prepared
+        scaled, arguments = prepared
         try:
-            _, _, _, iterations, multipliers, _ = quadprog.solve_qp(*given)
+            _, _, _, iterations, multipliers, _ = quadprog.solve_qp(*arguments)
         except ValueError as error:
             return scaled.answer(None, False, detail=str(error))
         return scaled.answer(multipliers[len(scaled.b) :], True, int(iterations[0]))

@@ -73,22 +73,22 @@ class Kamino:
     def form(self, problem: FrictionProblem) -> ScaledDelassus:
         return scaled_delassus(problem, TANGENTS_FIRST)
 
-    def setup(self, given: ScaledDelassus) -> Prepared:
-        template = _template(len(given.friction), self.method)
+    def setup(self, scaled: ScaledDelassus) -> Prepared:
+        template = _template(len(scaled.friction), self.method)
         dual = template.dual
         dual.zero()
-        for array, values in ((dual.data.D, given.W), (dual.data.v_f, given.q), (dual.data.mu, given.friction)):
+        for array, values in ((dual.data.D, scaled.W), (dual.data.v_f, scaled.q), (dual.data.mu, scaled.friction)):
             filled = array.numpy()
             filled[: values.size] = values.ravel()
             array.assign(filled)
         dual._build_dual_preconditioner()
         dual._apply_dual_preconditioner_to_dual()
-        return given, template
+        return scaled, template
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        given, template = prepared
+        scaled, template = prepared
         dual, solver = template
-        eps, most = max(given.share * tol / MARGIN, _LEAST), limit or _LIMITS[self.method]
+        eps, most = max(scaled.share * tol / MARGIN, _LEAST), limit or _LIMITS[self.method]
         if self.method == "padmm":
             options = dict.fromkeys(("primal_tolerance", "dual_tolerance", "compl_tolerance"), eps)
             _set(solver.data.config, options | {"max_iterations": most, "rho_0": 0.1 if self.settings == "tuned" else 1.0})
@@ -99,9 +99,9 @@ class Kamino:
         solver.solve(dual)
         status = solver.data.status.numpy()[0]
         ended = status["converged"] if self.method == "padmm" else status["apgd_residual"] <= eps
-        reached = Status.SOLVED if eps <= given.share * tol else Status.ROUNDING
-        r = solver.data.solution.lambdas.numpy()[: len(given.q)].astype(float)
-        return given.answer(r, reached if ended else Status.WORK_LIMIT, iterations=int(status["iterations"]))
+        reached = Status.SOLVED if eps <= scaled.share * tol else Status.ROUNDING
+        r = solver.data.solution.lambdas.numpy()[: len(scaled.q)].astype(float)
+        return scaled.answer(r, reached if ended else Status.WORK_LIMIT, iterations=int(status["iterations"]))
 
 
 def _set(config: Any, options: dict[str, float]) -> None:
@@ -139,12 +139,12 @@ def _template(nc: int, method: str) -> Template:
         dual = import_module(_KAMINO + "dynamics.dual").DualProblem(**parts, solver=factor, sparse=False)
         if method == "padmm":
             padmm = import_module(solvers + "padmm")
-            made = padmm.PADMMSolver(model=model, warmstart=padmm.PADMMWarmStartMode.NONE)
+            library_solver = padmm.PADMMSolver(model=model, warmstart=padmm.PADMMWarmStartMode.NONE)
         else:
             dvi = import_module(solvers + "dvi").DVISolver
-            made = dvi(**parts, problem=dual, config=dvi.Config(unilateral_solver="apgd"))
+            library_solver = dvi(**parts, problem=dual, config=dvi.Config(unilateral_solver="apgd"))
         dual.zero()
         dual.data.D.assign(np.eye(3 * nc).ravel().astype(np.float32))
-        made.coldstart()
-        made.solve(dual)
-    return Template(dual, made)
+        library_solver.coldstart()
+        library_solver.solve(dual)
+    return Template(dual, library_solver)

@@ -55,24 +55,24 @@ class Drake:
         require(0 <= self.perturbation < 1, "perturbation", f"must be at least 0 and less than 1, got {self.perturbation!r}")
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
-        given = dense_lcp(problem)
+        lcp = dense_lcp(problem)
         if not self.perturbation:
-            return given
-        return given._replace(q=given.q + self.perturbation * np.random.default_rng(0).random(len(given.q)))
+            return lcp
+        return lcp._replace(q=lcp.q + self.perturbation * np.random.default_rng(0).random(len(lcp.q)))
 
-    def setup(self, given: DenseLCP) -> tuple[DenseLCP, Any, Any]:
+    def setup(self, lcp: DenseLCP) -> tuple[DenseLCP, Any, Any]:
         drake: Any = import_module("pydrake.solvers")
         program = drake.MathematicalProgram()
-        z = program.NewContinuousVariables(len(given.q))
-        program.AddLinearComplementarityConstraint(given.M, given.q, z)
-        return given, program, z
+        z = program.NewContinuousVariables(len(lcp.q))
+        program.AddLinearComplementarityConstraint(lcp.M, lcp.q, z)
+        return lcp, program, z
 
     def solve(self, prepared: tuple[DenseLCP, Any, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         drake: Any = import_module("pydrake.solvers")
-        given, program, z = prepared
-        found = getattr(drake, _DRAKE[self.method])().Solve(program, None, None)
-        status = Status.SOLVED if found.is_success() else Status.FAILED
-        return given.scaled.answer(found.GetSolution(z), status, found.get_solution_result().name)
+        lcp, program, z = prepared
+        result = getattr(drake, _DRAKE[self.method])().Solve(program, None, None)
+        status = Status.SOLVED if result.is_success() else Status.FAILED
+        return lcp.scaled.answer(result.GetSolution(z), status, result.get_solution_result().name)
 
 
 @lcp_library("path", needs=("gamspy",), remote=True, variants=tuple(f"settings={name}" for name in _PATH))
@@ -102,10 +102,10 @@ class Path:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem | LCP) -> Mixed:
-        given = dense_lcp(problem)
+        lcp = dense_lcp(problem)
         if self.settings == "velocities" and isinstance(problem, FrictionProblem) and problem.mechanical:
-            return _with_velocities(problem, given)
-        return given, given.M, given.q
+            return _with_velocities(problem, lcp)
+        return lcp, lcp.M, lcp.q
 
     def setup(self, mixed: Mixed) -> Mixed:
         M, q, _, _ = _model(len(mixed[2]))
@@ -115,12 +115,12 @@ class Path:
 
     def solve(self, mixed: Mixed, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         gp: Any = import_module("gamspy")
-        given, N = mixed[0], len(mixed[2])
+        lcp, N = mixed[0], len(mixed[2])
         _, _, z, model = _model(N)
-        lower = np.where(np.arange(N) < len(given.q), 0.0, -np.inf)
+        lower = np.where(np.arange(N) < len(lcp.q), 0.0, -np.inf)
         z.setRecords({"level": np.zeros(N), "lower": lower, "upper": np.full(N, np.inf)})
         log = io.StringIO()
-        options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol * given.share / MARGIN}
+        options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol * lcp.share / MARGIN}
         options |= {} if self.settings == "default" else {"crash_method": "none"}
         options |= {"cumulative_iteration_limit": limit} if limit else {}
         try:
@@ -129,40 +129,40 @@ class Path:
             if "license" not in str(error):
                 raise
             reason = "not attempted: the problem is larger than the GAMS licence allows"
-            return given.scaled.answer(np.zeros(len(given.q)), Status.FAILED, reason)
+            return lcp.scaled.answer(np.zeros(len(lcp.q)), Status.FAILED, reason)
         total = re.search(r"Total Time[. ]*([\d.]+)", log.getvalue())
         minor = re.search(r"Minor Iterations[. ]*(\d+)", log.getvalue())
         status = Status.SOLVED if model.status.name in ("OptimalGlobal", "OptimalLocal") else Status.FAILED
         work = {"pivots": int(minor[1])} if minor else {}
-        y = z.records["level"].to_numpy()[: len(given.q)]
-        return given.scaled.answer(y, status, model.status.name, float(total[1]) if total else None, **work)
+        y = z.records["level"].to_numpy()[: len(lcp.q)]
+        return lcp.scaled.answer(y, status, model.status.name, float(total[1]) if total else None, **work)
 
 
-def _with_velocities(problem: FrictionProblem, given: DenseLCP) -> Mixed:
+def _with_velocities(problem: FrictionProblem, lcp: DenseLCP) -> Mixed:
     """The scaled LCP with velocities v^ = v root(M_ii) / theta and the multipliers l of the joint equations as free unknowns.
 
     w = C v^ + R y + b,      0 = M^ (v^ - v*^) - C'y - F'l,      0 = F v^ + b_F,
 
     where R are the rows and columns of the sliding speeds in the LCP, M^ has a unit diagonal, and the rows of F have length 1.
     """
-    (nc, d), n, nv = given.scaled.contacts, len(given.q), len(problem.free_velocity)
-    basis: Any = given.scaled.basis
+    (nc, d), n, nv = lcp.scaled.contacts, len(lcp.q), len(problem.free_velocity)
+    basis: Any = lcp.scaled.basis
     root, law, free, held = np.sqrt(problem.mass.diagonal()), slice(n - nc), slice(n, n + nv), slice(n + nv, None)
     rows = np.column_stack([problem.jacobian.toarray() / root, problem.offset.ravel(), problem.q])
     rows = np.einsum("as,iaj->sij", basis, rows.reshape(nc, d, -1))
     rows = np.vstack([rows[0], *rows[1:].swapaxes(0, 1)])  # as problems.forms.lcp orders them
-    sizes = given.scaled.stretch * np.abs(np.concatenate([rows[:, -1], problem.friction_bias]))
+    sizes = lcp.scaled.stretch * np.abs(np.concatenate([rows[:, -1], problem.friction_bias]))
     theta = np.sqrt(sizes.max(initial=0.0)) or 1.0  # that of solvers.pivots.scaled_lcp
-    C, F = rows * (given.scaled.stretch[law] / theta)[:, None], problem.joints.toarray() / root
+    C, F = rows * (lcp.scaled.stretch[law] / theta)[:, None], problem.joints.toarray() / root
     length = np.linalg.norm(F, axis=1)
     M, q = np.zeros((n + nv + len(F),) * 2), np.zeros(n + nv + len(F))
-    M[:n, :n], M[law, law] = given.M, 0.0
+    M[:n, :n], M[law, law] = lcp.M, 0.0
     M[law, free], M[free, law] = C[:, :nv], -C[:, :nv].T
     M[free, free] = problem.mass.toarray() / np.outer(root, root)
     M[held, free], M[free, held] = F / length[:, None], -F.T / length
-    q[law], q[n - nc : n] = C[:, nv] / theta, given.q[n - nc :]
+    q[law], q[n - nc : n] = C[:, nv] / theta, lcp.q[n - nc :]
     q[free], q[held] = -M[free, free] @ (problem.free_velocity * root) / theta, problem.joint_bias / length / theta
-    return given, M, q
+    return lcp, M, q
 
 
 @lru_cache(maxsize=8)
@@ -205,5 +205,5 @@ class QuantEcon:
     def solve(self, prepared: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         options = import_module("quantecon.optimize").PivOptions(tol_ratio_diff=1e-10 if self.settings == "tuned" else 1e-13)
         lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
-        found = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
-        return prepared.scaled.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))
+        result = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
+        return prepared.scaled.answer(result.z, _ENDED.get(result.status, Status.FAILED), pivots=int(result.num_iter))

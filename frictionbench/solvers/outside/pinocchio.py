@@ -75,40 +75,40 @@ class Pinocchio:
         """The scaling, and W^ dense or sparse."""
         n = problem.contacts
         dense = self.method == "pgs" or n <= _DENSE or 2 * len(problem.blocks.neighbours) > n**2
-        given = scaled_delassus(problem, TANGENTS_FIRST, matrix=dense, size=_SIZES[self.method])
+        scaled = scaled_delassus(problem, TANGENTS_FIRST, matrix=dense, size=_SIZES[self.method])
         if dense:
-            return given, given.W.T
-        row, column, value = entries(*problem.blocks, given.E, TANGENTS_FIRST).T
-        return given, sparse.csc_matrix((value, (row.astype(int), column.astype(int))), shape=(3 * n, 3 * n))
+            return scaled, scaled.W.T
+        row, column, value = entries(*problem.blocks, scaled.E, TANGENTS_FIRST).T
+        return scaled, sparse.csc_matrix((value, (row.astype(int), column.astype(int))), shape=(3 * n, 3 * n))
 
     def setup(self, formed: tuple[ScaledDelassus, Any]) -> Prepared:
         pin: Any = import_module("pinocchio")
-        given, W = formed
+        scaled, W = formed
         operator = (pin.DelassusOperatorSparse if sparse.issparse(W) else pin.DelassusOperatorDense)(W)
         body = pin.Model()
         body.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
         models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-        for mu in given.friction:
+        for mu in scaled.friction:
             point = pin.PointContactConstraintModel(body, 0, pin.SE3.Identity(), 1, pin.SE3.Identity())
             point.setFriction(mu)
             models.append(pin.ConstraintModel(point))
             datas.append(models[-1].createData())
-        return given, operator, models, datas
+        return scaled, operator, models, datas
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         pin: Any = import_module("pinocchio")
-        given, operator, models, datas = prepared
+        scaled, operator, models, datas = prepared
         name = self.method.upper()
         settings, result = getattr(pin, f"{name}SolverSettings")(), getattr(pin, f"{name}SolverResult")()
         settings.solve_ncp, settings.max_iterations = self.law == "ncp", limit or 20_000
-        settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = given.share * tol / _MARGINS[self.method]
+        settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = scaled.share * tol / _MARGINS[self.method]
         settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
         settings.measure_timings = True
         for option, value in (_TUNED[self.method] if self.settings == "tuned" else {}).items():
             setattr(settings, option, value)
         if start is not None:
-            result.setConstraintImpulseGuess(given.guess(start))
+            result.setConstraintImpulseGuess(scaled.guess(start))
         solver = getattr(pin, f"{name}ConstraintSolver")()
-        found = solver.solve(operator, given.q, models, datas, settings, result)
-        r, status = np.array(result.retrieveConstraintImpulses()), Status.SOLVED if found else Status.WORK_LIMIT
-        return given.answer(r, status, clock=solver.getElapsedTime() * 1e-6, iterations=int(result.iterations))
+        solved = solver.solve(operator, scaled.q, models, datas, settings, result)
+        r, status = np.array(result.retrieveConstraintImpulses()), Status.SOLVED if solved else Status.WORK_LIMIT
+        return scaled.answer(r, status, clock=solver.getElapsedTime() * 1e-6, iterations=int(result.iterations))

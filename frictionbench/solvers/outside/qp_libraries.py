@@ -67,20 +67,20 @@ class Clarabel:
 
     def setup(self, formed: Prepared) -> Prepared:
         clarabel: Any = import_module("clarabel")
-        scaled, given = formed
+        scaled, arguments = formed
         rows, flat = len(scaled.h), scaled.contacts[1] == 2
         cones = [clarabel.NonnegativeConeT(rows)] if flat else [clarabel.SecondOrderConeT(3)] * (rows // 3)
         cones = [*cones, clarabel.ZeroConeT(len(scaled.b))] if len(scaled.b) else cones
-        return scaled, clarabel.DefaultSolver(*given, cones, self._settings())
+        return scaled, clarabel.DefaultSolver(*arguments, cones, self._settings())
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         clarabel: Any = import_module("clarabel")
-        scaled, made = prepared
+        scaled, library_solver = prepared
         eps, gap = scaled.tolerances(tol, LEAST_GAP["clarabel"])
-        made.update(settings=self._settings(tol_feas=eps, tol_gap_abs=gap, tol_gap_rel=gap, max_iter=limit or 200))
-        found = made.solve()
-        solved = found.status == clarabel.SolverStatus.Solved
-        return scaled.answer(np.array(found.z), solved, found.iterations, str(found.status), found.solve_time)
+        library_solver.update(settings=self._settings(tol_feas=eps, tol_gap_abs=gap, tol_gap_rel=gap, max_iter=limit or 200))
+        result = library_solver.solve()
+        solved = result.status == clarabel.SolverStatus.Solved
+        return scaled.answer(np.array(result.z), solved, result.iterations, str(result.status), result.solve_time)
 
     def _settings(self, **chosen: Any) -> Any:
         """Clarabel's settings: quiet, and without the presolve that would forbid updates."""
@@ -110,9 +110,9 @@ class OSQP:
         return scaled, (P, scaled.q, stacked(G, A), *scaled.limits(-np.inf))
 
     def setup(self, formed: Prepared) -> Prepared:
-        scaled, given = formed
+        scaled, arguments = formed
         workspace = import_module("osqp").OSQP()
-        workspace.setup(*given, verbose=False, eps_rel=0.0)
+        workspace.setup(*arguments, verbose=False, eps_rel=0.0)
         return scaled, workspace
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
@@ -125,9 +125,9 @@ class OSQP:
             if A is None and P.diagonal().all():
                 x = sparse.linalg.spsolve(P, -scaled.q - G.T @ y)
         workspace.warm_start(x=x, y=y)
-        found = workspace.solve(raise_error=False)
-        info = found.info
-        return scaled.answer(found.y, info.status_val == 1, int(info.iter), info.status, info.solve_time)
+        result = workspace.solve(raise_error=False)
+        info = result.info
+        return scaled.answer(result.y, info.status_val == 1, int(info.iter), info.status, info.solve_time)
 
 
 @relaxation_library(
@@ -161,10 +161,10 @@ class ProxSuite:
         return scaled, (P, scaled.q, A, b, G, np.full(len(scaled.h), -1e20), scaled.h)
 
     def setup(self, formed: Prepared) -> Prepared:
-        (scaled, given), proxqp = formed, import_module("proxsuite").proxqp
+        (scaled, arguments), proxqp = formed, import_module("proxsuite").proxqp
         qp = getattr(proxqp, self.matrices).QP(len(scaled.q), len(scaled.b), len(scaled.h))
         qp.settings.compute_timings = True
-        qp.init(*given)
+        qp.init(*arguments)
         return scaled, qp
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
@@ -208,21 +208,21 @@ class PIQP:
         return scaled, (P, scaled.q, A, b, G, None, scaled.h)
 
     def setup(self, formed: Prepared) -> Prepared:
-        scaled, given = formed
-        made = getattr(import_module("piqp"), f"{self.matrices.capitalize()}Solver")()
-        made.settings.compute_timings = True
-        made.setup(*given)
-        return scaled, made
+        scaled, arguments = formed
+        library_solver = getattr(import_module("piqp"), f"{self.matrices.capitalize()}Solver")()
+        library_solver.settings.compute_timings = True
+        library_solver.setup(*arguments)
+        return scaled, library_solver
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         piqp: Any = import_module("piqp")
-        scaled, made = prepared
-        (eps, gap), settings = scaled.tolerances(tol, LEAST_GAP["piqp"]), made.settings
+        scaled, library_solver = prepared
+        (eps, gap), settings = scaled.tolerances(tol, LEAST_GAP["piqp"]), library_solver.settings
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 500
         settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = gap, _ROUNDING
-        found, result = made.solve(), made.result
-        clock, solved = float(result.info.solve_time), found == piqp.PIQP_SOLVED
-        return scaled.answer(np.array(result.z_u), solved, int(result.info.iter), found.name, clock)
+        status, result = library_solver.solve(), library_solver.result
+        clock, solved = float(result.info.solve_time), status == piqp.PIQP_SOLVED
+        return scaled.answer(np.array(result.z_u), solved, int(result.info.iter), status.name, clock)
 
 
 @relaxation_library("scs", dimension=(2, 3), sparse=True, needs=("scs",), variants=("settings=default", "settings=tuned"))
@@ -252,10 +252,10 @@ class SCS:
         return scaled, (data, {"z": len(scaled.b), **cone})
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        scaled, given = prepared
+        scaled, arguments = prepared
         accuracy = {"eps_abs": tol * scaled.share / 2, "eps_rel": 0.0, "max_iters": limit or 100_000}
         scale = 1.0 if self.settings == "tuned" else 0.1
-        found = import_module("scs").SCS(*given, verbose=False, scale=scale, **accuracy).solve()
-        info = found["info"]
+        result = import_module("scs").SCS(*arguments, verbose=False, scale=scale, **accuracy).solve()
+        info = result["info"]
         clock = 1e-3 * (info["setup_time"] + info["solve_time"])
-        return scaled.answer(found["y"][len(scaled.b) :], info["status_val"] == 1, int(info["iter"]), info["status"], clock)
+        return scaled.answer(result["y"][len(scaled.b) :], info["status_val"] == 1, int(info["iter"]), info["status"], clock)

@@ -129,4 +129,4 @@ def child(script: str, python: str = sys.executable) -> Child:
 
 def living() -> list[int]:
     """The process ids of this process's running children."""
-    return [made.pid for made in _children.values() if made.pid is not None]
+    return [child.pid for child in _children.values() if child.pid is not None]

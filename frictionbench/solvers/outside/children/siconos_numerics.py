@@ -30,7 +30,7 @@ def answer(
     limit: int,
     start: Array,
     dense: bool = True,
-    **given: Array,
+    **data: Array,
 ) -> dict[str, Any]:
     """Solve a problem from `start`: the answer, the return code of the last call, the iterations and seconds of all calls.
 
@@ -42,13 +42,13 @@ def answer(
     r, iterations = start.copy(), 0
     matrices: tuple[Any, ...]
     if kind == "global":
-        matrices = compressed(given["M"], len(given["q"]), len(given["q"])), compressed(given["H"], len(given["q"]), len(r))
+        matrices = compressed(data["M"], len(data["q"]), len(data["q"])), compressed(data["H"], len(data["q"]), len(r))
     elif kind == "lcp":
-        matrices = (given["M"],)
+        matrices = (data["M"],)
     else:
-        matrices = (given["W"] if dense else blocks(given["W"], len(r), len(r) // len(given["mu"])),)
+        matrices = (data["W"] if dense else blocks(data["W"], len(r), len(r) // len(data["mu"])),)
     begun = perf_counter()
-    problem = problem_object(kind, given, *matrices)
+    problem = problem_object(kind, data, *matrices)
     seconds = perf_counter() - begun
     for _ in range(CALLS):
         options = sn.SolverOptions(getattr(sn, f"SICONOS_{solver.upper()}"))
@@ -60,7 +60,7 @@ def answer(
             options.dparam[getattr(sn, name)] = real
         if local:
             sn.solver_options_update_internal(options, 0, getattr(sn, f"SICONOS_{local}"))
-        driver, arguments = call(kind, problem, given, dense, r)
+        driver, arguments = call(kind, problem, data, dense, r)
         begun = perf_counter()
         code = driver(*arguments, options)
         seconds += perf_counter() - begun
@@ -73,17 +73,17 @@ def answer(
     return {"r": r, "code": int(code), "iterations": iterations, "clock": seconds}
 
 
-def problem_object(kind: str, given: dict[str, Array], *matrices: Any) -> Any:
+def problem_object(kind: str, data: dict[str, Array], *matrices: Any) -> Any:
     """Siconos' problem object."""
     if kind == "lcp":
-        return sn.LCP(*matrices, given["q"])
+        return sn.LCP(*matrices, data["q"])
     if kind == "global":
         problem = sn.GlobalFrictionContactProblem()
-        problem.dimension, problem.numberOfContacts = 3, len(given["mu"])
+        problem.dimension, problem.numberOfContacts = 3, len(data["mu"])
         problem.M, problem.H = matrices
-        problem.q, problem.b, problem.mu = given["q"], given["b"], given["mu"]
+        problem.q, problem.b, problem.mu = data["q"], data["b"], data["mu"]
         return problem
-    return sn.FrictionContactProblem(2 if kind == "friction_2d" else 3, len(given["mu"]), *matrices, given["q"], given["mu"])
+    return sn.FrictionContactProblem(2 if kind == "friction_2d" else 3, len(data["mu"]), *matrices, data["q"], data["mu"])
 
 
 def compressed(entries: Array, rows: int, columns: int) -> Any:
@@ -109,13 +109,13 @@ def product(entries: Array, r: Array) -> Array:
     return np.bincount(row.astype(int), value * r[column.astype(int)], len(r))
 
 
-def call(kind: str, problem: Any, given: dict[str, Array], dense: bool, r: Array) -> tuple[Any, tuple[Any, ...]]:
+def call(kind: str, problem: Any, data: dict[str, Array], dense: bool, r: Array) -> tuple[Any, tuple[Any, ...]]:
     """The driver of a problem and its arguments; r is the guess and is overwritten by the answer."""
     if kind == "lcp":
         return sn.linearComplementarity_driver, (problem, r, np.zeros(len(r)))
     if kind == "global":
-        return sn.gfc3d_driver, (problem, r, np.zeros(len(r)), np.zeros(len(given["q"])))
-    u = given["q"] + (given["W"] @ r if dense else product(given["W"], r))
+        return sn.gfc3d_driver, (problem, r, np.zeros(len(r)), np.zeros(len(data["q"])))
+    u = data["q"] + (data["W"] @ r if dense else product(data["W"], r))
     return sn.fc2d_driver if kind == "friction_2d" else sn.fc3d_driver, (problem, r, u)
 
 
