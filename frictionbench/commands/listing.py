@@ -6,6 +6,7 @@ from typing import Any
 from frictionbench.commands.table import paragraph, screen
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems.catalogue import instances, scenes
+from frictionbench.reports.drawing.text import number
 from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import distribution, installed
 
@@ -44,7 +45,7 @@ def _words(values: Facts | list[Any]) -> str:
 
 
 def _number(value: Any) -> str:
-    return (f"{value:.4g}" if isinstance(value, float) else str(value)).replace("e-0", "e-")
+    return number(value, 4) if isinstance(value, float) else str(value)
 
 
 def _scenes() -> dict[str, Facts]:

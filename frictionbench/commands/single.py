@@ -21,7 +21,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import require_known
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict
-from frictionbench.reports.drawing.text import seconds
+from frictionbench.reports.drawing.text import number, residual, seconds
 from frictionbench.results import store
 from frictionbench.results.cells import counts
 from frictionbench.results.conventions import RankBy, count, ending, scene_title
@@ -83,7 +83,7 @@ def solve_one(
         data |= {"rank_by": rank_by, "solvers": [_data(row) for row in applicable], "advice": advice(rows, rank_by)}
         print(json.dumps(data, indent=1))
         return
-    title = f"tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
+    title = f"tolerance {number(tol)}, ranked {rank_by.words} ({rank_by.parts})"
     if record["dimension"] != SPATIAL:  # in space the exact problem is not an LCP
         title = f"LCP of {record['size']} unknowns, {title}"
     _show(title, {str(rank): row for rank, row in enumerate(applicable, start=1)}, rank_by)
@@ -113,7 +113,7 @@ def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
     if not answered:
         return "no solver returned an answer that can be judged"
     nearest = min(answered, key=lambda row: row["residual"])
-    return f"no solver solves it; the smallest residual is {nearest['residual']:.1e}, by {nearest['variant']}"
+    return f"no solver solves it; the smallest residual is {residual(nearest['residual'], 1)}, by {nearest['variant']}"
 
 
 def _seconds(row: Row, rank_by: RankBy) -> float:
@@ -162,7 +162,7 @@ def show_rerun(folder: Path, key: str, named: list[str]) -> None:
         _show(f"{count(len(failed), 'row')} failed", dict(zip(labels, failed, strict=True)))
         return
     row, again = rerun_row(folder, key, named)
-    title = printable(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}")
+    title = printable(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {number(row['tol'])}")
     _show(title, {"stored": row, "rerun": again})
 
 
@@ -213,7 +213,7 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
 
 
 def _number(value: float | None) -> str:
-    return "" if value is None else f"{value:.1e}"
+    return "" if value is None else residual(value, 1)
 
 
 def _time(value: float | None) -> str:

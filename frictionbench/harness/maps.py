@@ -27,7 +27,7 @@ from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.simulate import first_problem_of
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
-from frictionbench.results.conventions import DEFAULT_SCHEME
+from frictionbench.results.conventions import DEFAULT_SCHEME, count
 from frictionbench.results.files import subfolder, write_text
 from frictionbench.results.maps import Axis, GridPoint, Map, at_grid_points, thresholds_file
 
@@ -155,14 +155,18 @@ def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: s
     """Run a plan that has maps. Errors: as for harness.run.run."""
     points: list[dict[GridPoint, None]] = [dict.fromkeys(spec.grid) for spec in plan.maps]
     for level in range(max(spec.levels for spec in plan.maps) + 1):
+        if level and not (added := _refine(plan.maps, points, level, folder)):
+            break
         if level:
-            _refine(plan.maps, points, level, folder)
+            progress.tell(f"{count(added, 'point')} added where verdicts differ between neighbours")
         run(_with_points(plan, points), folder, jobs, progress, cluster)
     for spec in plan.maps:
         trace(spec, folder)
 
 
-def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: int, folder: Path) -> None:
+def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: int, folder: Path) -> int:
+    """Add the points of a level to those of each map; return how many there are."""
+    before = sum(map(len, points))
     solves, simulations = (store.read_table(folder, table) for table in ("solves", "simulations"))
     for spec, known in zip(specs, points, strict=True):
         if level <= spec.levels:
@@ -170,6 +174,7 @@ def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: 
             for row in at_grid_points(simulations if spec.steps else solves, spec).itertuples():
                 verdicts.setdefault((row.i, row.j), {})[row.variant] = row.verdict
             known.update(dict.fromkeys(finer(spec, set(known), level, verdicts)))
+    return sum(map(len, points)) - before
 
 
 def _with_points(plan: Plan, points: list[dict[GridPoint, None]]) -> Plan:

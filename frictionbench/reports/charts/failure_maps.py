@@ -4,7 +4,6 @@ The panels for the problem distinguish ill-posed problems from unstable solvers.
 parameters.
 """
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import repeat
 from typing import Any
@@ -18,7 +17,7 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.style import INK
-from frictionbench.reports.drawing.text import percent, seconds
+from frictionbench.reports.drawing.text import number, percent, seconds
 from frictionbench.reports.drawing.tiles import Drawing, Entry, Field, Grid, Tile
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
@@ -62,7 +61,7 @@ def verdicts(run: Run) -> list[Drawing]:
         perfect = ", ".join(label for label in fields if label not in shown)
         problem, note = _problem(cells)
         note += f"Every grid point is solved by {perfect}." if perfect else ""
-        drawings.append(_drawing(run, cells, [*problem, *shown.values()], note, VERDICT | SOLUTIONS))
+        drawings.append(_drawing(run, cells, [*problem, *shown.values()], note, VERDICT | SOLUTIONS | {"infinite": WORST}))
     return drawings
 
 
@@ -101,9 +100,10 @@ def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, lege
 
 
 def _axis(axis: Axis) -> tiles.Axis:
-    """Return an axis with a tick at up to TICKS of its grid lines, including both ends."""
-    lines = sorted({round(k * (axis.count - 1) / (TICKS - 1)) for k in range(TICKS)})
-    ticks = tuple((float(line), re.sub(r"e([+-])0*", r"e\1", f"{axis.value(line):.3g}")) for line in lines)
+    """Return an axis with a tick at up to TICKS of its grid lines, including both ends, at equal distances if possible."""
+    parts = next((n for n in range(TICKS - 1, 1, -1) if (axis.count - 1) % n == 0), TICKS - 1)
+    lines = sorted({round(k * (axis.count - 1) / parts) for k in range(parts + 1)})
+    ticks = tuple((float(line), number(axis.value(line))) for line in lines)
     return tiles.Axis(axis.name, ticks, axis.count)
 
 
@@ -132,8 +132,16 @@ def _verdicts(cells: MapCells, run: Run) -> dict[str, Field]:
         known = rows[rows["known"]]
         share = f" {percent((known['verdict'] == Verdict.SOLVED).mean(), 1)}" if len(known) else ""
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
-        at = rows.apply(lambda row: f"{x.parameter} {x.value(row['i']):.4g}, {y.parameter} {y.value(row['j']):.4g}", axis=1)
-        tooltips = at + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
+        across, upwards = rows["i"].map(x.value).map(number), rows["j"].map(y.value).map(number)
+        tooltips = (
+            f"{x.parameter} "
+            + across
+            + f", {y.parameter} "
+            + upwards
+            + ": "
+            + rows["verdict"]
+            + residual.map(lambda value: f", residual {number(value, 2)}")
+        )
         tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "")
         tooltips += " · " + rows.apply(lambda row: rerun(run.folder, row["key"], row["variant"], run.plugins), axis=1)
         tooltips = tooltips.where(rows["verdict"] != Verdict.RELAXED, "")  # not a failure: the solver's model is solved
@@ -148,7 +156,7 @@ def _problem(cells: MapCells) -> tuple[list[Field], str]:
     if cells.spec.steps:
         return [], ""
     solutions = rows.apply(_solutions, axis=1)
-    scales = (("sensitivity", "sensitivity"), ("next mode", "mode_distance"), ("condition", "condition"))
+    scales = (("sensitivity", "sensitivity"), ("mode distance", "mode_distance"), ("condition", "condition"))
     fields = [_scale(title, rows, rows[name]) for title, name in scales if rows[name].max() > 1.01 * rows[name].min()]
     if len(different := set(solutions)) == 1:
         return fields, f"Solutions at every grid point: {different.pop()}. "
@@ -163,7 +171,7 @@ def _solutions(row: "pd.Series[Any]") -> str:
     return "one exists" if row["known"] else "not known"
 
 
-def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Callable[[float], str] = "{:.0e}".format) -> Field:
+def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Callable[[float], str] = number) -> Field:
     """Return a panel of values on a logarithmic scale of colours, with the ends of the scale in the title."""
     size = values.astype(float).abs()
     positive = size[np.isfinite(size) & (size > 0)]
@@ -172,7 +180,7 @@ def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Call
     share = (np.log(size.clip(lower=low)) - np.log(low)) / max(np.log(high / low), 1e-9)
     shades = [to_hex(colormaps["viridis"](k / SHADES)) for k in range(SHADES + 1)]
     colours = share.map(lambda x: WORST if x > 1 + 1e-9 else "" if np.isnan(x) else shades[round(x * SHADES)])
-    return _field(f"{title} {write(low)} .. {write(high)}".strip(), rows, colours)._replace(scale=shades)
+    return _field(f"{title} {write(low)} to {write(high)}".strip(), rows, colours)._replace(scale=shades)
 
 
 def _type(mode: object) -> str | None:

@@ -1,5 +1,6 @@
 """The format of names and numbers in figures, tables and pages."""
 
+import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -47,6 +48,13 @@ def percent(share: float, decimals: int = 0) -> str:
     if 1e-9 < share < 1 - 1e-9:
         rounded = min(max(rounded, 1), steps - 1)
     return f"{rounded / 10**decimals:g} %"
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Format a number with this many significant digits at most, and a short exponent if it has one: 316, 0.25, 3.16e-5."""
+    if value == 0 or 1e-3 <= abs(value) < 10**digits:
+        return f"{value:.{digits}g}"
+    return re.sub(r"\.?0*e(-?)\+?0*", r"e\1", f"{value:.{digits - 1}e}")
 
 
 def ratio(value: float) -> str:
