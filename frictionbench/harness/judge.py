@@ -138,11 +138,13 @@ def prepared(
     out: Path | None,
     progress: Progress,
 ) -> tuple[Plan, Path]:
-    """Judge the steps in folder/*.npz or in one file; return the plan with EXACT and `against` on them, and its results folder.
+    """Judge the steps in folder/*.npz or in one file; return the plan with OUR_SOLVER and `against` on them, and its
+    results folder.
 
-    out: by default a folder in runs/ named by a hash of the problems and settings. Errors: InputError naming the folder or file
-    that cannot be used, ResultsError if out holds another run.
+    out: by default a folder in runs/ named by a hash of the files' names, the problems and the settings. Errors: InputError
+    naming the folder or file that cannot be used, ResultsError if out holds another run.
     """
+    require(0 < tol < 1, "tol", "must lie between 0 and 1")
     require(folder.exists(), "folder", f"there is no folder or file {folder}")
     paths = [folder] if folder.is_file() else sorted(folder.glob("*.npz"), key=natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
@@ -150,7 +152,8 @@ def prepared(
         judgements = _judgements(paths, Path(name), jobs, progress)
         require(any(one.contacts for one in judgements), "folder", f"no step in {folder} has a contact")
         solvers = tuple(dict.fromkeys((OUR_SOLVER, *against)))
-        settings = json.dumps([[one.problem for one in judgements], solvers, tol, time_limit])
+        files = [(one.file, one.problem) for one in judgements]
+        settings = json.dumps([folder.resolve().name, files, solvers, tol, time_limit])
         out = out or Path("runs") / f"judge-{sha256(settings.encode()).hexdigest()[:8]}"
         plan = Plan("judge", _sources(folder, judgements, out), solvers, (tol,), time_limit=time_limit, plugins=plugins)
         open_folder(plan, out)

@@ -4,6 +4,7 @@ The folder holds the whole state of the run. After an interruption at any moment
 another plan, machine or code is refused with a list of the differences.
 """
 
+import json
 import os
 import re
 import secrets
@@ -26,7 +27,7 @@ from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import store
-from frictionbench.results.conventions import count
+from frictionbench.results.conventions import DEFAULT_SCHEME, count, scene_title
 from frictionbench.results.files import ResultsError, cleaned
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row, new_shard
@@ -154,7 +155,9 @@ def _differences(stored: Row, wanted: Row) -> list[str]:
             there, here = old.get(name), values.get(name)
             if isinstance(there, list) and isinstance(here, list):  # show only the entries that the other list lacks
                 there, here = [entry for entry in there if entry not in here], [entry for entry in here if entry not in there]
-            text = f"{_words(there):.150} in the folder, {_words(here):.150} now"
+            sides = ((there, "in the folder"), (here, "now"))
+            words = [f"{_words(side):.250} {where}" for side, where in sides if side not in (None, [])]
+            text = (", ".join(words) or "in another order") + " only" * (len(words) == 1)
             if name == "plugins" and there and here and there[0]["source"] == here[0]["source"]:
                 text = f"{there[0]['source']} has changed ({there[0]['content'][:8]} → {here[0]['content'][:8]})"
             differences.append(f"{part}.{name}: {text}")
@@ -162,11 +165,16 @@ def _differences(stored: Row, wanted: Row) -> list[str]:
 
 
 def _words(value: object) -> str:
-    """Return a JSON value as text without punctuation and empty entries, with hashes cut to their first 12 digits."""
+    """Return a JSON value as text without punctuation and empty entries, with hashes cut to their first 12 digits. Of a list
+    it has three entries. A source of problems is named as on the page, without defaults and the folders of its files."""
+    if isinstance(value, dict) and {"scene", "parameters", "pick"} <= value.keys():
+        known = ("scene", "parameters")
+        more = {name: entry for name, entry in value.items() if entry and entry != DEFAULT_SCHEME and name not in known}
+        return f"{scene_title(value['scene'], json.dumps(value['parameters']))} {re.sub('[^ ]*/', '', _words(more))}".strip()
     if isinstance(value, dict):
         return " ".join(f"{name} {_words(entry)}" for name, entry in value.items() if entry not in ("", None, [], {}))
     if isinstance(value, list):
-        return ", ".join(map(_words, value)) or "nothing else"
+        return ", ".join(map(_words, value[:3])) + f" and {len(value) - 3} more" * (len(value) > 3)
     return re.sub("([0-9a-f]{12})[0-9a-f]{52}", r"\1", str(value))
 
 

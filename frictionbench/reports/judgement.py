@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.figures import PANEL, Panel
+from frictionbench.reports.drawing.files import legend_size
 from frictionbench.reports.drawing.style import ALARM, COLOURS, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
-from frictionbench.reports.drawing.text import plain
+from frictionbench.reports.drawing.text import number, plain
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
 from frictionbench.results.judgement import CHOSEN_FROM, LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
@@ -22,7 +24,7 @@ MOST_STEPS = 12  # worst steps in the table
 ROUNDING = 1e-9  # relative to the largest component of a net impulse: smaller ones are shown as 0
 MOST_VELOCITIES = 12  # velocities whose net impulses are shown: as many as two free bodies in space have
 MOST_DRAWN = 6  # worst steps with a picture of their forces
-LEAST_DRAWN = 1e-12  # m/s: smaller violations are drawn here
+LEAST_DRAWN = 1e-14  # m/s: smaller violations are drawn here, where the axis says 0
 
 
 def write_judgement(folder: Path) -> Path:
@@ -59,7 +61,7 @@ def _shown(net: list[float]) -> dict[str, object]:
     engine, exact = (values[k : k + len(values) // 2][:MOST_VELOCITIES] for k in (0, len(values) // 2))
     which = "single contacts too" if alone else "the sum alone (hyperstatic)" if known else "no"
     rounding = ROUNDING * max(map(abs, values), default=0.0)
-    numbers = [", ".join(f"{value if abs(value) > rounding else 0:.3g}" for value in part) for part in (engine, exact)]
+    numbers = [", ".join(number(value if abs(value) > rounding else 0.0) for value in part) for part in (engine, exact)]
     return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], "difference": difference, "determined": which}
 
 
@@ -79,10 +81,10 @@ def _residuals(ax: Axes, judgements: list[Judgement], solved: dict[str, pd.DataF
 def _violations(ax: Axes, judgements: list[Judgement]) -> None:
     at = np.arange(1, len(judgements) + 1)
     for colour, law in zip(COLOURS, LAWS, strict=False):
-        values = np.array([getattr(one, law) for one in judgements])
+        values = np.array([one.known(law) for one in judgements])
         if values.any():
             ax.plot(at, np.clip(values, LEAST_DRAWN, None), color=colour, marker=".", label=law)
-    log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(2, -13, -2)})
+    log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(2, -13, -2)} | {LEAST_DRAWN: "0"})
     ax.set_ylim(LEAST_DRAWN / 3, 1e3)
     _steps(ax, "m/s")
 
@@ -91,8 +93,9 @@ def _steps(ax: Axes, measured: str) -> None:
     """Add the axes' names and the legend to a plot over the steps."""
     ax.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     name_axes(ax, "step with contacts", measured, grid="y")
-    if ax.get_legend_handles_labels()[0]:
-        ax.figure.legend(loc="outside upper center", ncols=4)  # above the axes, where it hides no curve
+    if names := ax.get_legend_handles_labels()[1]:
+        across, _ = legend_size(names, PANEL[0], rcParams["font.size"])
+        ax.figure.legend(loc="outside upper center", ncols=across)  # above the axes, where it hides no curve
 
 
 def _forces(ax: Axes, one: Judgement) -> None:

@@ -154,19 +154,22 @@ class Judged:
 
     @property
     def creep(self) -> str:
-        """Sentences on whether and how fast sticking contacts creep, and the likely cause; empty if none should stick."""
-        held = [one for one in self.steps if one.creep is not None]
-        if not held:
-            return ""
-        fastest = max(held, key=lambda one: one.creep or 0.0)
-        speed, free = fastest.creep or 0.0, fastest.free_velocity
-        if speed <= NO_CREEP * free:
-            return f"Contacts that should stick do not creep, in {count(len(held), 'step')}."
+        """Sentences on whether and how fast sticking contacts creep, and the likely cause; empty if none should stick.
+
+        The cause is that of the median step among those that creep: the fastest may be an impact, whose cause is another.
+        """
+        held = [(one.creep, one.free_velocity, one) for one in self.steps if one.creep is not None]
+        creeping = sorted([each for each in held if each[0] > NO_CREEP * each[1]], key=lambda each: each[0])
+        if not creeping:
+            return f"Contacts that should stick do not creep, in {count(len(held), 'step')}." if held else ""
+        speed, free, fastest = creeping[-1]
         text = f"Contacts that should stick creep at up to {1e3 * speed:.2g} mm/s ({fastest.file}), "
-        text += f"{rough_percent(speed / free)} of the velocity that they would have without impulses. "
-        soft = fastest.notes.get("softness of contacts", 0.0)
+        text += f"{rough_percent(speed / free)} of the velocity that they would have without impulses"
+        speed, free, middle = creeping[len(creeping) // 2]
+        text += f"; in the median of {len(creeping)} steps at {1e3 * speed:.2g} mm/s. " if creeping[1:] else ". "
+        soft = middle.notes.get("softness of contacts", 0.0)
         if soft > SOFT * speed / free:
-            return text + f"{rough_percent(soft)} of the impulse is the softness of the engine's contacts. {HARDER}"
+            return text + f"The softness of the engine's contacts takes {rough_percent(soft)} of the impulse. {HARDER}"
         return text + TIGHTER
 
     @property
@@ -179,16 +182,17 @@ class Judged:
         text = f"{len(nets) - len(determined)} of {len(nets)} net impulses between bodies are not determined by the motion. "
         text = text if len(determined) < len(nets) else ""
         if determined:
-            near = sum(distance <= NEAR for distance, *_ in determined)
+            near, half = sum(net[0] <= NEAR for net in determined), sorted(determined)[len(determined) // 2][0]
             farthest, velocities, file = max(determined, key=lambda net: net[0])
             text += f"{near} of {len(determined)} net impulses between bodies are within {rough_percent(NEAR)} of the exact "
-            text += f"answer's; farthest, by {rough_percent(farthest)}, are those on the velocities {velocities} in {file}. "
+            text += f"answer's. The difference is {rough_percent(half)} in the median; the largest, {rough_percent(farthest)}, "
+            text += f"is on the velocities {velocities} in {file}. "
         if hyperstatic := sum(not each_known for _, _, (_, _, each_known, *_) in nets):
             text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
         return text.strip()
 
     def worst(self, most: int) -> list[Judgement]:
-        """Return `most` steps with large residuals, beyond rounding, the largest first. Of the AMONG * most largest, those that
+        """Return `most` steps with large residuals, beyond rounding, the largest first. Of the CHOSEN_FROM * most largest, those that
         exceed both their neighbours in time are preferred."""
         size = [one.residual if one.residual > one.floor else 0.0 for one in self.steps]
         largest = sorted((k for k in range(len(size)) if size[k]), key=lambda k: -size[k])[: CHOSEN_FROM * most]
