@@ -16,14 +16,17 @@ _SPECIAL = str.maketrans({
     "[": "{[}", "]": "{]}", "µ": r"\ensuremath{\mu}", "μ": r"\ensuremath{\mu}", "–": "--", "−": r"\ensuremath{-}",
     "×": r"\ensuremath{\times}", "≤": r"\ensuremath{\leq}",
 })  # fmt: skip
+_POWER = re.compile(r"(?<![\w=.:])(\d(?:\.\d)?)e(-?\d{1,2})\b")  # 1e-8, 3e-2, but not in settings[tol=1e-8]
 _COMMANDS = "|".join(re.escape(text) for text in _SPECIAL.values() if text[0] in "\\{")
+_COMMANDS += r"|\\ensuremath\{(?:[\d.]+\\cdot )?10\^\{-?\d+\}\}"
 ESCAPED = rf"(?:[^\\{{}}$&#^_~%\n]|{_COMMANDS})*"  # matches every result of `escaped`, but no text with other commands
 ALWAYS = "all"
 
 
 def escaped(text: str) -> str:
-    """Return the text with LaTeX's special characters escaped, in ASCII, which every font contains."""
+    """Return the text with LaTeX's special characters escaped and powers of ten typeset, in ASCII, which every font has."""
     plain = "".join(c if c.isprintable() else "?" for c in text).translate(_SPECIAL)
+    plain = _POWER.sub(r"\\ensuremath{\1\\cdot 10^{\2}}", plain).replace(r"{1\cdot ", "{")
     if plain.isascii():
         return plain
     letters = (c for c in unicodedata.normalize("NFKD", plain) if not unicodedata.combining(c))

@@ -37,7 +37,7 @@ LETTERS = 75  # letters in a row that fit into one column of text; a table with 
 CITED = 4  # letters of a citation by number
 ON_PAGE_ONLY = ("Hover over", "Below each panel")  # how sentences begin that apply to the page only
 # Shrinks a table that is wider than the text; \width is graphicx's name for the natural width of the box.
-FIT = r"\noindent\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
+FIT = r"\smallskip\noindent\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 
 
 def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, width: float = 3.35, font: str = "serif") -> Path:
@@ -133,12 +133,13 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
 
 
 def booktabs(table: Table) -> str:
-    """Return a tabular with the first column aligned left and the others right, for documents with booktabs and graphicx."""
+    """Return a tabular with columns of words aligned left and of numbers right, for documents with booktabs and graphicx."""
     cited = [head == REFERENCES for head in table.header]
     body = [
         [rf"\cite{{{cell}}}" if c and cell.isascii() else escaped(cell) for c, cell in zip(cited, row, strict=True)]
         for row in table.rows
     ]
+    sides = ["r" if any(cell[:1].isdigit() for cell in column) else "l" for column in zip(*table.rows, strict=True)]
     code = [list(map(escaped, table.header)), *body]
     lines = [" & ".join(row) + r" \\" for row in code]
     sizes = [
@@ -149,7 +150,7 @@ def booktabs(table: Table) -> str:
     return "\n".join([
         f"% {'both columns, table*' if wide else 'one column, table'}",
         rf"{{{FIT}",
-        rf"\begin{{tabular}}{{@{{}}l{'r' * (len(widths) - 1)}@{{}}}}",
+        rf"\begin{{tabular}}{{@{{}}l{''.join(sides[1:])}@{{}}}}",
         *(r"\toprule", lines[0], r"\midrule", *lines[1:], r"\bottomrule", r"\end{tabular}}\par}", ""),
     ])  # fmt: skip
 

@@ -150,7 +150,9 @@ def _range(row: dict[str, float], what: str) -> str:
 
 def _solvers(run: Run) -> list[Table]:
     both = pd.concat([run.rows[["solver", "model"]], run.simulations[["solver"]]]).drop_duplicates("solver").fillna("")
-    rows = [[row.solver, row.model, ", ".join(cited(row.solver)) or "–"] for row in both.sort_values("solver").itertuples()]
+    rows = [
+        [row.solver, row.model, ", ".join(sorted(cited(row.solver))) or "–"] for row in both.sort_values("solver").itertuples()
+    ]
     return [Table("solvers", "Solvers, the model that each solves, and references.", ["solver", "solves", REFERENCES], rows)]
 
 

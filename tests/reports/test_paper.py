@@ -37,10 +37,12 @@ def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.reports.paper.CHARTS", ())
     paper = write_paper(tmp_path, run)
     times, verdicts = ((paper / f"{name}.tex").read_text() for name in ("times", "solvability"))
-    assert r"solver & to 1e-4 & mean & to 1e-6 & mean & to 1e-8 & mean \\" in times
+    assert r"solver & " + " & ".join(rf"to \ensuremath{{10^{{-{k}}}}} & mean" for k in (4, 6, 8)) + r" \\" in times
+    assert r"\begin{tabular}{@{}lrrrrrr@{}}" in times
     assert r"lemke & 3/3 & 3 ms & 3/3 & 3 ms & 3/3 & 3 ms \\" in times
     assert r"solver & cells & claimed & solved & timeout \\" in verdicts
-    assert r"\cite{Lemke1965," in (paper / "solvers.tex").read_text()
+    solvers = (paper / "solvers.tex").read_text()
+    assert all(text in solvers for text in (r"\begin{tabular}{@{}lll@{}}", r"\cite{CottlePangStone1992, Lemke1965, Murty1988}"))
     assert booktabs(Table("t", "", ["", REFERENCES], [["", ", ".join(["Lemke1965"] * 9)]])).startswith("% one column")
     for letters, first in ((20, "% one column"), (60, "% both columns")):
         assert booktabs(Table("t", "", ["a", "b"], [["x" * letters, "y" * letters]])).startswith(first)
@@ -51,7 +53,9 @@ def test_latex_escaping() -> None:
     assert escaped("nsgs[x=1] 3 µs") == r"nsgs{[}x=1{]} 3 \ensuremath{\mu}s"
     assert escaped("\\input{x} $^~") == r"\textbackslash{}input\{x\} \ensuremath{\$}\textasciicircum{}\textasciitilde{}"
     assert escaped("é漢\x00") == "e??"
-    assert re.fullmatch(ESCAPED, escaped(string.printable + "µμ–−×≤é"))
+    assert re.fullmatch(ESCAPED, escaped(string.printable + "µμ–−×≤é 1e-8 3.2e-2"))
+    assert escaped("within 1e-8, 3e-2; ab1e-8") == r"within \ensuremath{10^{-8}}, \ensuremath{3\cdot 10^{-2}}; ab1e-8"
+    assert escaped("admm[tol=1e-8] of 5e6123ab") == "admm{[}tol=1e-8{]} of 5e6123ab"
     assert not any(re.fullmatch(ESCAPED, text) for text in (r"\input{x}", "{", "}", "$", r"\\", "%", "\n"))
 
 

@@ -133,8 +133,8 @@ CHART = Chart(
     section="time",
     title="Performance profiles",
     ranked=True,
-    caption="The weighted share of all ranked problems, the same for all solvers, solved to the target within tau times the "
-    "time of the fastest solver on the problem. At tau = 1, the left edge, the share on which a solver is the fastest; at the "
+    caption="The weighted share of all ranked problems, the same for all solvers, solved to the target within a multiple of "
+    "the time of the fastest solver on the problem. At 1, the left edge, the share on which a solver is the fastest; at the "
     "right edge, the share that it solves at all.",
 )
 WORK = Chart(
