@@ -141,23 +141,14 @@ def run(
 @_command()
 def report(
     folder: options.Folder,
-    paper: Annotated[
-        bool, typer.Option("--paper", help="Also write figures, tables, captions and references for LaTeX.")
-    ] = False,
-    solvers: Annotated[
-        str | None, typer.Option("--solvers", metavar="A,B,...", help="For the paper: only these solvers.")
-    ] = None,
-    scenes: Annotated[str | None, typer.Option("--scenes", metavar="A,B,...", help="For the paper: only these scenes.")] = None,
-    figures: Annotated[
-        str | None, typer.Option("--figures", metavar="A,B,...", help="For the paper: only these figures, like profiles.")
-    ] = None,
+    paper: Annotated[bool, typer.Option("--paper", help="Also write figures, tables and captions for LaTeX.")] = False,
+    solvers: Annotated[str | None, typer.Option("--solvers", metavar="A,B", help="For the paper: only these solvers.")] = None,
+    scenes: Annotated[str | None, typer.Option("--scenes", metavar="A,B", help="For the paper: only these scenes.")] = None,
+    figures: Annotated[str | None, typer.Option("--figures", metavar="A,B", help="For the paper: only these figures.")] = None,
     width: Annotated[
         float | None,
         typer.Option(
-            "--width",
-            metavar="85mm|3.35in|241pt",
-            parser=options.parse_length,
-            help="For the paper: the width of figures, 3.35in by default.",
+            "--width", metavar="85mm|3in|241pt", parser=options.parse_length, help="For the paper; by default 3.35in."
         ),
     ] = None,
     font: Annotated[
@@ -287,15 +278,9 @@ def solve(
 
 @_command()
 def judge(
-    folder: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FOLDER", help="A folder of an engine's steps, *.npz, or one such file (frictionbench.capture or .save)."
-        ),
-    ],
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER|FILE", help="Steps of an engine, *.npz, or one of them.")],
     against: Annotated[
-        list[str] | None,
-        typer.Option("--against", metavar="SOLVER", help="A further solver to run on the same steps; may be repeated."),
+        list[str] | None, typer.Option("--against", metavar="SOLVER", help="Another solver on the same steps; may be repeated.")
     ] = None,
     tol: options.Tolerance = 1e-8,
     time_limit: options.Limit = 10.0,

@@ -41,15 +41,11 @@ UNITS_PER_INCH = {"in": 1.0, "": 1.0, "cm": 2.54, "mm": 25.4, "pt": 72.27}
 Listing = Annotated[
     Literal["scenes", "solvers", "suites"], typer.Argument(metavar="scenes|solvers|suites", help="What to list.")
 ]
-Suite = Annotated[
-    str | None,
-    typer.Argument(metavar="SUITE", help="smoke, standard, ...: see `frictionbench list suites`; by default standard."),
-]
+Suite = Annotated[str | None, typer.Argument(metavar="SUITE", help="See `frictionbench list suites`; by default standard.")]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]
 Row = Annotated[str, typer.Argument(metavar="ROW", help="A row's key or its beginning; without it, failed rows are listed.")]
 Scenes = Annotated[
-    list[str] | None,
-    typer.Option("--scene", metavar="SCENE", help="Only this scene, like stack or 'stack[blocks=5]'; may be repeated."),
+    list[str] | None, typer.Option("--scene", metavar="SCENE", help="Only this scene, like 'stack[blocks=5]'; may be repeated.")
 ]
 Solvers = Annotated[
     list[str] | None,
@@ -80,23 +76,15 @@ Jobs = Annotated[
 Data = Annotated[
     list[str] | None,
     typer.Option(
-        "--data",
-        metavar="DIR|FILE|fclib/FAMILY",
-        help="Recorded problems for `run recorded`, or the steps of a sequence for `run replay`; may be repeated.",
+        "--data", metavar="DIR|FILE|fclib/FAMILY", help="Recorded problems, or a sequence for `run replay`; may be repeated."
     ),
 ]
 Cluster = Annotated[
-    str | None,
-    typer.Option("--cluster", metavar="ADDRESS", help="Run the cells on this dask scheduler, like tcp://127.0.0.1:8786."),
+    str | None, typer.Option("--cluster", metavar="ADDRESS", help="Run on this dask scheduler, like tcp://127.0.0.1:8786.")
 ]
 Budget = Annotated[
     float | None,
-    typer.Option(
-        "--budget",
-        metavar="1ms|250us|0.5s",
-        parser=parse_duration,
-        help="Also show the share of problems that are solved within this time.",
-    ),
+    typer.Option("--budget", metavar="1ms|250us|0.5s", parser=parse_duration, help="Also show the share solved in this time."),
 ]
 _BY = "Time by which solvers are ranked or compared: bodies (form, setup and solve) or form (setup and solve)."
 By = Annotated[RankBy, typer.Option("--rank-by", help=_BY)]
@@ -109,9 +97,7 @@ Out = Annotated[
 Config = Annotated[
     Path | None,
     typer.Option(
-        "--config",
-        metavar="FILE|DIR",
-        help="Read options from a TOML file, or from the run in a folder; options of the command line take precedence.",
+        "--config", metavar="FILE|DIR", help="Options from a TOML file or a run's folder; the command line has precedence."
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of text.")]
