@@ -99,9 +99,7 @@ def run(
     cluster: options.Cluster = None,
     out: options.Out = None,
     config: options.Config = None,
-    all_solvers: Annotated[
-        bool, typer.Option("--all-solvers", help="Every installed solver in place of the suite's; this may take long.")
-    ] = False,
+    all_solvers: Annotated[bool, typer.Option("--all-solvers", help="Every installed solver; this may take long.")] = False,
     retake: Annotated[
         bool, typer.Option("--retake", help="Run again the cells that shared their core with another process, or timed out.")
     ] = False,
@@ -385,9 +383,7 @@ def map_(
     tol: Annotated[str, typer.Option("--tol", metavar="T", help="Tolerance on the residual.")] = "1e-6",
     time_limit: options.Limit = 1.0,
     scheme: options.Scheme = DEFAULT_SCHEME,
-    steps: Annotated[
-        int, typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0 for only the first problem.")
-    ] = 0,
+    steps: Annotated[int, typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0: the first problem.")] = 0,
     jobs: options.Jobs = None,
     out: options.Out = None,
     quiet: options.Quiet = False,

@@ -138,8 +138,7 @@ def prepared(
     out: Path | None,
     progress: Progress,
 ) -> tuple[Plan, Path]:
-    """Judge the steps in folder/*.npz or in one file; return the plan with OUR_SOLVER and `against` on them, and its
-    results folder.
+    """Judge the steps in folder/*.npz or in one file; return the plan with OUR_SOLVER and `against` on them, and its folder.
 
     out: by default a folder in runs/ named by a hash of the files' names, the problems and the settings. Errors: InputError
     naming the folder or file that cannot be used, ResultsError if out holds another run.

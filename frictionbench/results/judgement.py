@@ -192,8 +192,8 @@ class Judged:
         return text.strip()
 
     def worst(self, most: int) -> list[Judgement]:
-        """Return `most` steps with large residuals, beyond rounding, the largest first. Of the CHOSEN_FROM * most largest, those that
-        exceed both their neighbours in time are preferred."""
+        """Return `most` steps with large residuals, beyond rounding, the largest first. Of the CHOSEN_FROM * most largest,
+        those that exceed both their neighbours in time are preferred."""
         size = [one.residual if one.residual > one.floor else 0.0 for one in self.steps]
         largest = sorted((k for k in range(len(size)) if size[k]), key=lambda k: -size[k])[: CHOSEN_FROM * most]
         peaks = {k for k in largest if max(size[:k][-1:], default=0.0) < size[k] >= max(size[k + 1 :][:1], default=0.0)}

@@ -55,7 +55,7 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
         ("run smoke --tol -1", "tol: must lie between"),
         ("compare a b --slowdown 0.9", "Invalid value for '--slowdown': "),
         ("report a --figures profiles", "frictionbench: paper: "),
-        ("report a --width 80mm", "frictionbench: paper: "),
+        ("judge . --tol 0", "tol: must lie between"),
         ("compare a.tsv b", "no such baseline; compare --accept writes one"),
         ("compare --history a b --out c", "frictionbench: history: "),
         ("compare a b --accept --confirm", "frictionbench: accept: "),

@@ -38,11 +38,11 @@ def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
     paper = write_paper(tmp_path, run)
     times, verdicts = ((paper / f"{name}.tex").read_text() for name in ("times", "solvability"))
     assert r"solver & " + " & ".join(rf"to \ensuremath{{10^{{-{k}}}}} & mean" for k in (4, 6, 8)) + r" \\" in times
-    assert r"\begin{tabular}{@{}lrrrrrr@{}}" in times
     assert r"lemke & 3/3 & 3 ms & 3/3 & 3 ms & 3/3 & 3 ms \\" in times
+    assert r"{@{}lrrrr@{}}" in verdicts
     assert r"solver & cells & claimed & solved & timeout \\" in verdicts
-    solvers = (paper / "solvers.tex").read_text()
-    assert all(text in solvers for text in (r"\begin{tabular}{@{}lll@{}}", r"\cite{CottlePangStone1992, Lemke1965, Murty1988}"))
+    assert r"{@{}lll@{}}" in (paper / "solvers.tex").read_text()
+    assert r"\cite{CottlePangStone1992, Lemke1965, Murty1988}" in (paper / "solvers.tex").read_text()
     assert booktabs(Table("t", "", ["", REFERENCES], [["", ", ".join(["Lemke1965"] * 9)]])).startswith("% one column")
     for letters, first in ((20, "% one column"), (60, "% both columns")):
         assert booktabs(Table("t", "", ["a", "b"], [["x" * letters, "y" * letters]])).startswith(first)
@@ -54,8 +54,7 @@ def test_latex_escaping() -> None:
     assert escaped("\\input{x} $^~") == r"\textbackslash{}input\{x\} \ensuremath{\$}\textasciicircum{}\textasciitilde{}"
     assert escaped("é漢\x00") == "e??"
     assert re.fullmatch(ESCAPED, escaped(string.printable + "µμ–−×≤é 1e-8 3.2e-2"))
-    assert escaped("within 1e-8, 3e-2; ab1e-8") == r"within \ensuremath{10^{-8}}, \ensuremath{3\cdot 10^{-2}}; ab1e-8"
-    assert escaped("admm[tol=1e-8] of 5e6123ab") == "admm{[}tol=1e-8{]} of 5e6123ab"
+    assert escaped("1e-8 3e-2 x[tol=1e-8] 5e61a") == r"\ensuremath{10^{-8}} \ensuremath{3\cdot 10^{-2}} x{[}tol=1e-8{]} 5e61a"
     assert not any(re.fullmatch(ESCAPED, text) for text in (r"\input{x}", "{", "}", "$", r"\\", "%", "\n"))
 
 
@@ -70,18 +69,15 @@ def test_chosen_solvers(run) -> None:
 
 
 def test_widths_with_units() -> None:
-    found = [parse_length(text) for text in ("85mm", "8.5cm", "3.35in", "3.35")]
-    assert found == pytest.approx([85 / 25.4, 85 / 25.4, 3.35, 3.35])
+    assert list(map(parse_length, ("85mm", "8.5cm", "3.35in", "3.35"))) == pytest.approx([85 / 25.4, 85 / 25.4, 3.35, 3.35])
     for text in ("85", "wide", "3 ft", "..in"):
         with pytest.raises(Exception, match="is not a length"):
             parse_length(text)
 
 
 def test_every_solver_has_its_references() -> None:  # but for the plug-ins that other tests load
-    ours = [name for name, info in available().items() if info.ours]
-    assert [name for name in ours if not cited(name)] == []
-    named = {solver for entry in references() for solver in entry.solvers}
-    assert named - set(available()) == {"all"}
+    assert [name for name, info in available().items() if info.ours and not cited(name)] == []
+    assert {solver for entry in references() for solver in entry.solvers} - set(available()) == {"all"}
     keys = [entry.key for entry in references()]
     assert len(keys) == len(set(keys)) == (ROOT / "reports/references.bib").read_text().count("\n@")
 

@@ -127,21 +127,13 @@ def _field(
 
 def _verdicts(cells: MapCells, run: Run) -> dict[str, Field]:
     """Return a panel by label. The tooltips of failures end with the command that runs the cell again, which page.js shows."""
-    fields, x, y = {}, cells.spec.x, cells.spec.y
+    fields, axes = {}, (("i", cells.spec.x), ("j", cells.spec.y))
     for label, rows in cells.by_label.items():
         known = rows[rows["known"]]
         share = f" {percent((known['verdict'] == Verdict.SOLVED).mean(), 1)}" if len(known) else ""
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
-        across, upwards = rows["i"].map(x.value).map(number), rows["j"].map(y.value).map(number)
-        tooltips = (
-            f"{x.parameter} "
-            + across
-            + f", {y.parameter} "
-            + upwards
-            + ": "
-            + rows["verdict"]
-            + residual.map(lambda value: f", residual {number(value, 2)}")
-        )
+        at = rows.apply(lambda row: ", ".join(f"{one.parameter} {number(one.value(row[i]))}" for i, one in axes), axis=1)
+        tooltips = at + ": " + rows["verdict"] + residual.map(lambda value: f", residual {number(value, 2)}")
         tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "")
         tooltips += " · " + rows.apply(lambda row: rerun(run.folder, row["key"], row["variant"], run.plugins), axis=1)
         tooltips = tooltips.where(rows["verdict"] != Verdict.RELAXED, "")  # not a failure: the solver's model is solved
