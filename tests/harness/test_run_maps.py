@@ -164,8 +164,7 @@ def test_a_map_that_is_refined_is_not_finished(tmp_path, monkeypatch) -> None:
     histories = "frictionbench.harness.run.record_histories"
     monkeypatch.setattr(histories, lambda _, folder, *__: seen.append("finished" in store.read_manifest(folder)))
     run_maps(plan(small("sliding_block", 3, 3), solvers=("lemke", "relaxation_ip")), tmp_path / "run", 1, quiet())
-    assert seen == [False] * len(seen)
-    assert len(seen) > 1
+    assert seen == [False] * max(2, len(seen))
     seen.clear()
     run_maps(plan(small("sliding_block", 3, 3), solvers=("lemke",)), tmp_path / "same", 1, quiet())
     assert seen == [False]  # all points are solved: there is no second round
