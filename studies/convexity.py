@@ -111,13 +111,10 @@ def summary(found: Tables) -> Summary:
     high = block[block["several_velocities"] == block["several_velocities"].max()]  # of equal draws
     least = (several["friction"] * several["aspect"]).min()
     listed, odd = motions["listed"].sum(), (motions["isolated"] + motions["not_convex"]).sum()
-    many = int(motions["several_velocities"].sum())
     far = beyond.iloc[-1]
     numbers = {
         "most": block["most_velocities"].max(),
         "listed": listed,
-        "odd_words": odd or "none",
-        "was": "was" if odd <= 1 else "were",
         "points": len(jam),
         "residual": f"{jam['residual'].max():.0e}",
         "far": f"{far['share']:g}",
@@ -131,8 +128,7 @@ def summary(found: Tables) -> Summary:
         "unique": motions["one"].sum(),
         "convex": motions["convex"].sum(),
         "odd": odd,
-        "several": many or "none",
-        "have": "has" if many <= 1 else "have",
+        "several": motions["several_velocities"].sum(),
     }
     figures = {
         "jam": (

@@ -82,11 +82,15 @@ def summary(found: Tables) -> Summary:
     one = swept[swept["substeps"] == 1].set_index(["scene", "budget"])["error"]
     best = swept.loc[swept.groupby(["scene", "budget"])["error"].idxmin()].set_index(["scene", "budget"])
     gain = one / best["error"]
+    second = swept.groupby(["scene", "budget"])["error"].apply(lambda errors: errors.nsmallest(2).iloc[-1])
+    pairs = swept.merge(exact, on=["scene", "substeps"], suffixes=("", "_exact"))
     split = best["substeps"] > 1
     coarse = exact[exact["substeps"] == 1].set_index("scene")["error"]
     numbers = {
         "split": f"{split.sum()} of {len(split)}",
         "gain": f"{gain[split].median():.2g}",
+        "close": (second < 1.1 * best["error"]).sum(),
+        "cancel": f"{(pairs['error'] < 0.9 * pairs['error_exact']).sum()} of {len(pairs)}",
         "whole": listing([f"{scene} with {budget}" for scene, budget in best.index[~split]]),
         "each": "; ".join(f"{scene}: {_said(own)}" for scene, own in best.reset_index().groupby("scene", sort=False)),
         "exact": ", ".join(f"{scene} {1000 * error:.2g}" for scene, error in coarse.items()),
