@@ -2,6 +2,7 @@
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, verify as verifier
 from frictionbench.problems.answer import AnswerError, checked_copy
+from frictionbench.problems.check import require
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.verify import Finding
 from frictionbench.solvers import Answer, find
@@ -31,6 +32,7 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
     tol = tolerance(tol)
     info, _ = find(EXACT if solver is None else solver)
     require_problem(problem)
+    require(isinstance(answer, Answer), "answer", f"must be an Answer, got {type(answer)}; fb.residual takes impulses")
     try:
         answer = checked_copy(answer)
     except AnswerError as error:

@@ -212,9 +212,7 @@ def compare(
     ] = 1.1,
     no_times: Annotated[bool, typer.Option("--no-times", help="Do not compare times.")] = False,
     rank_by: options.By = RankBy.BODIES,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Also write the comparison as Markdown, JSON and JUnit XML.")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FOLDER", help="Also write Markdown, JSON, JUnit XML.")] = None,
 ) -> None:
     """Compare two runs as Markdown, or show runs over time.
 
@@ -355,9 +353,7 @@ def show(
         ),
     ] = None,
     scheme: options.Scheme = DEFAULT_SCHEME,
-    steps: Annotated[
-        int | None, typer.Option("--steps", metavar="N", min=1, help="Number of steps; by default the scene's duration.")
-    ] = None,
+    steps: Annotated[int | None, typer.Option("--steps", metavar="N", min=1, help="By default the scene's duration.")] = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="By default named by the scene.")] = None,
 ) -> None:
     """Animate a scene on an HTML page.
@@ -434,9 +430,7 @@ def rerun(
     folder: options.Folder,
     row: options.Row = "",
     solver: options.Trusted = None,
-    shrink: Annotated[
-        bool, typer.Option("--shrink", help="Remove contacts of its problem while it still fails, and save the rest.")
-    ] = False,
+    shrink: Annotated[bool, typer.Option("--shrink", help="Remove contacts while it still fails, and save the rest.")] = False,
 ) -> None:
     """Run one cell again, or reduce its problem."""
     if not shrink or not row:

@@ -104,6 +104,8 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
         owners += [int(i)] * len(columns[-1])
     A = np.concatenate(columns).T
     free, between = null_space(A, rcond=RANK_TOL), [tuple(np.flatnonzero(rows.any(axis=0)).tolist()) for rows in J]
+    change = np.einsum("cdv,cd->v", J, exact)
+    rounding = RANK_TOL * np.sqrt(change @ (problem.inverse_mass @ change))  # differences of smaller net impulses mean nothing
     nets_by_velocities = {}
     for velocities in dict.fromkeys(between):
         between_them = [i for i in range(nc) if between[i] == velocities]
@@ -112,7 +114,7 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
         size = [float(np.sqrt(max(net @ (problem.inverse_mass @ net), 0.0))) for net in (nets[0] - nets[1], *nets)]
         alone = not (np.abs(free[bears]) > RANK_TOL).any()
         net_known = alone or not (np.abs(A[:, bears] @ free[bears]) > RANK_TOL * np.abs(A).max(initial=0.0)).any()
-        facts = [len(between_them), float(net_known), float(alone), size[0] / (max(size[1:]) or 1.0)]
+        facts = [len(between_them), float(net_known), float(alone), size[0] / (max(*size[1:], rounding) or 1.0)]
         nets_by_velocities[_ranges(velocities)] = [*facts, *(float(net[v]) for net in nets for v in velocities)]
     return nets_by_velocities
 

@@ -87,7 +87,8 @@ def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
         raise InputError(f"{kind}: expected its name as text, got {name!r:.100}")
     known = scenes() | instances()
     if name not in known:
-        raise InputError(f"{kind}: unknown {kind} {name!r}{near(name, known)}; `frictionbench list scenes` names all")
+        like = near(name.partition("[")[0], known)  # settings are no part of a name
+        raise InputError(f"{kind}: unknown {kind} {name!r}{like}; `frictionbench list scenes` names all")
     generator = known[name]
     if generator.kind != kind:
         raise InputError(f"{kind}: {name!r} is no {kind} but a problem of one step; frictionbench.problem({name!r}) makes it")

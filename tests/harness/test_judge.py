@@ -10,7 +10,7 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.commands.judge import summary
-from frictionbench.harness.judge import judge_file, prepared
+from frictionbench.harness.judge import _net_impulses, judge_file, prepared
 from frictionbench.harness.run import run
 from frictionbench.problems.measures import judged, violations
 from frictionbench.reports.judgement import write_judgement
@@ -168,6 +168,9 @@ def test_hyperstatic_contacts_are_marked(tmp_path) -> None:
     assert (contacts, net_known, alone) == (3, 1, 0)
     assert difference < 1e-6
     assert nets == pytest.approx([-0.05, 2 * 9.81 * STEP] * 2)
+    idle = box(contacts=2).replace(tangent=[[1.0, 0.0], [0.0, 0.0]])  # the second contact bears only what rounding leaves
+    facts = _net_impulses(idle, np.array([[1.0, 0.0], [0.0, 0.0]]), np.array([[1.0, 0.0], [1e-39, 0.0]]))["1"]
+    assert facts[3] < 1e-12
     assert "In 1 of 1 the forces of single contacts are not determined (hyperstatic)" in Judged([one], pd.DataFrame()).forces
 
 
