@@ -147,7 +147,7 @@ def prepared(
     """
     require(0 < tol < 1, "tol", "must lie between 0 and 1")
     require(folder.exists(), "folder", f"there is no folder or file {folder}")
-    paths = [folder] if folder.is_file() else sorted(folder.glob("*.npz"), key=natural)
+    paths = [folder] if folder.is_file() else sorted(folder.glob("[!.]*.npz"), key=natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
     with tempfile.TemporaryDirectory() as name:
         judgements = _judgements(paths, Path(name), jobs, progress)

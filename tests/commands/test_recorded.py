@@ -124,6 +124,7 @@ def test_files_in_order_are_a_sequence(tmp_path) -> None:
     data.mkdir()
     for name, problem in zip(names, problems, strict=True):
         native.save(problem, data / name)
+    (data / ".step_1-1.npz").write_bytes(b"half-written when its program was killed")
     run(choose(RunOptions("replay", tol="1e-8", data=[str(data)]), ("nsgs",)), out, 1, Progress())
     rows = read_table(out, "solves")
     started = rows.groupby("step")["start"].agg(list).to_dict()

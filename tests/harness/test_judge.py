@@ -41,6 +41,7 @@ def write_steps(folder: Path) -> None:
     fb.save(box(), folder / "creeping.npz", impulse=[[weight, -0.046]], step=STEP, notes={"limits": 0.2, SCRIPT: 0.1})
     fb.save(box(-0.1), folder / "deep.npz", impulse=[[weight + 2 * 0.03, -0.05]], step=STEP)
     fb.save(box(contacts=0), folder / "apart.npz", impulse=np.zeros((0, 2)), step=STEP)
+    (folder / ".deep-1.npz").write_bytes(b"half-written when its program was killed")
 
 
 @pytest.fixture(scope="module")

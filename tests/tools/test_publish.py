@@ -52,10 +52,8 @@ def test_machines_stand_beside_each_other(site: Path) -> None:
         assert {"report.html", "solves.csv", "solves.parquet", "rankings.csv", "manifest.json"} <= written
     rows = pd.DataFrame({"scene": ["=1+1"], "times": [np.arange(2000.0)]})
     found = pd.read_csv(io.StringIO(_csv(rows))).loc[0]
-    assert (found["scene"], json.loads(found["times"])) == (
-        "'=1+1",
-        rows["times"][0].tolist(),
-    )  # no formula, and nothing left out
+    assert found["scene"] == "'=1+1", "no formula"
+    assert json.loads(found["times"]) == rows["times"][0].tolist(), "nothing is left out"
 
 
 def test_site_of_summaries_alone(site: Path, tmp_path: Path) -> None:
@@ -65,6 +63,7 @@ def test_site_of_summaries_alone(site: Path, tmp_path: Path) -> None:
     assert all(holds for one in found for _, holds, _ in one["checks"])
     assert "host" not in found[0]["machine"]
     assert {place["mean"] for place in found[0]["rankings"]} == {0.00223457, 0.00173457}  # with form and setup
+    (summaries / ".made-1.json").write_text("half-written when its program was killed", encoding="utf-8")
     (index,) = publish([summaries], tmp_path / "site", None)
     assert index.read_text(encoding="utf-8") == site.read_text(encoding="utf-8")
 
@@ -86,13 +85,10 @@ def test_pages_look(tmp_path: Path, suite: str, accessible: bool) -> None:
 def test_damaged_folders_are_refused(tmp_path: Path) -> None:
     other = run(tmp_path / "other")
     save(random_problem(2, contacts=2), other / "problems" / f"{PROBLEM.hash}.npz")
-    with pytest.raises(ResultsError, match="another problem"):
-        list(publish([other], tmp_path / "site", None))
-    unfinished = run(tmp_path / "unfinished", finished=None)
-    with pytest.raises(ResultsError, match="finished"):
-        list(publish([unfinished], tmp_path / "site", None))
-    with pytest.raises(ResultsError, match="twice"):
-        list(publish([run(tmp_path / "a"), run(tmp_path / "b")], tmp_path / "site", None))
+    twice, unfinished = [run(tmp_path / "a"), run(tmp_path / "b")], run(tmp_path / "unfinished", finished=None)
+    for runs, told in (([other], "another problem"), ([unfinished], "finished"), (twice, "twice")):
+        with pytest.raises(ResultsError, match=told):
+            list(publish(runs, tmp_path / "site", None))
     assert not (tmp_path / "site").exists()
 
 

@@ -36,7 +36,7 @@ def _entries(path: Path) -> list[Entry]:
         return [Entry(read(path))]
     if (path / "manifest.json").exists():
         return [Entry(summarise(read_run(path)), path)]
-    if found := sorted(path.glob("*.json")):
+    if found := sorted(path.glob("[!.]*.json")):
         return [Entry(read(one)) for one in found]
     raise ResultsError(f"{path}: neither a results folder nor a summary nor a folder of summaries")
 

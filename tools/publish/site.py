@@ -24,7 +24,7 @@ from frictionbench.results.store import read_table
 from tools.publish.summary import Summary, page_of, write
 
 HERE = Path(__file__).parent
-COPIED = ("manifest.json", "convergence.json", "maps/*.json", *(f"{table}.parquet" for table in TABLES))
+COPIED = ("manifest.json", "convergence.json", "maps/[!.]*.json", *(f"{table}.parquet" for table in TABLES))
 
 
 class Entry(NamedTuple):

@@ -130,7 +130,7 @@ def located(location: str) -> list[Source]:
 
 
 def _files(folder: Path) -> list[Path]:
-    return [path for path in folder.rglob("*") if path.suffix in FORMATS and path.is_file()]
+    return [path for path in folder.rglob("[!.]*") if path.suffix in FORMATS and path.is_file()]
 
 
 def natural(path: Path) -> tuple[str | int, ...]:

@@ -42,11 +42,8 @@ def read(path: Path) -> tuple[FrictionProblem, tuple[Array, ...]]:
     """
     arrays = _unpack(path)
     forms = {name.split("/")[0] for name in arrays} & {"fclib_local", "fclib_global"}
-    require(
-        len(forms) == 1,
-        "fclib_local, fclib_global",
-        "expected one of them, found " + (" and ".join(sorted(forms)) or "neither"),
-    )
+    told = " and ".join(sorted(forms)) or "neither"
+    require(len(forms) == 1, "fclib_local, fclib_global", f"expected one of them, found {told}")
     form = forms.pop()
     problem = (_local if form == "fclib_local" else _global)(arrays, form)
     shape = (problem.contacts, problem.dimension)
@@ -138,7 +135,8 @@ def write(problem: FrictionProblem, path: Path, title: str = "", description: st
     require_installed("h5py", "recorded")
     import h5py
 
-    with h5py.File(path, "w") as file:
+    content = BytesIO()  # HDF5 may end the process at a full disk
+    with h5py.File(content, "w") as file:
         local = not problem.mechanical
         group = file.create_group("fclib_local" if local else "fclib_global")
         group["spacedim"] = _integer(problem.dimension)
@@ -164,6 +162,7 @@ def write(problem: FrictionProblem, path: Path, title: str = "", description: st
             matrix_group["x"] = matrix.data if local else entries.data
         for name, vector in (vectors | {"mu": problem.friction}).items():
             group[f"vectors/{name}"] = vector
+    path.write_bytes(content.getbuffer())
 
 
 def _integer(value: int) -> Array:

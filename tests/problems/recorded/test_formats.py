@@ -258,6 +258,8 @@ def test_crash_of_hdf5_library(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(fclib, "MAX_BYTES", -(2**26))  # too little memory to live in
     with pytest.raises(InputError, match=r"p\.hdf5: "):
         read(path)
+    with pytest.raises(OSError, match=r"28\] No space left"):  # by Python: at a full disk the library may end the process
+        fclib.write(known_by_W(SPATIAL), Path("/dev/full"))
 
 
 W4 = "0\n4\n4\n4 4\n" + "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n"
