@@ -102,7 +102,8 @@ class PublishedHeadlines(OfSummaries):
         for suite, entry in newest(found).items():
             if entry.summary["headline"]:
                 told.append(link(entry, suite))
-                items = [nodes.list_item("", nodes.paragraph(text=line)) for line in entry.summary["headline"]]
+                said = {line.partition(", ")[2]: line for line in entry.summary["headline"]}  # of robots alone, once
+                items = [nodes.list_item("", nodes.paragraph(text=line)) for line in said.values()]
                 told.append(nodes.bullet_list("", *items))
         return told
 
@@ -178,7 +179,7 @@ def means(run: Summary, kind: str) -> dict[str, float]:
 
 def write_pages(app: Any) -> None:
     site = Path(app.srcdir) / "_build" / "extra" / "published"
-    write_site(entries(), site)
+    write_site(entries(), site, "../published.html")
 
 
 def setup(app: Any) -> dict[str, bool]:

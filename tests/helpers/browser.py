@@ -13,6 +13,7 @@ from tests.helpers.paths import HELPERS
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FRAMES = ("seen", 400), ("seen", 1300), ("printed", 703)  # px; A4 without its margins
+SHEET = '<link rel="stylesheet"[^>]* href="([^"?]+)[^>]*>'
 HEAR = """addEventListener("message", ({ data }) => {
   document.body.append(Object.assign(document.createElement("pre"), { textContent: data }));
 });"""
@@ -39,11 +40,7 @@ def audited(page: Path, accessible: bool = True) -> list[dict]:
     text = re.sub('<meta http-equiv="Content-Security-Policy"[^>]*>', "", page.read_text(encoding="utf-8"))
     seen = text.replace("</body>", f"<script>{axe if accessible else ''}</script><script>{audit}</script></body>")
     page.with_name("seen.html").write_text(seen, encoding="utf-8")
-    styled = re.sub(
-        '<link rel="stylesheet"[^>]* href="([^"?]+)[^>]*>',
-        lambda link: f"<style>{(page.parent / link[1]).read_text()}</style>",
-        seen,
-    )
+    styled = re.sub(SHEET, lambda link: f"<style>{(page.parent / link[1]).read_text(encoding='utf-8')}</style>", seen)
     page.with_name("printed.html").write_text(styled.replace("@media print", "@media all"), encoding="utf-8")
     frames = [f'<iframe src="{name}.html" width="{width}" height="900" style="border: 0"></iframe>' for name, width in FRAMES]
     around = page.with_name("around.html")

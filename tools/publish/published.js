@@ -21,5 +21,9 @@ for (const [k, heading] of headings.entries()) {
     body.append(...rows);
   };
   heading.addEventListener("click", sort);
-  heading.addEventListener("keydown", (event) => event.key === "Enter" && sort());
+  heading.addEventListener("keydown", (event) => {
+    if (event.key !== "Enter" && event.key !== " ") return;
+    event.preventDefault();
+    sort();
+  });
 }

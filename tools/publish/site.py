@@ -39,8 +39,8 @@ class Entry(NamedTuple):
         return f"{page_of(self.summary['name'])}.html"
 
 
-def write_site(entries: Sequence[Entry], site: Path) -> Path:
-    """Write the site; return its index. Errors: ResultsError and OSError naming what cannot be read or written."""
+def write_site(entries: Sequence[Entry], site: Path, home: str = "") -> Path:
+    """Write the site; return its index, which links to the address home, if given. Errors: ResultsError and OSError."""
     site.mkdir(parents=True, exist_ok=True)
     templates, downloads = environment(HERE), {entry.summary["name"]: _files(entry, site) for entry in entries}
     pages: dict[str, list[Entry]] = {}
@@ -50,7 +50,7 @@ def write_site(entries: Sequence[Entry], site: Path) -> Path:
         values = {"runs": runs, "downloads": downloads, "same": [same_problems(run, runs) for run in runs], "by": tuple(RankBy)}
         write_text(site / page, templates.get_template("published_suite.html").render(values))
     rows = [row for runs in pages.values() for run in runs for row in history_rows(run)]
-    write_text(site / "index.html", templates.get_template("published.html").render(pages=pages, rows=rows))
+    write_text(site / "index.html", templates.get_template("published.html").render(pages=pages, rows=rows, home=home))
     return site / "index.html"
 
 

@@ -20,3 +20,13 @@ for (const table of document.querySelectorAll(".wide > table")) {
     }
   }
 }
+
+// In print every folded part is open, but for the raw details: each scene, each solver, and the manifest.
+const folded = [];
+addEventListener("beforeprint", () => {
+  folded.push(...document.querySelectorAll("details:not([open], .raw)"));
+  for (const part of folded) part.open = true;
+});
+addEventListener("afterprint", () => {
+  for (const part of folded.splice(0)) part.open = false;
+});

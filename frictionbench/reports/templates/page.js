@@ -79,16 +79,6 @@ for (const list of document.querySelectorAll("script[type='application/json']"))
   }
 }
 
-// In print every folded part is open, but for the raw details: each scene, each solver, and the manifest.
-const folded = [];
-addEventListener("beforeprint", () => {
-  folded.push(...document.querySelectorAll("details:not([open], .raw)"));
-  for (const part of folded) part.open = true;
-});
-addEventListener("afterprint", () => {
-  for (const part of folded.splice(0)) part.open = false;
-});
-
 // Panels of charts: a button enlarges one to the width of the page.
 for (const title of document.querySelectorAll(".panels:not(.whole) > figure > h3")) {
   const button = Object.assign(document.createElement("button"), { className: "enlarge", title: "enlarge", textContent: "⤢" });
