@@ -112,9 +112,9 @@ class SolverInfo:
     lacks: what is not supported: friction_bias, joints, or asymmetry (of W, by methods that work in velocities: the Jacobian of
     an unsymmetric W is that of its symmetric part). Problems in which it is not zero are refused, asymmetry only above DIGITS.
     remote: whether this package runs the library in another process; it is then timed by its own clock (Answer.clock).
-    variants: settings that count as separate solvers, as in `ccp[backend=highs]`; a solver of this package accepts settings of
-    type text in these combinations only. A variant with another model, dimension, needs, lacks or precision has an attribute of
-    that name.
+    variants: settings that count as separate solvers, as in `ccp[backend=highs]`, empty for the defaults; a solver of this
+    package accepts settings of type text in these combinations only. A variant with another model, dimension, needs, lacks or
+    precision has an attribute of that name.
     members: the solvers that a portfolio may run.
     precision: of its arithmetic. A single-precision solver is run and ranked at tolerances and targets not below FINEST.
     make: the class, a frozen dataclass whose fields are the settings.
@@ -164,7 +164,7 @@ class SolverInfo:
     @property
     def specs(self) -> tuple[str, ...]:
         """The names on the command line, one for each variant."""
-        return tuple(f"{self.name}[{settings}]" for settings in self.variants) or (self.name,)
+        return tuple(f"{self.name}[{settings}]" if settings else self.name for settings in self.variants) or (self.name,)
 
     @property
     def summary(self) -> str:

@@ -24,21 +24,22 @@ from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxati
 
 
 class Backend(NamedTuple):
-    """A backend's distribution, and the name and default of its limit on iterations.
+    """A backend's distributions, and the name and default of its limit on iterations.
 
     definite: whether it is given dense matrices and requires a definite P, so that it takes no friction_bias.
     """
 
-    distribution: str
+    distributions: tuple[str, ...]
     limit: str
     most: int
     definite: bool = False
 
 
 BACKENDS = {
-    "highs": Backend("highspy", "qp_iteration_limit", 100_000),
-    "ecos": Backend("ecos", "max_iters", 200, definite=True),
-    "qpalm": Backend("qpalm", "max_iter", 10_000),
+    "highs": Backend(("highspy",), "qp_iteration_limit", 100_000),
+    "hipo": Backend(("highspy", "highspy-extras"), "ipm_iteration_limit", 500),
+    "ecos": Backend(("ecos",), "max_iters", 200, definite=True),
+    "qpalm": Backend(("qpalm",), "max_iter", 10_000),
 }
 _TUNED: dict[str, dict[str, float]] = {"highs": {"qp_regularization_value": 0.0}}
 _VARIANTS = (*(f"backend={name}" for name in BACKENDS), *(f"backend={name},settings=tuned" for name in _TUNED))
@@ -51,14 +52,16 @@ class CCP:
     backend: which library. settings: default or tuned. Work: the backend's iterations, where it reports them.
 
     Licence: qpsolvers LGPL-3.0; HiGHS MIT, ECOS GPL-3.0, QPALM LGPL-3.0-or-later.
-    Form: the dimensionless QP (solvers.outside.scaled_program), dense for ECOS; HiGHS is given the unknowns in reversed order,
+    Form: the dimensionless QP (solvers.outside.scaled_program), dense for ECOS; highs is given the unknowns in reversed order,
         for docs/fairness.md shows a wrong answer in the natural one. Setup: qpsolvers' problem. Solve: qpsolvers' call.
     Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
-    Settings: for highs qp_regularization_value is 1e-7 by default; tuned is 0.
-    Tolerance: eps is tol in the units of the scaled program. highs both feasibilities eps/10, no less than 1e-10. qpalm eps_abs
-        = eps/10. ecos feastol = eps/10, gaps eps^2, no less than 1e-14. Relative tolerances are 0.
+    Settings: for highs, HiGHS' active sets, qp_regularization_value is 1e-7 by default; tuned is 0. hipo is its interior point.
+    Tolerance: eps is tol in the units of the scaled program. highs and hipo both feasibilities eps/10, no less than 1e-10, and
+        hipo a gap of eps^2, no less than 1e-12, its least. qpalm eps_abs = eps/10. ecos feastol = eps/10, gaps eps^2, no less
+        than 1e-14. Relative tolerances are 0.
     Flaws: ECOS requires a definite matrix and so does not support friction_bias. HiGHS' least feasibility of 1e-10 and ECOS'
-        arithmetic leave the residual of some answers at a few times 1e-8.
+        arithmetic leave the residual of some answers at a few times 1e-8, and HiPO's least gap some at 1e-6, `frictionbench
+        solve 'stack[blocks=3]' --solver 'ccp[backend=hipo]'`.
     Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Huangfu and Hall 2018 (HiGHS); Domahidi, Chu and Boyd
         2013 (ECOS); Hermans, Themelis and Patrinos 2022 (QPALM).
     """
@@ -68,7 +71,7 @@ class CCP:
 
     @property
     def needs(self) -> tuple[str, ...]:
-        return "qpsolvers", BACKENDS[self.backend].distribution
+        return "qpsolvers", *BACKENDS[self.backend].distributions
 
     @property
     def lacks(self) -> tuple[str, ...]:
@@ -76,7 +79,7 @@ class CCP:
 
     def form(self, problem: FrictionProblem) -> tuple[ScaledProgram, Any]:
         definite = BACKENDS[self.backend].definite
-        scaled = scaled_program(problem, from_free=definite)
+        scaled = scaled_program(problem, from_free=self.backend in ("hipo", "ecos"))
         P, G, A, b = scaled.matrices(definite)
         if self.backend == "highs":
             return scaled, (P[::-1, ::-1], scaled.q[::-1], G[:, ::-1], scaled.h, None if A is None else A[:, ::-1], b)
@@ -87,12 +90,14 @@ class CCP:
         return scaled, import_module("qpsolvers").Problem(*arguments)
 
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        qpsolvers: Any = import_module("qpsolvers")
         (scaled, qp), backend = prepared, BACKENDS[self.backend]
         eps, gap = scaled.tolerances(tol, 1e-14)  # the least gap that ECOS reaches
         accuracy = eps / MARGIN
+        feasible = max(accuracy, 1e-10)
+        highs: dict[str, Any] = {"primal_feasibility_tolerance": feasible, "dual_feasibility_tolerance": feasible}
         settings: dict[str, Any] = {
-            "highs": dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(accuracy, 1e-10)),
+            "highs": highs,
+            "hipo": {"solver": "hipo", "ipm_optimality_tolerance": max(gap, 1e-12)} | highs,
             "ecos": {"feastol": accuracy, "abstol": gap, "reltol": gap},
             "qpalm": {"eps_abs": accuracy, "eps_rel": 0.0},
         }[self.backend]
@@ -100,18 +105,17 @@ class CCP:
         settings |= _TUNED[self.backend] if self.settings == "tuned" else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # qpsolvers warns of a failure; the status reports it
-            result = qpsolvers.solve_problem(qp, self.backend, **settings)
+            # as qpsolvers.solve_problem, which cannot hand on HiGHS' option `solver`
+            call = import_module("qpsolvers.solvers").solve_function["highs" if self.backend == "hipo" else self.backend]
+            result = call(qp, **settings)
         return scaled.answer(result.z, result.found, *_iterations_and_detail(result.extras), result.solve_time)
 
 
 def _iterations_and_detail(extras: Mapping[str, Any]) -> tuple[int | None, str]:
-    """The iterations and the final status of a backend, each if it reports them."""
-    info = extras.get("info", extras)
-    if not isinstance(info, Mapping):
-        info = {name: getattr(info, name) for name in ("iter", "status") if hasattr(info, name)}
-    count = info.get("iter", np.ravel(info.get("iterations", []))[:1].tolist())
-    iterations = None if count == [] else int(count[0] if isinstance(count, list) else count)
-    return iterations, str(info.get("status", info.get("infostring", "")))
+    """The iterations and the final status of a backend: QPALM's object, ECOS' numbers, none of HiGHS."""
+    if "info" in extras:
+        return int(extras["info"].iter), str(extras["info"].status)
+    return extras.get("iter"), str(extras.get("infostring", ""))
 
 
 @relaxation_library("ccp_cone", dimension=(2, 3), sparse=True, needs=("cvxpy", "clarabel"))

@@ -25,7 +25,7 @@ Reference: Tsounis, Grandia and Bächer 2025, arXiv:2504.19771; the Newton devel
 
 from functools import cache
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numba.core import event
@@ -41,14 +41,7 @@ _LEAST = 1e-7  # of residuals: a unit of rounding of impulses and velocities of 
 _LIMITS = {"padmm": 2000, "apgd": 200}  # PADMM's iterations, and APGD's corrections of the shift, of 64 iterations each
 
 
-class Template(NamedTuple):
-    """Kamino's dual problem of a number of contacts, and its solver."""
-
-    dual: Any
-    solver: Any
-
-
-Prepared = tuple[ScaledDelassus, Template]
+Prepared = tuple[ScaledDelassus, Any, Any]  # and Kamino's dual problem and its solver
 
 
 @solver(
@@ -74,8 +67,7 @@ class Kamino:
         return scaled_delassus(problem, TANGENTS_FIRST)
 
     def setup(self, scaled: ScaledDelassus) -> Prepared:
-        template = _template(len(scaled.friction), self.method)
-        dual = template.dual
+        dual, library_solver = _template(len(scaled.friction), self.method)
         dual.zero()
         for array, values in ((dual.data.D, scaled.W), (dual.data.v_f, scaled.q), (dual.data.mu, scaled.friction)):
             filled = array.numpy()
@@ -83,11 +75,10 @@ class Kamino:
             array.assign(filled)
         dual._build_dual_preconditioner()
         dual._apply_dual_preconditioner_to_dual()
-        return scaled, template
+        return scaled, dual, library_solver
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        scaled, template = prepared
-        dual, solver = template
+        scaled, dual, solver = prepared
         eps, most = max(scaled.share * tol / MARGIN, _LEAST), limit or _LIMITS[self.method]
         if self.method == "padmm":
             options = dict.fromkeys(("primal_tolerance", "dual_tolerance", "compl_tolerance"), eps)
@@ -113,7 +104,7 @@ def _set(config: Any, options: dict[str, float]) -> None:
 
 
 @cache
-def _template(nc: int, method: str) -> Template:
+def _template(nc: int, method: str) -> tuple[Any, Any]:
     """Kamino's dual problem of nc contacts and a solver, with all kernels compiled."""
     with event.trigger_event("numba:compiler_lock"):  # so that the harness does not time compiling and loading
         import_module("warp").config.log_level = 40  # errors only
@@ -147,4 +138,4 @@ def _template(nc: int, method: str) -> Template:
         dual.data.D.assign(np.eye(3 * nc).ravel().astype(np.float32))
         library_solver.coldstart()
         library_solver.solve(dual)
-    return Template(dual, library_solver)
+    return dual, library_solver

@@ -93,7 +93,6 @@ class Path:
         process: the column solve_time is this clock, and call_time the records and GAMSPy's call.
     Settings: by default a crash method finds a first basis; tuned is crash_method none, `frictionbench solve
         'house_of_cards[storeys=5]' --solver path --solver 'path[settings=tuned]'`; velocities is tuned with the mixed problem.
-        GAMSPy's freeze, for problems of one M, is of no use in a suite.
     Tolerance: convergence_tolerance = eps/10, on PATH's residual of the scaled LCP; eps as in solvers.pivots.dense_lcp.
     Flaws: beyond the licence's 1000 rows GAMS does not call PATH; the answer is `unsolved`, which says nothing about PATH.
     Reference: Dirkse and Ferris 1995; Ferris and Munson 1999.

@@ -48,7 +48,8 @@ class Clarabel:
     Settings: presolve off, which would forbid setting tolerances afterwards. tuned is for programs that are already scaled, as
         these are: equilibrate_enable off, static_regularization_constant = 1e-12 instead of 1e-8, and
         iterative_refinement_abstol and iterative_refinement_reltol 1e-16 instead of 1e-12 and 1e-13, `frictionbench solve
-        'stack[blocks=50,mass_ratio=1e5,push=1]' --solver 'clarabel' --solver 'clarabel[settings=tuned]'`.
+        'stack[blocks=50,mass_ratio=1e5,push=1]' --solver 'clarabel' --solver 'clarabel[settings=tuned]'`; and on
+        circular cones max_step_fraction = 0.9 instead of 0.99, with which the gap reaches its limit more often.
     Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-15; eps stands for tol.
     Flaws: its gap is the difference of two objectives, which rounding can make 0 before the answer is accurate: some answers
         that it calls Solved are off by a few times 1e-8. Or it stays above eps^2, and it reports failure although the answer
@@ -77,7 +78,9 @@ class Clarabel:
         clarabel: Any = import_module("clarabel")
         scaled, library_solver = prepared
         eps, gap = scaled.tolerances(tol, LEAST_GAP["clarabel"])
-        library_solver.update(settings=self._settings(tol_feas=eps, tol_gap_abs=gap, tol_gap_rel=gap, max_iter=limit or 200))
+        step = 0.9 if self.settings == "tuned" and scaled.contacts[1] == 3 else 0.99
+        asked = {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap, "max_iter": limit or 200, "max_step_fraction": step}
+        library_solver.update(settings=self._settings(**asked))
         result = library_solver.solve()
         solved = result.status == clarabel.SolverStatus.Solved
         return scaled.answer(np.array(result.z), solved, result.iterations, str(result.status), result.solve_time)
@@ -91,18 +94,22 @@ class Clarabel:
         return settings
 
 
-@relaxation_library("osqp", warm_start=True, sparse=True, needs=("osqp",))
+@relaxation_library("osqp", warm_start=True, sparse=True, needs=("osqp",), variants=("", "settings=tuned"))
 class OSQP:
     """The convex relaxation as a QP by OSQP itself. (outside)
 
-    Work: iterations.
+    settings: default or tuned. Work: iterations.
 
     Licence: Apache-2.0.
     Clock: OSQP's own solve_time.
-    Settings: its defaults.
+    Settings: rho, the weight of the constraints that it begins with, is 0.1 by default and may change every 50 iterations, and
+        it tests its residuals every 25; tuned are 1, of the size of P and A here, 25 and 10, `frictionbench solve
+        'pyramid[push=1]' --solver osqp --solver 'osqp[settings=tuned]'`.
     Tolerance: eps_abs = eps/10 for both residuals and the gap, eps_rel = 0, not polished; eps stands for tol.
     Reference: Stellato, Banjac, Goulart, Bemporad and Boyd 2020.
     """
+
+    settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
         scaled = scaled_program(problem)
@@ -112,7 +119,8 @@ class OSQP:
     def setup(self, formed: Prepared) -> Prepared:
         scaled, arguments = formed
         workspace = import_module("osqp").OSQP()
-        workspace.setup(*arguments, verbose=False, eps_rel=0.0)
+        tuned = {"rho": 1.0, "adaptive_rho_interval": 25, "check_termination": 10} if self.settings == "tuned" else {}
+        workspace.setup(*arguments, verbose=False, eps_rel=0.0, **tuned)
         return scaled, workspace
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
@@ -146,7 +154,8 @@ class ProxSuite:
     Clock: ProxQP's own solve_time.
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
         solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=20,mass_ratio=100000]' --solver
-        'proxsuite' --solver 'proxsuite[settings=tuned]'`.
+        'proxsuite' --solver 'proxsuite[settings=tuned]'`, and with sparse matrices mu_min_in, the least proximal step of the
+        inequalities, 3e-7 instead of 1e-8, with which it may stall at accurate answers with large mass ratios.
     Tolerance: eps_abs = eps/100 for both residuals, as with eps it calls answers solved that are off by 10 tol; gap eps^2, no
         less than 1e-14, which is tested only on request; eps_rel = 0, 4.4e-16 for the gap, for rounding; eps stands for tol.
     Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
@@ -175,6 +184,8 @@ class ProxSuite:
         settings.check_duality_gap, settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = True, gap, _ROUNDING
         if self.settings == "tuned":
             settings.eps_primal_inf = settings.eps_dual_inf = 1e-14
+            if self.matrices == "sparse":
+                settings.mu_min_in, settings.mu_max_in_inv = 3e-7, 1 / 3e-7
         if start is None:
             settings.initial_guess = proxqp.InitialGuess.NO_INITIAL_GUESS
             qp.solve()
@@ -236,8 +247,9 @@ class SCS:
         set with the problem. Solve: its object, ordering and scaling, and its solve.
     Clock: its setup_time and solve_time.
     Charged: by default it takes 675 iterations on a stack of 300 contacts, by hand 225; 75 and 50 on a chain of 40.
-    Settings: without output. scale, the weight of the dual residual that it begins with, is 0.1 by default; tuned is 1, of the
-        size of P and A here, `frictionbench solve 'stack[blocks=150,push=1]' --solver scs --solver 'scs[settings=tuned]'`.
+    Settings: without output. scale, the weight of the dual residual that it begins with, is 0.1 by default, and its Anderson
+        acceleration uses 10 steps; tuned are 1, of the size of P and A here, and 6, `frictionbench solve
+        'stack[blocks=150,push=1]' --solver scs --solver 'scs[settings=tuned]'`.
     Tolerance: eps_abs = eps/2 for both residuals and the gap, eps_rel = 0; eps stands for tol. Tall stacks stall at eps/10.
     Reference: O'Donoghue, Chu, Parikh and Boyd 2016.
     """
@@ -254,8 +266,8 @@ class SCS:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, arguments = prepared
         accuracy = {"eps_abs": tol * scaled.share / 2, "eps_rel": 0.0, "max_iters": limit or 100_000}
-        scale = 1.0 if self.settings == "tuned" else 0.1
-        result = import_module("scs").SCS(*arguments, verbose=False, scale=scale, **accuracy).solve()
+        tuned = {"scale": 1.0, "acceleration_lookback": 6} if self.settings == "tuned" else {}
+        result = import_module("scs").SCS(*arguments, verbose=False, **tuned, **accuracy).solve()
         info = result["info"]
         clock = 1e-3 * (info["setup_time"] + info["solve_time"])
         return scaled.answer(result["y"][len(scaled.b) :], info["status_val"] == 1, int(info["iter"]), info["status"], clock)

@@ -83,16 +83,12 @@ class Child:
             self.end()
             environment = os.environ | {"PYTHONPATH": str(_FOLDER)}  # scripts import this file
             self._process = subprocess.Popen(self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment)
-        process = self._process
-        assert process is not None
-        assert process.stdin is not None
-        assert process.stdout is not None
+        process: Any = self._process
         answer = None
         try:
-            send(process.stdin, message)
-            answer = receive(process.stdout)
-        except BrokenPipeError:
-            pass
+            with suppress(BrokenPipeError):
+                send(process.stdin, message)
+                answer = receive(process.stdout)
         except BaseException:  # interrupted: a late reply would be taken for that to the next message
             self.end()
             raise
