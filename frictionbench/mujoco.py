@@ -3,8 +3,7 @@
 >>> import frictionbench as fb
 >>> result = fb.mujoco.step(model, data)  # doctest: +SKIP
 
-replaces mujoco.mj_step(model, data); in a loop, `step(model, data, before=result)` is warm-started with the impulses of the
-previous step.
+replaces mujoco.mj_step(model, data); in a loop, `step(model, data, before=result)` is warm-started from the previous step.
 
 MuJoCo computes positions, collisions, actuation, passive and applied forces, and the velocity v* that it would reach without
 constraints (problems.capture.mujoco). The step is that of Anitescu and Potra (1997), after Stewart and Trinkle (1996):

@@ -173,7 +173,8 @@ class LoadRecord:
             return
         self._seen |= new
         manifest = store.read_manifest(self._folder)
-        manifest["loaded"].setdefault(source, {}).update({name: place for _, name, place in new})
+        known = manifest["loaded"].setdefault(source, {})  # has the files that the source names, which a worker hashes again
+        known |= {name: place for _, name, place in new if name != place or place not in known.values()}
         manifest["content"] |= {place: content_hash(place) for *_, place in new if place not in manifest["content"]}
         with suppress(ResultsError):  # too much is not recorded: half of the manifest is left for the run's own entries
             store.write_manifest(self._folder, manifest, share=0.5)

@@ -222,8 +222,7 @@ def descendants(pid: int) -> list[int]:
 def end_descendants(*, spare: Collection[int] = ()) -> bool:
     """Kill all descendants of this process except those in `spare`; return whether any of them was running.
 
-    Zombies of a spared process are left for it to wait for. This process must be a subreaper, or detached descendants are
-    missed.
+    Zombies of a spared process are left to it. This process must be a subreaper, or detached descendants are missed.
     """
 
     def is_stray(pid: int) -> bool:

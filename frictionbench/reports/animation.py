@@ -1,8 +1,7 @@
 """A motion as one self-contained HTML page: the bodies, the impulses in their friction cones, and the energy balance.
 
 The page holds the motion as JSON and a short script that draws it (templates/animation.js), and loads nothing. Names may come
-from an untrusted source. Therefore text is escaped, the JSON contains no "<", and the page's security policy allows only this
-script, by its hash.
+from an untrusted source. Therefore text is escaped, the JSON contains no "<", and the page's policy allows only this script.
 """
 
 from pathlib import Path

@@ -77,8 +77,7 @@ def rate_tables(rows: pd.DataFrame) -> list[RateTable]:
 
 
 def rate_of(row: dict[str, Any]) -> list[str]:
-    """Return the entries of a row of a table of batches, as METHOD describes, or the reason and a dash instead of the rate and
-    the ratio."""
+    """Return the entries of a row of a table of batches, as METHOD describes, or the reason and a dash where it has no rate."""
     other = law(row["model"] or "coulomb", row["dimension"])
     names = [f"{row['variant']} ({other})" if other else str(row["variant"]), str(row["way"]), str(row["start"])]
     times, singles = (_seconds(row[name]) for name in ("times", "base_times"))

@@ -1,5 +1,4 @@
-"""Which solver to choose: for each kind of problem, the solvers ordered by their mean time to a target, and the confidence in
-the first place.
+"""Which solver to choose: for each kind of problem, the solvers by mean time to a target, and the confidence in the first.
 
 The mean is the weighted shifted geometric mean of reports.accuracy, with problems not solved charged the time limit (PAR1).
 Only solvers that ran on every problem of the kind are compared; plane and space are different kinds. A solver of another law

@@ -90,8 +90,7 @@ def _save(
     width: float,
     font: str,
 ) -> dict[str, str]:
-    """Save a figure, in parts that fit on a page. Return the caption of each part by its name. handles: legend entries besides
-    the solvers."""
+    """Save a figure, in parts that fit on a page. Return the caption of each part by its name. handles: more legend entries."""
     columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
     height = ASPECT * width / columns
     room = TALLEST - legend_size([plain(name) for name in run.looks], width, FONT)[1]

@@ -2,8 +2,7 @@
 step within a budget.
 
 A recorded problem counts as solved if the residual of an answer at any tolerance is within the tightest tolerance of its rows.
-A motion is a scene, or a folder of recorded files in order, of which many steps were solved. All its problems have the same
-weight.
+A motion is a scene, or a folder of recorded files in order, of which many steps were solved, each with the same weight.
 """
 
 from typing import Any, NamedTuple

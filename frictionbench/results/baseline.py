@@ -2,8 +2,7 @@
 
 Lines `# name: value` state the suite, the code, what plug-ins loaded (harness.dependencies), the number of cells, and the
 SHA-256 of all other lines, by which a truncated or edited table is detected. A header and a line per cell follow, with entries
-separated by tabs. Residuals have two digits. Times have one, since they are only used to decide whether a timeout may be due to
-a slower machine.
+separated by tabs. Residuals have two digits. Times have one: they only tell whether a slower machine explains a timeout.
 """
 
 from collections.abc import Iterable, Mapping

@@ -7,8 +7,7 @@ in both directions from 0: -high ... -low, 0, low ... high. The last two are lin
     DIR/maps/NAME.json      thresholds traced from the mechanics
 
 A solution is known to exist at a grid point if theory or the enumeration of all solutions proves it (column `existence`), or if
-a solver's answer is verified. It is not known to exist if the enumeration finds none, even if an answer is within the
-tolerance.
+a solver's answer is verified. It is not known to exist if the enumeration finds none, even if an answer is accurate.
 """
 
 import json

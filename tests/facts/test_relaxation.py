@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from frictionbench.problems.catalogue import make_instance
 from frictionbench.problems.residual import relaxation_residual, residual_floor
-from frictionbench.solvers import solve
+from frictionbench.problems.verdicts import Verdict
+from frictionbench.problems.verify import verify
+from frictionbench.solvers import find, solve
 from tests.helpers.friction_problems import block, contacts_of
 
 G = 9.81
@@ -42,3 +45,14 @@ def test_polygon_friction_deficit(facets, percent) -> None:
     assert deficits["along"] == pytest.approx(0, abs=1e-12)
     assert deficits["between"] == pytest.approx(1 - np.cos(np.pi / facets))
     assert 100 * deficits["between"] == pytest.approx(percent, abs=0.5 if facets == 4 else 0.05)
+
+
+@pytest.mark.parametrize("name", ["lemke", "path_search", "dantzig", "fischer_newton", "minmap_newton", "murty"])
+def test_polygon_error_is_model_error(name) -> None:
+    problem = make_instance("cubes", boxes=1, friction=0.3, push=0.3)
+    spec = f"{name}[facets=12]"
+    finding = verify(problem, solve(problem, spec, tol=1e-8), find(spec)[0].model, 1e-8)
+    if name != "murty":  # sure for P-matrices only, and this is none
+        assert finding.verdict == Verdict.RELAXED
+        assert finding.model_residual <= 1e-8
+    assert finding.residual > 1e-5

@@ -80,10 +80,12 @@ def test_a_check_tells_the_good_solver_from_the_spoilt_one(name) -> None:
     assert list(CHECKS[name].violations(Subject(find(GOOD)[0], Spoiled(SPOILT[name]))))
 
 
-def test_writing_into_the_dense_matrix_is_found() -> None:
-    """As LAPACK does, which factorises in place what it is given by its address."""
+def test_writing_into_arrays_is_found() -> None:
+    """As LAPACK does, which factorises in place what it is given by its address, and who iterates in the start."""
     spoilt = Spoiled(lambda _, problem, *__: ctypes.memset(problem.dense().W.ctypes.data, 0, 8) and None)
     assert list(CHECKS["input_unchanged"].violations(Subject(find(GOOD)[0], spoilt)))
+    spoilt = Spoiled(lambda *given: None if given[-1] is None else given[-1].fill(1.0))
+    assert list(CHECKS["warm_start"].violations(Subject(find(GOOD)[0], spoilt)))
 
 
 def test_a_fault_of_the_first_call_is_reported(tmp_path: Path) -> None:

@@ -278,6 +278,10 @@ def test_command_of_an_executable_is_recorded(tmp_path: Path) -> None:
     exact, fast = (dependencies.initial_content(small_plan(plugins=(plugin,)))["loaded"][plugin.source] for plugin in plugins)
     assert exact["solve.sh"] == fast["solve.sh"] == str(program)
     assert exact["command"] != fast["command"]
+    folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
+    store.write_manifest(folder, store.read_manifest(folder) | {"loaded": {"exec": exact}, "content": {}})
+    dependencies.LoadRecord(folder).add("exec", {str(program): str(program)})  # a worker reads the program to hash it
+    assert store.read_manifest(folder)["loaded"]["exec"] == exact
 
 
 class Lazy:
@@ -295,7 +299,7 @@ def test_work_done_while_an_answer_is_read_is_timed(monkeypatch: pytest.MonkeyPa
     clock = SimpleNamespace(now=0.0)
     monkeypatch.setattr(timing, "perf_counter", lambda: clock.now)
     lazy = Answer(Lazy(clock, np.zeros((1, 2))), Status.STALLED)
-    found = timing.time_solver(find("lemke")[1], block(), lambda ready: lazy, lambda: None)
+    found = timing.time_solver(find("lemke")[1], block(), lambda ready: lazy, lambda: None, lambda *_: 0)
     assert found.solve == [4.0]
 
 
@@ -308,7 +312,7 @@ def test_nudges_are_drawn_in_each_process(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(timing, "nudged", lambda problem, ulps: (drawn.append(ulps), nudged(problem, ulps))[1])
     _, solver = find("lemke")
     for _ in range(4):
-        timing.time_solver(solver, block(), lambda ready: solver.solve(ready, 1e-8, None), lambda: None, most=3)
+        timing.time_solver(solver, block(), lambda ready: solver.solve(ready, 1e-8, None), lambda: None, lambda *_: 0, 3)
     assert len(set(drawn)) > 2
     assert max(drawn) > 2
 
@@ -325,12 +329,28 @@ def batch_times(monkeypatch: pytest.MonkeyPatch, solve) -> tuple[store.Row, int]
     for name, value in {"ROUNDS": 2, "SAMPLE": 1}.items():
         monkeypatch.setattr(batch, name, value)
     cell = BatchCell("stack", {"blocks": 1}, 3, "lemke", "calls", 1e-8)
-    return time_batch(cell, batch_of("stack", '{"blocks": 1}', 3), find("lemke")[0]), len(seen)
+    return time_batch(cell, batch_of.__wrapped__("stack", '{"blocks": 1}', 3), find("lemke")[0]), len(seen)
 
 
 def test_batches_differ_in_each_round(monkeypatch: pytest.MonkeyPatch) -> None:
     row, different = batch_times(monkeypatch, batch.solve)
     assert (row["verdict"], different) == ("solved", 9)
+
+
+def test_batches_are_verified_on_copies(monkeypatch: pytest.MonkeyPatch) -> None:
+    def rob(problem: FrictionProblem, spec: str, tol: float) -> Answer:
+        problem.friction.setflags(write=True)  # code in C can write without it
+        problem.friction[:] = 0
+        return batch.solve(problem, spec, tol=tol)
+
+    assert batch_times(monkeypatch, rob)[0]["verdict"] == "wrong"
+
+
+def test_writing_into_a_start_is_wrong(tmp_path: Path) -> None:
+    """The repeats would begin at the answer, and a slower solver would look fast."""
+    plugin = write(tmp_path / "guest.py", body="start is None or start.fill(1.0)")
+    rows = run_of(tmp_path / "run", plugin, sources=(Source("stopping_block", {}, pick=3, steps=6),), starts=("cold", "warm"))
+    assert rows.groupby("start")["verdict"].agg(set).to_dict() == {"cold": {"unsolved"}, "warm": {"wrong"}}
 
 
 def test_waiting_counts_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ from frictionbench.solvers import Answer, Status, solver
 
 {first}
 
-@solver("guest", family="test", model="coulomb")
+@solver("guest", family="test", model="coulomb", warm_start=True)
 class Guest:
     \"\"\"Answers with zeros.\"\"\"
 

@@ -1,7 +1,6 @@
 """What cannot be used is refused with the name of its field, in problems, answers and parameters.
 
-That is what is no finite real number, and sparse matrices whose arrays do not fit together, by which compiled code would read
-outside them.
+That is what is no finite real number, and sparse matrices whose arrays do not fit, outside which compiled code would read.
 """
 
 from fractions import Fraction

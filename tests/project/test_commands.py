@@ -1,7 +1,6 @@
 """Every command of the README and of docs is executed: as it stands, or on less where it would take longer than a test may.
 
-Those of docs/executable.md, which need the files of that page, are in test_executable.py, and those of docs/fairness.md in
-tests/solvers/outside.
+Those of docs/executable.md need its files and are in test_executable.py, those of docs/fairness.md in tests/solvers/outside.
 """
 
 import re

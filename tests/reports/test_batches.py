@@ -1,4 +1,4 @@
-"""The page of a run of batches."""
+"""The page of a run of batches. Rates that say nothing are refused, with the reason; the others follow from the raw times."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from frictionbench.commands.cli import app
-from frictionbench.reports.batches import write_batches
+from frictionbench.reports.batches import rate_of, write_batches
 from tests.helpers.browser import faults, in_browser
 from tests.helpers.made_results import SETTINGS, batch_row, write_folder
 
@@ -36,3 +36,28 @@ def test_it_has_no_figures(option: str, folder: Path) -> None:
 @in_browser
 def test_page_looks(folder: Path) -> None:
     assert faults(write_batches(folder)) == []
+
+
+def test_a_rate_follows_from_the_fastest_round() -> None:
+    found = rate_of(batch_row("lemke", "packed", times=[3e-3, 1e-3], base_times=[4e-3, 5e-3]))
+    assert found == ["lemke", "packed", "cold", "1,000", "4"]
+
+
+@pytest.mark.parametrize(
+    ("facts", "why"),
+    [
+        ({"contacts": 0}, "no contacts"),
+        ({"idle": 1.0}, "friction is idle in all problems"),
+        ({"active": 0.0}, "friction is idle in all problems"),
+        ({"verified": 0.9996, "verdict": "wrong"}, "99.9 % verified"),
+        ({"verified": 0.0, "verdict": "relaxed"}, "0 % verified"),
+        ({"residual": 1e-7}, "residual above the tolerance"),
+        ({"verdict": "skipped", "verified": None, "reason": "osqp not installed"}, "skipped: osqp not installed"),
+        ({"verdict": "timeout", "verified": None, "reason": ""}, "timeout"),
+        ({"times": []}, "not timed"),
+        ({"base_times": [float("nan")]}, "not timed"),
+    ],
+)
+def test_rates_that_say_nothing_are_refused(facts: dict[str, object], why: str) -> None:
+    found = rate_of(batch_row("lemke", "packed", **facts))
+    assert found[3:] == [why, "–"]

@@ -26,8 +26,7 @@ def planar() -> list[FrictionProblem]:
 
 @pytest.fixture(scope="module")
 def spatial() -> list[FrictionProblem]:
-    """Spheres and cubes, with W only as well; the last but one is left to the interior point, by hybrid and by nsgs, with and
-    without a start."""
+    """Spheres and cubes, with W only as well; hybrid and nsgs leave the last but one to the interior point."""
     spheres, cubes = fb.instance("sphere_pyramid", levels=2), fb.instance("cubes", boxes=1)
     known = known_by_W(spheres)
     left = (
@@ -86,8 +85,7 @@ def test_loops_start_at_the_answers_of_before(spec: str, planar: list[FrictionPr
 
 
 def anything(rng: np.random.Generator) -> list[FrictionProblem]:
-    """Problems of mixed sizes in mixed order, in the plane and in space, by bodies and by W: also without contacts, without
-    friction and without solution."""
+    """Problems of mixed sizes in mixed order, in the plane and in space, by bodies and by W: some without solution."""
     squeezed = np.array([[1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 1.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
     problems = [
         FrictionProblem.from_delassus(squeezed, [-1.0, 0.3, -1.0, 0.3], [0.5, 0.5], 2),  # two walls close in on a body

@@ -28,7 +28,7 @@ from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.answer import checked_copy, is_plain
 from frictionbench.problems.catalogue import problem_of
 from frictionbench.problems.check import Array
-from frictionbench.problems.copies import nudged
+from frictionbench.problems.copies import duplicate, nudged
 from frictionbench.problems.packed import Batch
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import verify
@@ -90,7 +90,8 @@ def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
 
 
 def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], start_impulses: Array) -> Callable[[], Any]:
-    """Return the call that solves these problems, to be timed; work done once, such as packing, is done here."""
+    """Return the call that solves copies of these problems, to be timed; work done once, such as packing, is done here."""
+    problems = tuple(map(duplicate, problems))
     start = start_impulses if cell.start == WARM else None
     many = partial(solve_many, spec=cell.variant, tol=cell.tol, start=start)
     if cell.way == "packed":

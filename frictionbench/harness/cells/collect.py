@@ -75,8 +75,7 @@ MAX_COUNTED = 6  # contacts: the number of modes to enumerate grows as 4^contact
 
 
 class Collected(NamedTuple):
-    """A problem with its step and phase, contacts and answer. reference: the solvers of the reference answers up to it; idle:
-    None if unknown."""
+    """A problem, its step, phase, contacts and answer. reference: solvers of the answers up to it; idle: None if unknown."""
 
     step: int
     phase: str

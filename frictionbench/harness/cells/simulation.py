@@ -2,8 +2,7 @@
 
 An answer moves the bodies even if its verdict is not `solved`; a malformed answer (of the wrong shape, or not finite) is
 replaced by zero impulses. The motion ends as diverged if its energy is not finite or a million times the scene's. It also ends
-if the scheme's equations have no solution. No time is reported if some problem's calls all loaded something, or if the last
-problem is answered much faster than one that differs in the last bits, that is from cached results, such as an earlier run's.
+if the scheme's equations have no solution. No time is reported if all calls on a problem load something or results are reused.
 """
 
 from collections import Counter
@@ -22,8 +21,8 @@ from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.verdicts import RANK, Verdict
-from frictionbench.problems.verify import verify
-from frictionbench.solvers import Solver, SolverInfo
+from frictionbench.problems.verify import Finding, verify
+from frictionbench.solvers import Answer, Solver, SolverInfo
 
 DIVERGED = 1e6  # relative to the scene's energy: an inaccurate but stable motion gains far less
 
@@ -52,7 +51,7 @@ class _ClosedLoop:
             return malformed(error), None
         answered, self._last = perf_counter(), (handed, call)
         self.solver_time += np.nan if call.loaded else sum(call.times)
-        finding = verify(problem, call.answer, self._info.model, self._tol, quiet=bool(self._info.needs))
+        finding = self._judged(problem, call.answer)
         self.worst_residual = max(self.worst_residual, finding.residual)
         if np.isfinite(finding.residual):
             self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
@@ -63,6 +62,9 @@ class _ClosedLoop:
     def _timed(self, problem: FrictionProblem) -> Call:
         return timed_call(self._solver, problem, lambda ready: self._solver.solve(ready, self._tol, None))
 
+    def _judged(self, problem: FrictionProblem, answer: Answer) -> Finding:
+        return verify(problem, answer, self._info.model, self._tol, quiet=bool(self._info.needs))
+
     def time(self) -> float | None:
         """Return the solver's time in seconds, or None if it cannot be reported."""
         if not np.isfinite(self.solver_time):
@@ -71,8 +73,8 @@ class _ClosedLoop:
         if self._last:
             problem, call = self._last
             timing.add_sample(call)
-            check_reuse(timing, problem, self._timed, lambda: None)
-        return self.solver_time if timing.reused is None else None
+            check_reuse(timing, problem, self._timed, lambda *given: RANK[self._judged(*given).verdict])
+        return None if timing.new_answers else self.solver_time
 
     def verdict(self) -> tuple[Verdict, str]:
         """Return the worst verdict on any problem, and the number of problems with each verdict other than solved."""

@@ -12,9 +12,9 @@ are then that time, but no more than the call took, and the call's time is store
 
 Repeats could be answered from a cache, even unintentionally, by a memoised matrix. So could a first call, if the solver met the
 problem in an earlier cell or process. A last call is therefore made on a problem that differs in the last bits, by a random
-number of units, so that no file can hold its answer. If it takes much longer, that problem is solved again, and both calls are
-repeated with another such problem. If each is slow once and fast afterwards, the solver reuses results, and the samples and
-answers are replaced by those of the problems that it had not met.
+number of units, so that no file can hold its answer. If it takes much longer than another call on that problem, or its answer
+has a worse verdict, this is repeated with another one. If both are slow, the solver reuses results, and their times are
+the samples. Their answers then count too: those to the problem itself may be kept from a version that was right.
 """
 
 import gc
@@ -101,34 +101,42 @@ def time_solver(
     problem: FrictionProblem | LCP,
     solve: Callable[[Any], Answer],
     restart_limit: Callable[[], None],
+    rank: Callable[[Any, Answer], int],
     most: int = MOST_REPEATS,
     remote: bool = False,
     met_before: bool = False,
 ) -> Timing:
-    """Return the answers to the problem and their times. restart_limit() is called before the repeats and each new problem.
+    """Return the answers to the problem and their times.
 
-    solve: calls the solver with the tolerance and the start. most: the largest number of repeats. remote: as in Timing.
-    met_before: whether the solver may have met the problem before, so that a long call is tested for reuse as well.
+    solve: calls the solver with the tolerance and the start. restart_limit: called after each call. rank: of the verdict on an
+    answer. most: the largest number of repeats. remote: as in Timing. met_before: whether the solver may have met the problem
+    before, so that a long call is tested for reuse as well.
     Errors: AnswerError, and whatever the solver raises.
     """
     timing = Timing(remote)
+
+    def call(given: FrictionProblem | LCP = problem) -> Call:
+        made = timed_call(solver, given, solve)
+        timing.spent += sum(made.times)
+        restart_limit()
+        return made
+
     enabled = gc.isenabled()
     gc.collect()
     gc.disable()
     try:
-        first = _timed(solver, problem, solve, timing)
+        first = call()
         timing.add_answer(first.answer)
         timing.first = None if first.loaded else sum(first.times)
-        restart_limit()
-        clean = first if not first.loaded else clean_call(lambda: _timed(solver, problem, solve, timing))
+        clean = first if not first.loaded else clean_call(call)
         seconds = sum(clean.times)
         if seconds > BUDGET:
             timing.add_sample(clean)
         else:
             for _ in range(max(min(FEWEST_REPEATS, most), min(most, int(BUDGET / max(seconds, 1e-9))))):
-                timing.add_sample(clean_call(lambda: _timed(solver, problem, solve, timing)))
+                timing.add_sample(clean_call(call))
         if timing.solve and (seconds <= BUDGET or met_before):
-            check_reuse(timing, problem, lambda other: _timed(solver, other, solve, timing), restart_limit)
+            check_reuse(timing, problem, call, rank)
     finally:
         if enabled:
             gc.enable()
@@ -141,19 +149,23 @@ def drawn_ulps() -> int:
 
 
 def check_reuse(
-    timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any], Call], restart_limit: Callable[[], None]
+    timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any], Call], rank: Callable[[Any, Answer], int]
 ) -> None:
-    """Test whether the solver reuses results, as described above, and replace the samples if so."""
+    """Test whether the solver reuses results, as described above. If so, replace the samples or add the new answers.
+
+    Errors: whatever the solver raises on two new problems."""
     usual, new = statistics.median(map(sum, zip(timing.form, timing.setup, timing.solve, strict=True))), []
-    with suppress(Exception):  # a failure on a new problem does not count, since the cell is about another
-        for _ in range(2):
-            other = nudged(problem, drawn_ulps())
-            restart_limit()
+    worst = max(rank(problem, answer) for answer in timing.answers)
+    for errors in (Exception,), ():  # one failure alone may be due to rounding
+        other = nudged(problem, drawn_ulps())
+        with suppress(*errors):
             made = call(other)
-            if made.running <= max(SLOW_FIRST * usual, SLOW_NEW) or made.running <= SLOW_FIRST * sum(call(other).times):
+            slow = made.running > max(SLOW_FIRST * usual, SLOW_NEW) and made.running > SLOW_FIRST * sum(call(other).times)
+            if not slow and rank(other, made.answer) <= worst:
                 return
-            new.append((other, made))
-        times, timing.new_answers = [made.times for _, made in new], [(other, made.answer) for other, made in new]
+            new.append((other, made, slow))
+    times, timing.new_answers = [made.times for _, made, slow in new if slow], [(other, made.answer) for other, made, _ in new]
+    if len(times) > 1:
         timing.form, timing.setup, timing.solve = map(list, zip(*times, strict=True))
         timing.reused, timing.clock, timing.calls = min(map(sum, times)) / max(usual, 1e-9), [], []
 
@@ -189,9 +201,3 @@ def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[
             end += perf_counter() - begun
     loaded = bool(loads.buffer) or len(sys.modules) != modules
     return Call(checked_copy(answer), (written - start, ready - written, end - ready), loaded, wait if wait > 0 else 0.0)
-
-
-def _timed(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[Any], Answer], timing: Timing) -> Call:
-    made = timed_call(solver, problem, solve)
-    timing.spent += sum(made.times)
-    return made

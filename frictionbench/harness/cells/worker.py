@@ -149,14 +149,15 @@ def _solved(
     met_before = _foreign(cell.variant) and case in _worker.solved_before
     _worker.solved_before.add(case)
     digest = (record.get("starts") or {}).get(cell.start, "")
-    start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start, digest)
+    start, handed_start = (stored_start(_worker.folder, cell.problem, cell.origin, cell.start, digest) for _ in range(2))
     begun, waited = perf_counter(), process.waited()
     try:
         timing = time_solver(
             solver,
             handed,
-            solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
+            solve=lambda prepared: solver.solve(prepared, cell.tol, None, handed_start),
             restart_limit=lambda: _worker.deadline.allow(limit + 1.0),
+            rank=lambda posed, answer: RANK[verify(posed, answer, info.model, cell.tol, quiet=bool(info.needs)).verdict],
             most=record.get("repeats") or MOST_REPEATS,
             remote=info.remote and info.ours,
             met_before=met_before,
@@ -167,7 +168,7 @@ def _solved(
     row = _machine_columns(waited, timing.spent)
     reference = stored_answer(_worker.folder, cell.problem)
     row |= finding_columns(problem, timing, info, cell.tol, limit, reference, disturbed=bool(row["disturbed"]))
-    if not same(problem, handed):
+    if not same(problem, handed) or not np.array_equal(start, handed_start):  # type: ignore[arg-type]  # may be None
         row |= {"verdict": Verdict.WRONG, "reason": "the solver changed its input"}
     return row | {"overhead": perf_counter() - begun - timing.spent}
 

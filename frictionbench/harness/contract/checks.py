@@ -195,7 +195,7 @@ def work_limit(subject: Subject) -> Violations:
             yield f"with a limit of 1 it counts {most} units of work"
 
 
-@check("Use a start only as an initial guess: check it, and solve without it if it does not help.")
+@check("Use a start only as an initial guess: check it, solve without it if it does not help, and do not write into it.")
 def warm_start(subject: Subject) -> Violations:
     if not subject.info.warm_start:
         return
@@ -204,7 +204,10 @@ def warm_start(subject: Subject) -> Violations:
         if finding.verdict not in ACCEPTED:
             continue
         for name, start in (("its own answer", cold.impulse), ("zero", 0 * cold.impulse), ("nonsense", 1e3 + 0 * cold.impulse)):
-            _, found = subject.solve(problem, start=np.ascontiguousarray(start))
+            given = np.array(start, order="C")
+            _, found = subject.solve(problem, start=given)
+            if not np.array_equal(start, given):
+                yield f"{problem.summary}, from {name}: the start was changed by the call"
             if found.verdict not in ACCEPTED:
                 yield f"{problem.summary}, from {name}: {found.verdict}, residual {found.model_residual:.1e}"
 

@@ -39,8 +39,7 @@ painleve_rod_forces  painleve_rod[step=1e-4]  angle=0.3:1.5:10  friction=0.4:3.1
 
 sliding_block  two_corner_block  aspect=0.3:3:10  friction=0.3:3.9:10  P0 p
     Sliding block on two corners
-    The LCP's matrix is P0 up to friction times height over width = 1, where the sliding block tips over: beyond, its
-    rear corner opens.
+    The LCP's matrix is P0 up to friction times height over width = 1, where the block tips over: beyond, its rear corner opens.
 
 two_corner_block  two_corner_block[velocity=0.97,fall=-0.18,spin=-0.16]  aspect=0.3:3:10  friction=0.3:3.9:10  P0 p
     Block thrown onto two corners

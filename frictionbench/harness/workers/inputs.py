@@ -50,9 +50,12 @@ def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[
 
 
 def _load(sources: list[str], named: list[str]) -> list[Plugin]:
+    contents = {source: plugins.content(source) for source in sources}  # before any of them can change another
     tasks = [Task(describe_plugin, (source, named), IMPORT_SECONDS, owner=source) for source in sources]
     with scratch_pool() as pool:
         values = {done.task.owner: done.result(f"solver: {done.task.owner} cannot be imported") for done in pool.run(tasks)}
+    if changed := [source for source in sources if plugins.content(source) != contents[source]]:
+        raise InputError(f"solver: {changed[0]} was changed while plug-ins were imported")
     return [_described(source, values[source]) for source in sources]
 
 

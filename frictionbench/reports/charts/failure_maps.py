@@ -1,7 +1,6 @@
 """Failure maps: for each solver a panel over two parameters of a scene, coloured by verdict, and panels for the problem itself.
 
-The panels for the problem distinguish ill-posed problems from unstable solvers. The axes count grid lines for any scale of the
-parameters.
+The panels for the problem distinguish ill-posed problems from unstable solvers. The axes count grid lines on any scale.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -1,5 +1,4 @@
-"""Speed against accuracy over all problems in the plane or in space: a point for each label and tolerance, and the Pareto
-front.
+"""Speed against accuracy over all problems in the plane or in space: a point per label and tolerance, and the Pareto front.
 
 Time is the weighted shifted geometric mean over the problems, where a missing answer is charged the time limit. Accuracy is the
 weighted median of the verified residual, where a missing answer counts as infinite. Only labels that ran on every problem are

@@ -33,8 +33,7 @@ class Panel:
 def inline_svg(panel: Panel) -> str:
     """Return the panel, without its title, as an SVG element in the text colour of the page.
 
-    Ids of groups are removed, because they would be repeated on the page. Ids of labels become the attributes data-label and
-    data-dots.
+    Ids of groups are removed, because a page would repeat them. Ids of labels become the attributes data-label and data-dots.
     """
     with mpl.rc_context(RC | ON_PAGE):
         figure = Figure(figsize=PANEL, layout="constrained")

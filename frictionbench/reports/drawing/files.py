@@ -34,8 +34,7 @@ def save_sheet(
 ) -> list[str]:
     """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf; return the names in the legend.
 
-    size: of one panel, inches. font: points. paper: the colour of the background. handles: legend entries besides the labels
-    that are drawn.
+    size: of one panel, inches. font: points. paper: the colour of the background. handles: legend entries besides the labels.
     """
     columns = max(1, min(columns, len(panels)))
     rows = -(-len(panels) // columns)

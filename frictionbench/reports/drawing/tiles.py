@@ -1,8 +1,7 @@
 """A map: panels of coloured tiles over two parameters, as SVG for the page and on matplotlib's axes for a paper.
 
 Grid points are counted in grid lines from the lower left corner. A panel on the page is written by templates/tiles.svg and not
-by matplotlib, because it may hold thousands of tiles with tooltips. Tiles of one colour and tooltip form one path. A threshold
-is drawn as points.
+by matplotlib: it may hold thousands of tiles with tooltips. Tiles of one colour and tooltip form one path, thresholds points.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,7 @@
 """Form, setup and solve are timed separately, without calls that compile or load code; the clock is simulated."""
 
 import sys
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -64,8 +64,9 @@ class Late:
         return Answer(np.zeros((problem.contacts, problem.dimension)), Status.STALLED)
 
 
-def timed(method):
-    return timing.time_solver(method, block(), lambda ready: method.solve(ready, 1e-8, None), lambda: None)
+def timed(method, **given):
+    call = lambda ready: method.solve(ready, 1e-8, None)  # noqa: E731
+    return timing.time_solver(method, block(), call, lambda: None, lambda *_: 0, **given)
 
 
 def test_form_setup_and_solve_times(clock):
@@ -83,11 +84,8 @@ def test_loading_calls_are_discarded(clock, how, loads, seconds):
     found = timed(Late(clock, loads, how, seconds))
     assert set(found.solve) == {4 * seconds}
     assert found.spent > loads * LOADING
-
-
-def test_no_times_if_every_call_loads(clock):
-    found = timed(Late(clock, 10**6))
-    assert (found.form, found.setup, found.solve) == ([], [], [])
+    every = timed(Late(clock, 10**6, how, seconds))
+    assert (every.form, every.setup, every.solve) == ([], [], [])
 
 
 class Memoises(Late):
@@ -119,18 +117,23 @@ def test_reused_results_are_not_timed(clock, seconds, loads, known):
 
 
 def test_answers_to_new_problems_are_verified() -> None:
-    """The others are kept on disk, and of a version that was right."""
+    """The others are kept on disk, and of a version that was right. Finding them there need not be faster than the solver."""
     good, bad, info = solve(block(), "lemke"), Answer(np.ones((1, 2)), Status.SOLVED), find("lemke")[0]
+    steps, known = SimpleNamespace(form=lambda given: given, setup=lambda given: given), block().hash
+    rank = lambda _, answer: answer.impulse.tolist() == [[1.0, 1.0]]  # noqa: E731
     for unmet, verdict in (good, "solved"), (bad, "wrong"):
-        timing_of = timing.Timing(False, [1.0], [1.0], [1.0], answers=[good], reused=9.0, new_answers=[(block(), unmet)])
-        row = finding_columns(block(), timing_of, info, 1e-8, 10.0, None, disturbed=False)
-        assert (row["verdict"], "it reuses earlier results" in row["reason"]) == (verdict, True)
+        slow = timing.Timing(False, [1.0], [1.0], [1.0], answers=[good], reused=9.0, new_answers=[(block(), unmet)])
+        call = lambda given, new=unmet: good if given.hash == known else new  # noqa: E731
+        for found in slow, timing.time_solver(steps, block(), call, lambda: None, rank):
+            row = finding_columns(block(), found, info, 1e-8, 10.0, None, disturbed=False)
+            assert (row["verdict"], "it reuses earlier results" in row["reason"]) == (verdict, found is slow)
+    with pytest.raises(ZeroDivisionError):
+        timing.time_solver(steps, block(), lambda given: good if given.hash == known else 1 / 0, lambda: None, rank)
 
 
 def test_long_call_on_a_problem_met_before_is_questioned(clock):
     method = Memoises(clock, 1000.0, known=[block().hash])
-    found = timing.time_solver(method, block(), lambda ready: method.solve(ready, 1e-8, None), lambda: None, met_before=True)
-    assert found.solve == [4000.0] * 2
+    assert timed(method, met_before=True).solve == [4000.0] * 2
 
 
 def test_a_wait_for_a_core_is_no_reuse(clock, monkeypatch):
@@ -160,6 +163,11 @@ def test_simulation_discards_loading_calls(clock):
     keeps = Memoises(clock, 1.0)
     taken = [simulation.run_closed_loop(cell, stage, info, keeps)["solver_time"] for _ in range(2)]
     assert taken == [7.0 * found["problems"], None]
+    kept, known, bad = Late(clock), {}, Answer(np.ones((1, 2)), Status.SOLVED)
+    for made, timed_too in (solve, True), (lambda *_: bad, False):  # by the first version, and by a later one
+        kept.solve = lambda given, *_, new=made: known.setdefault(given.hash, new(given, "lemke"))
+        row = simulation.run_closed_loop(cell, stage, info, kept)
+        assert (row["verdict"], row["solver_time"] is not None) == ("solved", timed_too)
 
 
 @pytest.mark.parametrize("name", ["lemke", "path_search", "interior_point", "nsgs", "admm", "hybrid"])
@@ -172,11 +180,7 @@ def test_prepare(name):
 
 
 def test_default_steps():
-    class FormAlone:
-        def form(self, problem):
-            return "formed", problem
-
-    form = with_all_steps(FormAlone)()
+    form = with_all_steps(type("FormAlone", (), {"form": lambda self, problem: ("formed", problem)}))()
     assert (form.form(1), form.setup(1), form.prepare(1)) == (("formed", 1), 1, ("formed", 1))
     with pytest.raises(ValueError, match="Prepares defines prepare"):
         with_all_steps(type("Prepares", (), {"prepare": lambda self, problem: problem}))

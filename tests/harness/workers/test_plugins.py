@@ -77,6 +77,9 @@ def test_edited_plugin_is_refused(tmp_path) -> None:
         run_of(tmp_path / "run", plugin)
     (row,) = run_of(tmp_path / "other", plugin, plugins=plugins).to_dict("records")  # edited while the run was under way
     assert "was changed since the run began; begin another run" in row["reason"]
+    other = write(tmp_path / "other.py", first=f"Path({str(plugin)!r}).open('a').write('#')")
+    with pytest.raises(InputError, match=r"guest\.py was changed while plug-ins were imported"):
+        load_plugins([str(other), str(plugin)])
 
 
 def test_files_of_equal_name(tmp_path) -> None:
