@@ -128,11 +128,11 @@ def run(
     folder = Path(wanted.out) if wanted.out else folder_for(plan)
     if plan.expects:
         progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores")
+    begin, workers = run_maps if plan.maps else run_plan, _jobs(jobs, progress)
     with _resumable(folder, progress):
         if retake:
             drop_disturbed(plan, folder)
-        begin = run_maps if plan.maps else run_plan
-        begin(plan, folder, _jobs(jobs, progress), progress, cluster)
+        begin(plan, folder, workers, progress, cluster)
     typer.echo(summary(folder))
 
 

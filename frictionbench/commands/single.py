@@ -21,7 +21,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import require_known
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict
-from frictionbench.reports.drawing.text import number, residual, seconds
+from frictionbench.reports.drawing.text import number, seconds
 from frictionbench.results import store
 from frictionbench.results.cells import counts
 from frictionbench.results.conventions import RankBy, count, ending, scene_title
@@ -113,7 +113,7 @@ def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
     if not answered:
         return "no solver returned an answer that can be judged"
     nearest = min(answered, key=lambda row: row["residual"])
-    return f"no solver solves it; the smallest residual is {residual(nearest['residual'], 1)}, by {nearest['variant']}"
+    return f"no solver solves it; the smallest residual is {number(nearest['residual'], 2)}, by {nearest['variant']}"
 
 
 def _seconds(row: Row, rank_by: RankBy) -> float:
@@ -213,7 +213,7 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
 
 
 def _number(value: float | None) -> str:
-    return "" if value is None else residual(value, 1)
+    return "" if value is None else number(value, 2)
 
 
 def _time(value: float | None) -> str:

@@ -124,7 +124,7 @@ def located(location: str) -> list[Source]:
         folder, family = place.parent if place.is_file() else place, place.name
         files = [place] if place.is_file() else sorted(_files(folder), key=natural)
         steps = _steps(files)
-        missing = f": no {', '.join(FORMATS)} file" if place.exists() else ": it is no folder"
+        missing = f": no {', '.join(FORMATS)} file" if place.exists() else ": there is no such folder"
     require(bool(files), "data", f"no problems in {location}{missing}")
     return [Source(family, {"file": str(path.relative_to(folder))}, file=str(path), **steps.get(path, {})) for path in files]
 
