@@ -234,7 +234,7 @@ def disturbed(run: Run) -> str:
     if rows.empty:
         return ""
     text = f"Of {len(run.rows)} cells {len(rows)} shared or waited for their core while they were timed"
-    return text + ". The intervals resample the repeats; the command of the run with --retake times these cells again."
+    return text + ". The intervals resample the repeats. To time these cells again, repeat the run's command with --retake."
 
 
 def workers_on_all_cores(manifest: dict[str, Any]) -> int:
