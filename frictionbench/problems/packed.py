@@ -99,16 +99,16 @@ def pack(problems: Sequence[FrictionProblem]) -> Packed:
         same = SAME.get(a)
         first[1:, a] = np.fromiter(map(len, pieces), np.int64, len(problems)).cumsum() if same is None else first[1:, same]
     first[:, Q] = first[:, CONTACT] * problems[0].dimension
-    given = Packed._make((*map(np.concatenate, arrays), first, NOTHING, NOTHING, NOTHING, NOTHING))
-    offset = np.zeros((len(given.friction), problems[0].dimension))
-    offset[np.repeat(np.diff(first[:, START]) > 0, np.diff(first[:, CONTACT])), 0] = given.bias
-    given = given._replace(offset=offset)
-    for array in (*given[:2], given.free, given.bias, given.q, offset):  # as in a problem, so that kernels see the same types
+    packed = Packed._make((*map(np.concatenate, arrays), first, NOTHING, NOTHING, NOTHING, NOTHING))
+    offset = np.zeros((len(packed.friction), problems[0].dimension))
+    offset[np.repeat(np.diff(first[:, START]) > 0, np.diff(first[:, CONTACT])), 0] = packed.bias
+    packed = packed._replace(offset=offset)
+    for array in (*packed[:2], packed.free, packed.bias, packed.q, offset):  # as in a problem, so that kernels see equal types
         array.setflags(write=False)
-    q, scale, units, spread = _measured(given)
+    q, scale, units, spread = _measured(packed)
     q.setflags(write=False)
     units.setflags(write=False)
-    return given._replace(q=q, scale=scale, units=units, spread=spread)
+    return packed._replace(q=q, scale=scale, units=units, spread=spread)
 
 
 def _pieces(problem: FrictionProblem) -> tuple[Any, ...]:
@@ -239,30 +239,30 @@ def _measured(packed):  # type: ignore[no-untyped-def]
 def residuals(packed: Packed, impulse: Array) -> Array:
     """(N, 2): each problem's residual and its floor (problems.residual), for the impulses of all contacts (contacts, d)."""
     contacts, velocities = np.diff(packed.contacts).max(initial=0), np.diff(packed.first[:, VELOCITY]).max(initial=0)
-    found = np.empty((packed.size, 2))
-    _residuals(packed, impulse, np.empty((2, velocities)), np.empty((2, contacts, packed.dimension)), found)
-    return found
+    errors = np.empty((packed.size, 2))
+    _residuals(packed, impulse, np.empty((2, velocities)), np.empty((2, contacts, packed.dimension)), errors)
+    return errors
 
 
 @lean_loop
-def _residuals(packed, impulse, by_velocity, by_contact, found):  # type: ignore[no-untyped-def]
+def _residuals(packed, impulse, by_velocity, by_contact, errors):  # type: ignore[no-untyped-def]
     """Write `residuals` to found (N, 2). by_velocity (2, nv), by_contact (2, nc, d): workspace for the largest problem."""
     begin = packed.first[0, CONTACT]
-    for k in range(len(found)):
+    for k in range(len(errors)):
         r = impulse[packed.first[k, CONTACT] - begin : packed.first[k + 1, CONTACT] - begin]
         u, terms = by_contact[0, : len(r)], by_contact[1, : len(r)]
         mu, wider, scale, units = law_of(packed, k)
         if mechanical(packed, k):
             start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
             momentum, pushed = by_velocity[0], by_velocity[1]
-            given = start, column, J, m_start, m_column, m_value, free, r
-            write_velocity(*given, False, momentum, pushed)
+            mechanics = start, column, J, m_start, m_column, m_value, free, r
+            write_velocity(*mechanics, False, momentum, pushed)
             write_contact_velocity(start, column, J, pushed, bias, False, u)
-            write_velocity(*given, True, momentum, pushed)
+            write_velocity(*mechanics, True, momentum, pushed)
             write_contact_velocity(start, column, J, pushed, bias, True, terms)
         else:
             first, neighbours, block = known_blocks(packed, k)
             q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(r), r.shape[1])
             write_act(first, neighbours, block, r, q, False, u)
             write_act(first, neighbours, block, r, q, True, terms)
-        found[k, 0], found[k, 1] = largest_with_floor(r, u, terms, scale, mu, wider, units)
+        errors[k, 0], errors[k, 1] = largest_with_floor(r, u, terms, scale, mu, wider, units)

@@ -36,7 +36,7 @@ from frictionbench.problems.forms.lcp import LCP, by_unknown
 from frictionbench.problems.friction import FrictionProblem
 
 EPSILON = float(np.finfo(float).eps)
-LEAST = 1e-250  # smaller units have no reciprocal
+LEAST_UNIT = 1e-250  # smaller units have no reciprocal
 
 
 def residual(problem: FrictionProblem, impulse: Array) -> float:
@@ -142,10 +142,10 @@ def residual_with_floor(problem: FrictionProblem, impulse: Array) -> tuple[float
     law = problem.scale, problem.friction, problem.friction_bias, _units(problem, impulse)
     if problem.mechanical and not len(problem.joint_bias):  # one pass is faster than three for few contacts
         rows = *problem.contact_rows, *problem.inverse_rows
-        found, floor = _mechanical(*rows, problem.free_velocity, impulse, problem.bias, *law)
+        error, floor = _mechanical(*rows, problem.free_velocity, impulse, problem.bias, *law)
     else:
-        found, floor = largest_with_floor(impulse, problem.contact_velocity(impulse), problem.velocity_size(impulse), *law)
-    return found, floor
+        error, floor = largest_with_floor(impulse, problem.contact_velocity(impulse), problem.velocity_size(impulse), *law)
+    return error, floor
 
 
 def contact_floors(problem: FrictionProblem, impulse: Array, shift: float = 1.0) -> Array:
@@ -176,14 +176,14 @@ def contact_residual(r, u, s, mu, b, unit, shift):  # type: ignore[no-untyped-de
     Velocities are first divided by the unit, so that those of an answer are of order one and their squares neither overflow nor
     underflow.
     """
-    v = 1 / max(unit, LEAST) if unit > 0 else 1.0
+    v = 1 / max(unit, LEAST_UNIT) if unit > 0 else 1.0
     s *= v
     defect, closed, opened = contact_defect(r, u, s, v, mu, b, shift), s * r[0], v * u[0]
     if shift == 1:
         signorini = abs(closed if closed < opened else opened)  # min and max would be branches, often mispredicted
         defect = signorini if signorini > defect else defect
-    if unit < LEAST:
-        return relative_defect(defect, unit / LEAST)
+    if unit < LEAST_UNIT:
+        return relative_defect(defect, unit / LEAST_UNIT)
     return defect if defect < np.inf else np.inf
 
 

@@ -106,16 +106,16 @@ def planar_relative(bodies: Index64, arms: Array, along: Array) -> Rows:
 @kernel
 def by_row(start, column, value, first, d):  # type: ignore[no-untyped-def]
     """The rows first, ..., d-1 of every contact of a matrix by contacts, as a matrix by rows."""
-    nc, own = len(start) - 1, d - first
-    own_start, at = np.zeros(nc * own + 1, np.int32), 0
-    own_column, own_value = np.empty(len(column) * own, np.int32), np.empty(len(column) * own)
+    nc, kept = len(start) - 1, d - first
+    own_start, at = np.zeros(nc * kept + 1, np.int32), 0
+    own_column, own_value = np.empty(len(column) * kept, np.int32), np.empty(len(column) * kept)
     for i in range(nc):
         for a in range(first, d):
             for k in range(start[i], start[i + 1]):
                 if value[k, a] != 0:
                     own_column[at], own_value[at] = column[k], value[k, a]
                     at += 1
-            own_start[i * own + a - first + 1] = at
+            own_start[i * kept + a - first + 1] = at
     return own_start, own_column[:at], own_value[:at]
 
 

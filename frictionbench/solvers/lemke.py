@@ -79,8 +79,8 @@ from frictionbench.solvers.pivots.tableau import SMALL, Tableau, follow_in_table
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
 CLEAN = 1e-14  # largest residual at which a solution from the tableau is not refined
-EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
-NONE = np.empty(0, np.int64)  # no guess of the basis
+ROUND_OFF = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
+NO_GUESS = np.empty(0, np.int64)  # no guess of the basis
 NEGLIGIBLE = 1e-9  # impulses of a start below this share of the largest count as zero
 ROUGH = 1e-3  # the largest residual accepted as rounding: where rounding causes more, impulses are far too large
 NOISE = 1e3 * EPSILON  # rounding error of basic variables, relative to the largest; perturbations must exceed it
@@ -131,9 +131,9 @@ def memory(M: Matrix, n: int) -> Memory:
 @kernel
 def lemke(M, q, unit, contacts, guess, copositive, tol, pivots, restarts, until):  # type: ignore[no-untyped-def]
     """lemke_within with new workspace, and the solution. No tuples: each adds to the time of calling a kernel from Python."""
-    own = memory(M, len(q))
+    storage = memory(M, len(q))
     problem, limits = LemkeProblem(M, q, unit, contacts, guess, copositive), Limits(tol, pivots, restarts, until)
-    return *lemke_within(own, problem, limits), own.best
+    return *lemke_within(storage, problem, limits), storage.best
 
 
 @lean
@@ -175,11 +175,11 @@ def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple
                 break
             error = refined(memory, state, problem, tol) if rough else finish(state, q, unit)
             reach = max(reach, largest(x, n))
-            rounding = 0.0 if error <= min(tol, EXACT) else min(scaled_rounding(M, q, unit, state.y, state.v), ROUGH)
+            rounding = 0.0 if error <= min(tol, ROUND_OFF) else min(scaled_rounding(M, q, unit, state.y, state.v), ROUGH)
             if error < best:
                 best, goal = error, max(tol, rounding)
                 put(best_y, state.y)
-            going = size >= 1e-12 and error > max(min(tol, EXACT), rounding) and not least(x, n) >= -4e-16 * largest(x, n)
+            going = size >= 1e-12 and error > max(min(tol, ROUND_OFF), rounding) and not least(x, n) >= -4e-16 * largest(x, n)
             size, cold = size * 1e-2, False
         if best <= goal:
             ended = COMPLEMENTARY
@@ -267,11 +267,11 @@ def lemke_loop(packed, basis, guess, first, limits, lcp, memory, r, ended, work)
         fits, stretch, M, q, unit = scaled_lcp_of(packed, k, basis, lcp)
         if not fits:
             continue
-        n, own, (tol, pivots, restarts, until) = len(q), impulses_of(packed, k, r), limits
-        problem = LemkeProblem(M, q, unit, len(own), guess[first[k] : first[k + 1]], True)
+        n, impulse, (tol, pivots, restarts, until) = len(q), impulses_of(packed, k, r), limits
+        problem = LemkeProblem(M, q, unit, len(impulse), guess[first[k] : first[k + 1]], True)
         own_limits = Limits(tol, pivots if pivots else 100_000 + 100 * n, restarts, until)
         ended[k], work[k, 0], work[k, 1], work[k, 2] = lemke_within(memory, problem, own_limits)
-        write_stretched(basis, memory.best[:n], stretch, own)
+        write_stretched(basis, memory.best[:n], stretch, impulse)
 
 
 @solver("lemke", family="pivoting", model="lcp", dimension=(2, 3), warm_start=True)
@@ -294,23 +294,23 @@ class Lemke:
 
     def solve(self, scaled: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         M, q, unit = scaled.M, scaled.q, scaled.unit
-        guess, problem = NONE, scaled.problem
+        guess, problem = NO_GUESS, scaled.problem
         if start is not None and isinstance(problem, FrictionProblem):
             one, law = np.array([0, problem.contacts]), (problem.friction, problem.friction_bias)
             guess, _ = guess_bases(one, impulses(start, scaled.contacts), *law, tangent_basis(problem.dimension, self.facets))
         if is_past(deadline(2.0 * len(guess) ** 3)):  # inverting the guess would take too long; start from z = 0 instead
-            guess = NONE
+            guess = NO_GUESS
         limits = MARGIN * tol, limit or 100_000 + 100 * len(q), self.restarts, deadline()
-        given = M, q, unit, scaled.contacts[0], guess, scaled.basis is not None
-        ended, pivots, restarts, inversions, y = lemke(*given, *limits)
+        arguments = M, q, unit, scaled.contacts[0], guess, scaled.basis is not None
+        ended, pivots, restarts, inversions, y = lemke(*arguments, *limits)
         return scaled.answer(y, STATUSES[ended], pivots=pivots, restarts=restarts, inversions=inversions)
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         basis = tangent_basis(packed.dimension, self.facets)
-        guess = NONE, np.zeros(packed.size + 1, np.int64)
+        guess = NO_GUESS, np.zeros(packed.size + 1, np.int64)
         if start is not None:
-            own = slice(packed.first[0, CONTACT], packed.first[-1, CONTACT])
-            guess = guess_bases(packed.contacts, start, packed.friction[own], packed.friction_bias[own], basis)
+            contacts = slice(packed.first[0, CONTACT], packed.first[-1, CONTACT])
+            guess = guess_bases(packed.contacts, start, packed.friction[contacts], packed.friction_bias[contacts], basis)
         r, ended, work = unsolved(packed, 3)
         limits = Limits(MARGIN * tol, limit or 0, self.restarts, np.inf)
         lcp, n = lcp_space(packed, basis), int(np.diff(packed.contacts).max(initial=0)) * (len(basis[0]) + 1)

@@ -124,8 +124,8 @@ def solve_many(
     if hasattr(instance, "solve_many"):
         for numbers, packed in batch.groups:
             places = _places(answers, numbers, packed)
-            own = None if begin is None else begin[places].reshape(-1, packed.dimension)
-            _fill(answers, numbers, places, *_looped(instance, packed, tol, limit, own, int(workers)))
+            guess = None if begin is None else begin[places].reshape(-1, packed.dimension)
+            _fill(answers, numbers, places, *_looped(instance, packed, tol, limit, guess, int(workers)))
     for k in np.flatnonzero(answers.floor > tol).tolist() if info.ours else ():
         if answers.status[k] is Status.SOLVED:
             answers.status[k] = Status.ROUNDING
@@ -155,10 +155,10 @@ def _flat(start: Any, batch: Batch) -> Array:
     require(isinstance(start, Sequence | np.ndarray), "start", f"must be impulses of each problem, got {type(start)}")
     require(len(start) == len(batch), "start", f"expected impulses of {len(batch)} problems, got {len(start)}")
     parts = [np.zeros(0)]
-    for k, (given, problem) in enumerate(zip(start, batch, strict=True)):
-        require(given is not None, f"start[{k}]", "must be impulses, got None")
+    for k, (impulse, problem) in enumerate(zip(start, batch, strict=True)):
+        require(impulse is not None, f"start[{k}]", "must be impulses, got None")
         try:
-            parts.append(impulses(given, (problem.contacts, problem.dimension)).ravel())
+            parts.append(impulses(impulse, (problem.contacts, problem.dimension)).ravel())
         except InputError as error:
             raise InputError(f"start[{k}]{str(error).removeprefix('start')}") from None
     return np.concatenate(parts)
@@ -170,8 +170,8 @@ def _looped(
     """The results of the solver's own loop, and the residuals with their floors (N, 2). start: (contacts, d), or None."""
 
     def part(share: Packed, begin: int = 0) -> tuple[Solved, Array]:
-        own = () if start is None else (start[begin : begin + int(share.contacts[-1])],)
-        solved = instance.solve_many(share, tol, limit, *own)  # type: ignore[attr-defined]
+        guess = () if start is None else (start[begin : begin + int(share.contacts[-1])],)
+        solved = instance.solve_many(share, tol, limit, *guess)  # type: ignore[attr-defined]
         impulse, expected = np.ascontiguousarray(solved.impulse, float), (int(share.contacts[-1]), share.dimension)
         require(impulse.shape == expected, "solve_many", f"must return impulses of shape {expected}, got {impulse.shape}")
         return solved, residuals(share, impulse)
@@ -188,7 +188,7 @@ def _looped(
         name: np.concatenate([each.work.get(name, np.zeros(len(each.status), np.int64)) for each in solved]) for name in names
     }
     joined = Solved(np.concatenate([each.impulse for each in solved]), np.concatenate([each.status for each in solved]), work)
-    return joined, np.concatenate([found for _, found in parts])
+    return joined, np.concatenate([checked for _, checked in parts])
 
 
 def _places(answers: Answers, numbers: Index64, packed: Packed) -> Index64 | slice:
@@ -199,20 +199,20 @@ def _places(answers: Answers, numbers: Index64, packed: Packed) -> Index64 | sli
     return np.arange(begin[-1]) + np.repeat(answers.first[numbers] - begin[:-1], np.diff(begin))
 
 
-def _fill(answers: Answers, numbers: Index64, places: Index64 | slice, solved: Solved, found: Array) -> None:
+def _fill(answers: Answers, numbers: Index64, places: Index64 | slice, solved: Solved, checked: Array) -> None:
     """Write the results of the problems with these numbers to their places."""
     answers.impulse[places] = solved.impulse.ravel()
     answers.status[numbers] = solved.status
-    answers.residual[numbers], answers.floor[numbers] = found.T
+    answers.residual[numbers], answers.floor[numbers] = checked.T
     for name, counts in solved.work.items():
         answers.work.setdefault(name, np.zeros(len(answers), np.int64))[numbers] = counts
 
 
 def _solve_alone(answers: Answers, k: int, problem: FrictionProblem, spec: str, limit: int | None, start: Array | None) -> None:
-    own = slice(answers.first[k], answers.first[k + 1])
-    guess = None if start is None else start[own].reshape(-1, problem.dimension)
+    contacts = slice(answers.first[k], answers.first[k + 1])
+    guess = None if start is None else start[contacts].reshape(-1, problem.dimension)
     answer: Any = solve(problem, spec, tol=answers.tol, limit=limit, start=guess)
-    answers.impulse[own] = answer.impulse.ravel()
+    answers.impulse[contacts] = answer.impulse.ravel()
     answers.status[k] = answer.status
     answers.residual[k], answers.floor[k] = residual_with_floor(problem, answer.impulse)
     for name, value in answer.work.items():
@@ -242,5 +242,5 @@ def impulses_of(packed, k, r):  # type: ignore[no-untyped-def]
 
 def solved(r: Array, ended: Index64, statuses: Sequence[Status], work: Index64, names: tuple[str, ...]) -> Solved:
     """The results of a loop. statuses: by how a problem ended, other than ALONE. work: the counts (N, names)."""
-    told = np.array([*statuses, None])
-    return Solved(r, told[ended], dict(zip(names, work.T, strict=True)))
+    by_number = np.array([*statuses, None])
+    return Solved(r, by_number[ended], dict(zip(names, work.T, strict=True)))

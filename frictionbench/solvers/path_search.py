@@ -118,12 +118,12 @@ class PathSearch:
         n, target = len(q), MARGIN * tol
         limit = 50 * n + 1000 if limit is None else limit
         settings = q, unit, noise, target, limit, deadline(), self.crash
-        found, least, end, ray, work = search(columns, basis, *settings)
+        z, least, end, ray, work = search(columns, basis, *settings)
         while basis.size[2] > 0 and not is_over():  # the factors did not fit into the storage: repeat with more
             basis = new_basis(n, min(n * n, 4 * len(basis.L.value)))
-            found, least, end, ray, work = search(columns, basis, *settings)
+            z, least, end, ray, work = search(columns, basis, *settings)
         y = np.empty(n)
-        y[order] = found
+        y[order] = z
         if least <= target or scaled.residual(y) <= tol:
             end = NEWTON
         elif end not in (LIMIT, SINGULAR):

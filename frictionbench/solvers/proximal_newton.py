@@ -67,8 +67,8 @@ LIMIT = 1500  # factorisations by default: most problems that are solved take le
 STEPS = 20  # Newton steps for one proximal point: the method converges within a few, or not at all
 ENOUGH = 1e-2  # |s F| that suffices for a proximal point, relative to the least residual so far: an anchor need not be exact
 ACCURATE = 1e-11  # |s F| that always suffices, relative to the largest free velocity: near what rounding leaves
-SOFT, SOFTER, STIFFER = 1.0, 5.0, 0.5  # the first rho, and its factors after a failure and after a success
-LEAST = 1e-8  # the smallest rho: below it, G is singular to working accuracy
+FIRST_RHO, RHO_GROWTH, RHO_DECAY = 1.0, 5.0, 0.5  # the first rho, and its factors after a failure and after a success
+LEAST_RHO = 1e-8  # the smallest rho: below it, G is singular to working accuracy
 HALVINGS = 8  # lengths tried for a step, each half the last: if none decreases |s F| enough, the shortest is taken nevertheless
 DECREASE = 1e-4  # share of the predicted decrease of |s F| that a step must reach (the usual Armijo constant)
 
@@ -92,7 +92,7 @@ class ProximalNewton(Phased):
         state.r[:] = anchor
         impulse = anchor * system.impulse
         least = residual(problem, impulse)
-        history, factorisations, rho = [least], 0, SOFT if start is None else min(SOFT, least)
+        history, factorisations, rho = [least], 0, FIRST_RHO if start is None else min(FIRST_RHO, least)
         while least > tol and factorisations < limit and not is_past(work.until):
             steps = min(STEPS, limit - factorisations)
             aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0))
@@ -100,16 +100,16 @@ class ProximalNewton(Phased):
             factorisations += used
             if not used:
                 break  # |s F| is zero up to rounding, the residual is not
-            found = residual(problem, state.r * system.impulse)
-            history.append(found)
-            if found < least:
-                impulse, least = state.r * system.impulse, found
+            error = residual(problem, state.r * system.impulse)
+            history.append(error)
+            if error < least:
+                impulse, least = state.r * system.impulse, error
             if off < max(ENOUGH * least, ACCURATE):
                 anchor[:] = state.r
-                rho = max(STIFFER * rho, LEAST)
+                rho = max(RHO_DECAY * rho, LEAST_RHO)
             else:
                 state.r[:] = anchor
-                rho *= SOFTER
+                rho *= RHO_GROWTH
         spent = {"factorisations": factorisations, "anchors": len(history) - 1}
         if least <= tol:
             return Answer(impulse, Status.SOLVED, spent, tuple(history))

@@ -42,24 +42,24 @@ def _connect(parent, begin, start, column, offset):  # type: ignore[no-untyped-d
 
 @part
 def _numbered(parent, nc):  # type: ignore[no-untyped-def]
-    number, found, count = np.full(len(parent), -1), np.empty(len(parent), np.int64), 0
+    number, labels, count = np.full(len(parent), -1), np.empty(len(parent), np.int64), 0
     for i in range(len(parent)):
         root = top(parent, i)
         if i < nc and number[root] < 0:
             number[root] = count
             count += 1
-        found[i] = number[root]
-    return found
+        labels[i] = number[root]
+    return labels
 
 
 @kernel
 def factors(parts, units):  # type: ignore[no-untyped-def]
     """The factor of each node (nodes,) for the contacts' units (nc,); 1 for nodes without a connection to any contact."""
-    fastest, own, factor = 0.0, np.zeros(len(parts)), np.ones(len(parts))
+    fastest, largest, factor = 0.0, np.zeros(len(parts)), np.ones(len(parts))
     for i in range(len(units)):
         fastest = max(fastest, units[i])
-        own[parts[i]] = max(own[parts[i]], units[i])
+        largest[parts[i]] = max(largest[parts[i]], units[i])
     for v in range(len(parts)):
-        if parts[v] >= 0 and own[parts[v]] > 0:
-            factor[v] = 2.0 ** np.rint(np.log2(own[parts[v]] / fastest))
+        if parts[v] >= 0 and largest[parts[v]] > 0:
+            factor[v] = 2.0 ** np.rint(np.log2(largest[parts[v]] / fastest))
     return factor

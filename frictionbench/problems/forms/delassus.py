@@ -74,13 +74,13 @@ def blocks(W: sparse.csr_array, d: int) -> Blocks:
     nc = W.shape[0] // d
     if not nc:
         return Blocks(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros((0, d, d)))
-    given = W.tobsr(blocksize=(d, d))
-    row, column = row_of_entry(given.indptr), given.indices.astype(np.int64)
+    by_blocks = W.tobsr(blocksize=(d, d))
+    row, column = row_of_entry(by_blocks.indptr), by_blocks.indices.astype(np.int64)
     at = row * nc + column
     kept = np.unique(np.concatenate([at, column * nc + row, np.arange(nc) * (nc + 1)]))
     first, neighbours = np.searchsorted(kept, nc * np.arange(nc + 1)), kept % nc
     block = np.zeros((len(kept), d, d))
-    block[np.searchsorted(kept, at)] = given.data
+    block[np.searchsorted(kept, at)] = by_blocks.data
     return Blocks(first.astype(np.int32), neighbours.astype(np.int32), block)
 
 
@@ -102,10 +102,10 @@ def blocks_of_array(W, d):  # type: ignore[no-untyped-def]
     first, neighbours, block = np.zeros(nc + 1, np.int32), np.empty(nc * nc, np.int32), np.empty((nc * nc, d, d))
     for i in range(nc):
         for j in range(nc):
-            own, other = W[i * d : i * d + d, j * d : j * d + d], W[j * d : j * d + d, i * d : i * d + d]
-            if i == j or own.any() or other.any():
+            part, other = W[i * d : i * d + d, j * d : j * d + d], W[j * d : j * d + d, i * d : i * d + d]
+            if i == j or part.any() or other.any():
                 neighbours[at] = j
-                block[at] = own
+                block[at] = part
                 at += 1
         first[i + 1] = at
     return first, neighbours[:at], block[:at]
@@ -358,13 +358,13 @@ def write_act(first, neighbours, block, r, q, size, u):  # type: ignore[no-untyp
 @kernel
 def block_scale(first, neighbours, block):  # type: ignore[no-untyped-def]
     """s (nc,): `mean_diagonal` of the blocks of W."""
-    own = np.zeros((len(first) - 1, block.shape[1]))
-    for i in range(len(own)):
+    diagonals = np.zeros((len(first) - 1, block.shape[1]))
+    for i in range(len(diagonals)):
         for k in range(first[i], first[i + 1]):
             if neighbours[k] == i:
                 for a in range(block.shape[1]):
-                    own[i, a] = block[k, a, a]
-    return mean_diagonal(own)
+                    diagonals[i, a] = block[k, a, a]
+    return mean_diagonal(diagonals)
 
 
 @kernel
@@ -409,14 +409,14 @@ def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f, mu):
     (nc,) and their spread. With mu (nc,) the units are those of the convex relaxation, with empty mu those of Coulomb's law."""
     nc, d = len(bias), J.shape[1]
     q = contact_velocity(start, column, J, free, bias).reshape(nc * d)
-    own = np.zeros((nc, d))
+    diagonals = np.zeros((nc, d))
     if len(m_value) > len(free):
-        own = diagonal(start, column, J, m_start, m_column, m_value)
+        diagonals = diagonal(start, column, J, m_start, m_column, m_value)
     else:  # M is diagonal
         for i in range(nc):
             for k in range(start[i], start[i + 1]):
                 for a in range(d):
-                    own[i, a] += J[k, a] * J[k, a] * m_value[column[k]]
-    s, none, low = mean_diagonal(own), np.zeros(1, np.int32), lowered(q, mu) if len(mu) else q
+                    diagonals[i, a] += J[k, a] * J[k, a] * m_value[column[k]]
+    s, none, low = mean_diagonal(diagonals), np.zeros(1, np.int32), lowered(q, mu) if len(mu) else q
     units = mechanical_units(start, column, J, m_start, m_column, m_value, none, none[:0], np.abs(free), bias, low, s, b_f)[0]
     return q, s, largest(q, d), units, spread(units)

@@ -204,8 +204,8 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
                 unit[i] = own_speed(q, i, d)
             largest = max(largest, unit[i])
     for i in range(nc):
-        own = CANCELLED * size[i] if bears[i] else 0.0
-        unit[i] = max(unit[i], own, NOISE * largest) if unit[i] > 0 else largest
+        cancelled = CANCELLED * size[i] if bears[i] else 0.0
+        unit[i] = max(unit[i], cancelled, NOISE * largest) if unit[i] > 0 else largest
     return unit, island
 
 
@@ -238,11 +238,11 @@ def _bearing(start, node, push, read, nodes, closes, q, s, b_f, needed, speed, t
         energy[top(parent, i)] += (counted / most) ** 2 / s[i]
     for i in range(nc):
         if not closes[i]:
-            given = most * np.sqrt(s[i] * energy[top(parent, i)])
-            pushed = q[i * d] <= FAR * given
-            bears[i] = pushed or s[i] * b_f[i] > COUPLED * given
+            transmitted = most * np.sqrt(s[i] * energy[top(parent, i)])
+            pushed = q[i * d] <= FAR * transmitted
+            bears[i] = pushed or s[i] * b_f[i] > COUPLED * transmitted
             counted = max(needed[i], CANCELLED * terms[i])
-            speed[i] = terms[i] = max(counted, min(speed[i], FAR * given)) if pushed else counted
+            speed[i] = terms[i] = max(counted, min(speed[i], FAR * transmitted)) if pushed else counted
     return bears
 
 

@@ -189,17 +189,17 @@ def friction_rows(first, neighbours, block, q, friction, friction_bias, basis): 
     start[0] = at = row = 0
     for tangential in range(2):  # the normal rows of all contacts, then the tangential rows contact by contact
         for i in range(nc):
-            for own in range(1, width) if tangential else range(1):
+            for b in range(1, width) if tangential else range(1):
                 for a in range(d):
-                    right[row] += basis[a, own] * q[i * d + a]
+                    right[row] += basis[a, b] * q[i * d + a]
                 for k in range(first[i], first[i + 1]):
-                    column[at], value[at] = neighbours[k], part[k, own, 0]
-                    at += part[k, own, 0] != 0
+                    column[at], value[at] = neighbours[k], part[k, b, 0]
+                    at += part[k, b, 0] != 0
                 for k in range(first[i], first[i + 1]):
                     for m in range(K):
-                        column[at], value[at] = nc + neighbours[k] * K + m, part[k, own, 1 + m]
-                        at += part[k, own, 1 + m] != 0
-                if own:
+                        column[at], value[at] = nc + neighbours[k] * K + m, part[k, b, 1 + m]
+                        at += part[k, b, 1 + m] != 0
+                if b:
                     column[at], value[at] = nc * width + i, 1.0
                     at += 1
                 row += 1

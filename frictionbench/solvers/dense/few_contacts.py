@@ -24,20 +24,20 @@ from frictionbench.solvers.many import impulses_of
 
 ROWS = 120  # the largest number of contact rows, normal and tangential: a step then takes some tenths of a millisecond
 JOINTS = 40  # the largest number of joint equations
-# Bodies without joints: above SINGULAR rows, Newton's method is used only if the rows do not exceed HYPERSTATIC times the
+# Bodies without joints: above SMALL_ROWS, Newton's method is used only if the rows do not exceed HYPERSTATIC times the
 # velocities. Otherwise W is singular, and other methods are faster.
-SINGULAR, HYPERSTATIC = 36, 1.25
+SMALL_ROWS, HYPERSTATIC = 36, 1.25
 COUPLED = 6  # entries of M^-1 for each velocity, on average, above which bodies count as coupled, as by joints
 SWEEPS, MORE_SWEEPS, MOST_SWEEPS = 5, 50, 100  # before the first step, before the first careful one, and when those stall
 # The numbers of full and of careful steps. Of 241 steps of robots that six full Newton steps leave unsolved, careful ones solve
 # 240, within 6 in the median.
-PLAIN, CAREFUL = 6, 54
-FREE = 20  # of both, for bodies without joints: with six full steps only, problems of singular W take 1.4 times as long
-FULL = 0.9  # a careful step is shortened if it leaves more than this share of the residual
+FULL_STEPS, CAREFUL_STEPS = 6, 54
+FREE_BODY_STEPS = 20  # both together, for bodies without joints: with six only, problems of singular W take 1.4 times as long
+LARGEST_LEFT = 0.9  # a careful step is shortened if it leaves more than this share of the residual
 PATIENCE, BETTER = 16, 0.9  # the number of steps within which the residual must fall to this share
-SHIFT, SOFT = 1e-3, 0.05  # the shift of full steps and of careful ones, relative to the residual
-SOFTER = 3.0  # the factor of the shift when careful steps stall
-LEAST = 1e-12  # the least shift, for redundant rows when the residual is near rounding
+FULL_SHIFT, CAREFUL_SHIFT = 1e-3, 0.05  # the shift of full steps and of careful ones, relative to the residual
+SHIFT_GROWTH = 3.0  # the factor of the shift when careful steps stall
+LEAST_SHIFT = 1e-12  # the least shift, for redundant rows when the residual is near rounding
 MARGIN = 0.5  # the share of tol that is requested, as residuals computed from W and from velocities differ by rounding
 
 NO_GUESS = np.zeros((0, 3))
@@ -59,8 +59,8 @@ def most_steps(rows, nv, entries, nj):  # type: ignore[no-untyped-def]
     if rows == 0 or rows > ROWS or nj > JOINTS:
         return 0
     if nj > 0 or entries > COUPLED * nv:
-        return PLAIN + CAREFUL
-    return FREE if rows <= SINGULAR or rows <= HYPERSTATIC * nv else 0
+        return FULL_STEPS + CAREFUL_STEPS
+    return FREE_BODY_STEPS if rows <= SMALL_ROWS or rows <= HYPERSTATIC * nv else 0
 
 
 def few_contacts(
@@ -68,12 +68,12 @@ def few_contacts(
 ) -> tuple[Array, float, float, int, int]:
     """The impulses (nc, 3), their residual and its floor, and the numbers of sweeps and Newton steps. steps: from few_steps.
     limit: of the steps."""
-    found: tuple[Array, float, float, int, int] = _one(
+    answer: tuple[Array, float, float, int, int] = _one(
         *problem.contact_rows, *problem.inverse_rows, *problem.joint_rows, problem.joint_bias, problem.free_velocity,
         problem.bias, problem.friction, problem.friction_bias, NO_GUESS if start is None else start, tol,
         steps if limit is None else min(steps, limit),
     )  # fmt: skip
-    return found
+    return answer
 
 
 @loop
@@ -118,8 +118,8 @@ def _each(packed, most, r, tol):  # type: ignore[no-untyped-def]
             begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
             start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
             bodies, joints = (start, column, J, m_start, m_column, m_value), (none, none[:0], nothing, nothing)
-            mu, b_f, own = packed.friction[begin:end], packed.friction_bias[begin:end], impulses_of(packed, k, r)
-            _, _, work[k, 0], work[k, 1] = _solve(bodies, joints, free, bias, mu, b_f, own, tol, most[k])
+            mu, b_f, impulse = packed.friction[begin:end], packed.friction_bias[begin:end], impulses_of(packed, k, r)
+            _, _, work[k, 0], work[k, 1] = _solve(bodies, joints, free, bias, mu, b_f, impulse, tol, most[k])
     return work
 
 
@@ -137,7 +137,7 @@ def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[
             if rows.row[i, a] < 0:
                 r[i, a] = 0.0
     work, sweeps, steps, worst, floor = new_work(len(rows.V), len(r)), 0, 0, 0.0, 0.0
-    for most in (turns - PLAIN if len(joints[3]) and turns > PLAIN else turns, turns):
+    for most in (turns - FULL_STEPS if len(joints[3]) and turns > FULL_STEPS else turns, turns):
         swept, stepped = _iterate(rows, r, work, MARGIN * tol, most - steps)
         sweeps, steps = sweeps + swept, steps + stepped
         worst, floor, u = _residual(bodies, joints, inverse, free, bias, rows, r)
@@ -155,34 +155,34 @@ def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[
 def _iterate(rows, r, work, tol, turns):  # type: ignore[no-untyped-def]
     """Overwrite r with the best impulses found; return the sweeps and steps."""
     best, old = r.copy(), r.copy()
-    found = least = measure(rows, r, work)
+    error = least = measure(rows, r, work)
     sweeps = steps = stalled = 0
-    shift = SHIFT
+    shift = FULL_SHIFT
     while least > tol:
-        if steps in (0, PLAIN) or stalled == PATIENCE:
+        if steps in (0, FULL_STEPS) or stalled == PATIENCE:
             times = SWEEPS
             if stalled == PATIENCE:
-                times, shift, stalled = MOST_SWEEPS, SOFTER * shift, 0
+                times, shift, stalled = MOST_SWEEPS, SHIFT_GROWTH * shift, 0
             elif steps:
-                times, shift, stalled = MORE_SWEEPS, SOFT, 0
+                times, shift, stalled = MORE_SWEEPS, CAREFUL_SHIFT, 0
                 r[:] = best
                 measure(rows, r, work)
             sweep(rows, r, work, times)
             sweeps += times
-            found = measure(rows, r, work)
-            if found < least:
-                least, best[:] = found, r
-        old[:], before = r, found
-        if least <= tol or steps == turns or not newton_step(rows, r, work, max(LEAST, shift * min(found, 1.0))):
+            error = measure(rows, r, work)
+            if error < least:
+                least, best[:] = error, r
+        old[:], before = r, error
+        if least <= tol or steps == turns or not newton_step(rows, r, work, max(LEAST_SHIFT, shift * min(error, 1.0))):
             break
         steps += 1
-        found = measure(rows, r, work)
-        if steps > PLAIN and found > FULL * before:
+        error = measure(rows, r, work)
+        if steps > FULL_STEPS and error > LARGEST_LEFT * before:
             past_first_change(rows, r, old, work)
-            found = measure(rows, r, work)
-        stalled = 0 if found < BETTER * least else stalled + 1
-        if found < least:
-            least, best[:] = found, r
+            error = measure(rows, r, work)
+        stalled = 0 if error < BETTER * least else stalled + 1
+        if error < least:
+            least, best[:] = error, r
     r[:] = best
     return sweeps, steps
 

@@ -74,9 +74,9 @@ def measure(rows, r, work):  # type: ignore[no-untyped-def]
 def push(rows, w, g, change):  # type: ignore[no-untyped-def]
     """Add to w the effect of a change of the impulse of row g."""
     if change != 0:
-        own = rows.V[g]
+        active_row = rows.V[g]
         for h in range(len(w)):
-            w[h] += own[h] * change
+            w[h] += active_row[h] * change
 
 
 @lean
@@ -201,12 +201,12 @@ def _slide(rows, r, i, z, rho, place, active, m, B, right):  # type: ignore[no-u
         if e < 0:
             continue
         d, across = z[a - 1] / size, z[2 - a] / size
-        own, other, also = c * across * across, -c * d * across, place[3 - a]
+        along, other, also = c * across * across, -c * d * across, place[3 - a]
         for h in range(m):
-            B[e, h] = own * rows.V[active[e], active[h]]
+            B[e, h] = along * rows.V[active[e], active[h]]
             if also >= 0:
                 B[e, h] += other * rows.V[active[also], active[h]]
-        B[e, e] += s * (1 - own)
+        B[e, e] += s * (1 - along)
         if also >= 0:
             B[e, also] -= s * other
         if place[0] >= 0:

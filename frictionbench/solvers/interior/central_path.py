@@ -45,12 +45,12 @@ from frictionbench.solvers.sparse_lu.multifrontal import determinant_sign
 
 # Tuned by the numbers of solved problems and of factorisations. Steps are measured by their largest component in logarithms.
 TERM = 0.08  # the second-order term of a prediction: larger steps need corrections, smaller ones more predictions
-NEAR, FAR = 0.1, 0.2  # after a correction up to NEAR a step is predicted; a first one beyond FAR shortens the last step
-TOO_LARGE = 1.0  # a later correction beyond this shortens the last step
+CONVERGED = 0.1  # after a correction up to this, the next step is predicted
+TOO_LARGE_AT_FIRST, TOO_LARGE = 0.2, 1.0  # a first correction, and a later one, beyond which the last step is shortened
 TURN = 0.7  # a step whose end makes an angle of smaller cosine with the tangent there has jumped branches, and is shortened
 SHARP = 1e-3  # steps shorter than this are not checked for jumps: the curve itself may turn
 SHORTER, SHORTEST = 0.4, 1e-7  # the factor of a shortened step, and the length at which the path is given up
-MOST = 3  # corrections of one prediction: Newton's method converges quadratically from NEAR
+MOST_CORRECTIONS = 3  # corrections of one prediction: Newton's method converges quadratically from CONVERGED
 INSIDE = 0.98  # largest share of the way to the boundary, or to t = 0
 HAND_OVER = 1e-4  # t at which the predictor-corrector is tried, and again after each further factor of this size
 END, DIVERGED = 1e-20, 20.0  # t at which rounding hides all progress, and t beyond which no path was seen to return
@@ -126,14 +126,15 @@ def trace(system: System, space: Space, path: Path, work: Work, best: Best, tol:
             cosine /= np.sqrt(square * (_dot(log_step, log_step) + change * change))
         back = _orthogonal(system, space, point, correction, log_step, tangent, log_tangent, square)
         off = larger(_size(log_step), abs(back))
-        if not begins and (not off <= (FAR if corrections == 0 else TOO_LARGE) or not cosine >= TURN or corrections > MOST):
+        allowed = TOO_LARGE_AT_FIRST if corrections == 0 else TOO_LARGE
+        if not begins and (not off <= allowed or not cosine >= TURN or corrections > MOST_CORRECTIONS):
             length *= SHORTER
             corrections = 0
             if length < SHORTEST:
                 return used
         else:
             share = min(1.0, INSIDE * longest(system, space, point, correction, 1 / INSIDE), INSIDE / larger(INSIDE, abs(back)))
-            if off > NEAR:
+            if off > CONVERGED:
                 add_step(point, share, correction)
                 t *= 1 + share * back
                 corrections += 1

@@ -50,8 +50,8 @@ def planar_stiffness(
         pivot[i, 2] = 1 / (s[i, 2] * inverse[i, 2] + soft)
         total, skew = pivot[i, 1] + pivot[i, 2], pivot[i, 1] - pivot[i, 2]
         mu, shift = system.friction[i], system.shift[i]
-        own = s[i, 3] * inverse[i, 3] + softness / system.weight[i]
-        pivot[i, 3] = 1 / (own + total + mu * shift * nn)
+        tangential = s[i, 3] * inverse[i, 3] + softness / system.weight[i]
+        pivot[i, 3] = 1 / (tangential + total + mu * shift * nn)
         nt = shift * skew * pivot[i, 3] * nn
         tn = mu * skew * pivot[i, 3] * nn
         tt = total - skew * skew * pivot[i, 3]

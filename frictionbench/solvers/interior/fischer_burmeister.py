@@ -32,7 +32,7 @@ from frictionbench.solvers.interior.system import Space, System
 ARMIJO = 1e-4  # required share of the predicted decrease: the usual constant
 MEMORY = 20  # merits with which a step is compared
 SHORTEST = 1e-6  # length at which a step is given up
-FIRST, LEAST, MOST = 0.1, 1e-6, 1.0  # softness of the first step, its least value, and the value above which the method stops
+FIRST_SOFTNESS, LEAST_SOFTNESS, MOST_SOFTNESS = 0.1, 1e-6, 1.0  # of the first step, the least, and that above which it stops
 ADAPT, SHORT = 3.0, 0.3  # the factor by which softness changes, and the step length below which it grows
 INSIDE = 1e-10  # lower bound of A and B, by which the equations of an interior point divide
 
@@ -49,14 +49,14 @@ def fischer_burmeister(
     derivative, trial, merits = new_point(system), new_point(system), np.zeros(MEMORY)
     none = np.zeros((len(point.x), 4))
     exact, along = Point(none, none, defect.joint), Point(step.x, none, step.joint)  # s is not an unknown: it follows from x
-    work.softness[0] = FIRST
+    work.softness[0] = FIRST_SOFTNESS
     for i in range(len(point.s)):
         for k in range(4):
             point.s[i, k] = 0.0  # so that the defect H'u + K x - s is the partner of x
     for iteration in range(len(history)):
         history[iteration] = evaluate_and_record(system, space, point, defect, work, best)
         merit = _equation(system, point, defect, target, derivative)
-        if best.residual[0] <= tol or not merit < np.inf or late(work.until) or work.softness[0] > MOST:
+        if best.residual[0] <= tol or not merit < np.inf or late(work.until) or work.softness[0] > MOST_SOFTNESS:
             return iteration + 1
         merits[iteration % MEMORY] = merit
         linearise(system, space, derivative, work)
@@ -73,7 +73,7 @@ def fischer_burmeister(
                 break
             length = length / 2 if length > SHORTEST else 0.0
         if length == 1.0:
-            work.softness[0] = max(LEAST, work.softness[0] / ADAPT)
+            work.softness[0] = max(LEAST_SOFTNESS, work.softness[0] / ADAPT)
         elif length < SHORT:
             work.softness[0] *= ADAPT
     return len(history)

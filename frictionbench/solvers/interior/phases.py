@@ -85,15 +85,15 @@ def run(
     history: list[float] = []
     status = Status.STALLED
     for method, point, share in phases:
-        found = nothing_yet(*nothing.shape)._replace(factorisations=best.factorisations)
+        reached = nothing_yet(*nothing.shape)._replace(factorisations=best.factorisations)
         residuals = np.empty(min(share, limit - len(history)))
-        used = method(system, space, point, workspace, found, MARGIN * sharp, patience, residuals)
+        used = method(system, space, point, workspace, reached, MARGIN * sharp, patience, residuals)
         history += residuals[:used].tolist()
-        solved = _is_solved(found, tol, sharp, system, problem, measure)
-        if polish and not solved and found.residual[0] <= POLISHABLE:
-            solved = _is_polished(found, tol, prepared, measure, polish)
-        if found.residual[0] < best.residual[0]:
-            best = found
+        solved = _is_solved(reached, tol, sharp, system, problem, measure)
+        if polish and not solved and reached.residual[0] <= POLISHABLE:
+            solved = _is_polished(reached, tol, prepared, measure, polish)
+        if reached.residual[0] < best.residual[0]:
+            best = reached
         if solved:
             status = Status.SOLVED
             break
@@ -125,10 +125,10 @@ def _is_polished(best: Best, tol: float, prepared: Prepared, measure: Measure, p
     """Polish the best impulses; return whether the result is within tol."""
     problem, system = prepared
     impulse = polish(best.impulse * system.impulse)
-    found = measure(problem, impulse)
-    if found < best.residual[0]:
-        best.impulse[:], best.residual[0] = impulse / system.impulse, found
-    return found <= tol
+    error = measure(problem, impulse)
+    if error < best.residual[0]:
+        best.impulse[:], best.residual[0] = impulse / system.impulse, error
+    return error <= tol
 
 
 def first_phase(packed: Packed, guess: Array, distance: Array, tol: float, limit: int, patience: int) -> Solved:
@@ -170,16 +170,16 @@ def _first_phases(packed, guess, distance, space, relaxed, tol, limit, patience)
             x, s = start_pairs(system.weight, system.pairs, space, np.sqrt(len(mu)), 1.0)
             point = Point(x, s, np.zeros((0, 1)))
         else:
-            given = impulses_of(packed, k, guess)
-            u = pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, given, bias)
-            point = centred_point(system, space, given, u, distance[k])
+            guessed = impulses_of(packed, k, guess)
+            u = pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, guessed, bias)
+            point = centred_point(system, space, guessed, u, distance[k])
         best, sharp = nothing_of(len(mu), r.shape[1]), tol / packed.spread[k]
         work[k, 0] = predictor_corrector(system, space, point, work_of(system, np.inf), best, MARGIN * sharp, patience, history)
         work[k, 1] = best.factorisations[0]
-        own, heaviest = impulses_of(packed, k, r), 0.0
-        for i in range(len(own)):
+        impulse, heaviest = impulses_of(packed, k, r), 0.0
+        for i in range(len(impulse)):
             heaviest = max(heaviest, system.weight[i] * best.impulse[i, 0])
-            for a in range(own.shape[1]):
-                own[i, a] = best.impulse[i, a] * units.impulse
+            for a in range(impulse.shape[1]):
+                impulse[i, a] = best.impulse[i, a] * units.impulse
         ended[k] = SOLVED if best.residual[0] + ROUNDING * heaviest <= sharp else NEARLY
     return r, ended, work

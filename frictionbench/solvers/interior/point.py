@@ -74,12 +74,12 @@ def start_pairs(weight: Array, pairs: Index64, space: Space, impulse: float, spe
     """The x and s of start_point."""
     x, s = np.zeros((len(weight), 4)), np.zeros((len(weight), 4))
     for i in range(len(x)):
-        own = impulse / weight[i]
-        x[i, 0], s[i, 0] = own, speed
+        scaled = impulse / weight[i]
+        x[i, 0], s[i, 0] = scaled, speed
         if pairs[i] > 1:
-            x[i, 3], s[i, 3] = speed, own
+            x[i, 3], s[i, 3] = speed, scaled
             if space is None:
-                x[i, 1] = x[i, 2] = own
+                x[i, 1] = x[i, 2] = scaled
                 s[i, 1] = s[i, 2] = speed
     return x, s
 

@@ -81,7 +81,7 @@ class CasADi:
     def solve(self, prepared: DualProgram | DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         if isinstance(prepared, DenseLCP):
             return _by_ipopt(prepared, tol * prepared.share / MARGIN, limit or 3000, self.settings == "tuned")
-        eps = max(tol * prepared.given.share / MARGIN, 1e-12)
+        eps = max(tol * prepared.scaled.share / MARGIN, 1e-12)
         library_solver = _quadratic(self.method, len(prepared.g), eps if self.method == "qpoases" else 0.0, limit or 10_000)
         result = library_solver(h=prepared.H, g=prepared.g, lbx=0.0, ubx=np.inf)
         stats = library_solver.stats()

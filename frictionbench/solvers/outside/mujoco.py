@@ -74,18 +74,18 @@ class MuJoCo:
 
     def form(self, problem: FrictionProblem) -> Whitened:
         """Of a problem without joints; the third row of a planar contact is zero."""
-        given = scaled_delassus(problem, SPACE, matrix=False)
+        scaled = scaled_delassus(problem, SPACE, matrix=False)
         motion = problem.free_velocity, problem.offset
-        return given, *_whiten(*problem.contact_rows, *problem.mass_rows, *motion, given.E, given.theta)
+        return scaled, *_whiten(*problem.contact_rows, *problem.mass_rows, *motion, scaled.E, scaled.theta)
 
     def setup(self, form: Whitened) -> Prepared:
-        given, _, v, _, (counts, *_) = form
-        return form, _template(len(v), len(given.friction), max(1, int(counts.max())))
+        scaled, _, v, _, (counts, *_) = form
+        return form, _template(len(v), len(scaled.friction), max(1, int(counts.max())))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         mujoco: Any = import_module("mujoco")
-        (given, J, v, b, (counts, begins, columns, values)), (model, data, rows, contacts, velocities) = prepared
-        R, mu = max(tol, _LEAST), np.maximum(given.friction, 1e-8)  # its elliptic cone needs friction
+        (scaled, J, v, b, (counts, begins, columns, values)), (model, data, rows, contacts, velocities) = prepared
+        R, mu = max(tol, _LEAST), np.maximum(scaled.friction, 1e-8)  # its elliptic cone needs friction
         model.opt.solver = getattr(mujoco.mjtSolver, f"mjSOL_{self.method.upper()}")
         model.opt.iterations = limit or _ITERATIONS[self.method]
         model.opt.ls_tolerance, model.opt.ls_iterations = _SEARCH[self.settings]
@@ -99,9 +99,9 @@ class MuJoCo:
         clock = perf_counter() - begun
         f = data.efc_force.copy()
         gradient = float(np.abs(velocities[2] - v - J.T @ f).max())
-        status = Status.SOLVED if gradient <= given.share * tol else Status.STALLED
-        answer = given.answer(f, status, f"gradient {gradient:.1e}", clock, iterations=int(data.solver_niter[0]))
-        answer.softness = np.repeat(R * given.scale[:, None], given.contacts[1], axis=1)
+        status = Status.SOLVED if gradient <= scaled.share * tol else Status.STALLED
+        answer = scaled.answer(f, status, f"gradient {gradient:.1e}", clock, iterations=int(data.solver_niter[0]))
+        answer.softness = np.repeat(R * scaled.scale[:, None], scaled.contacts[1], axis=1)
         return answer
 
 
@@ -162,18 +162,18 @@ class BoxQP:
     def form(self, problem: FrictionProblem) -> DualProgram:
         return dual_program(problem, _DEFINITE)
 
-    def solve(self, given: DualProgram, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+    def solve(self, program: DualProgram, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         mujoco: Any = import_module("mujoco")
-        n = len(given.g)
+        n = len(program.g)
         z, factor, index = np.zeros((n, 1)), np.zeros((n, n + 7)), np.zeros((n, 1), dtype=np.int32)
         begun, calls, changed = perf_counter(), 0, True
         while changed and calls < (_CALLS if self.settings == "tuned" else 1):
             last, calls = z.copy(), calls + 1
-            rank = int(mujoco.mju_boxQP(z, factor, index, given.H, given.g[:, None], np.zeros((n, 1)), None))
+            rank = int(mujoco.mju_boxQP(z, factor, index, program.H, program.g[:, None], np.zeros((n, 1)), None))
             changed = rank >= 0 and not np.array_equal(z, last)
         clock = perf_counter() - begun
         status = Status.SOLVED if rank >= 0 else Status.FAILED
-        return given.answer(z.ravel(), status, f"rank {rank}", clock, calls=calls)
+        return program.answer(z.ravel(), status, f"rank {rank}", clock, calls=calls)
 
 
 @kernel

@@ -129,16 +129,16 @@ def _dense(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
 def entries(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
     """The entries (row, column, value) of W^ (k, 3), block by block, a decoupled tangent's after its contact's own block."""
     nc, m, d, at = len(E), len(rows), block.shape[1], 0
-    found = np.empty((len(neighbours) * d**2 + nc * (m - d), 3))
+    triplets = np.empty((len(neighbours) * d**2 + nc * (m - d), 3))
     for i in range(nc):
         for k in range(first[i], first[i + 1]):
             j = neighbours[k]
             for a in range(m if i == j else d):
                 for b in range(d) if a < d else range(a, m):
-                    found[at, 0], found[at, 1] = i * m + rows[a], j * m + rows[b]
-                    found[at, 2] = E[i] * block[k, min(a, d - 1), min(b, d - 1)] * E[j]
+                    triplets[at, 0], triplets[at, 1] = i * m + rows[a], j * m + rows[b]
+                    triplets[at, 2] = E[i] * block[k, min(a, d - 1), min(b, d - 1)] * E[j]
                     at += 1
-    return found
+    return triplets
 
 
 class DualProgram(NamedTuple):
@@ -148,14 +148,14 @@ class DualProgram(NamedTuple):
     g = G'q^.
     """
 
-    given: ScaledDelassus
+    scaled: ScaledDelassus
     H: Array
     g: Array
 
     def answer(self, z: Array, status: Status, detail: str = "", clock: float | None = None, **work: int) -> Answer:
         """The answer of z."""
         n, slip = z[0::2] + z[1::2], z[0::2] - z[1::2]
-        return self.given.answer(np.column_stack([n, self.given.friction * slip]).ravel(), status, detail, clock, **work)
+        return self.scaled.answer(np.column_stack([n, self.scaled.friction * slip]).ravel(), status, detail, clock, **work)
 
 
 def dual_program(problem: FrictionProblem, definite: float) -> DualProgram:

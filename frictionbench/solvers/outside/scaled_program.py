@@ -68,12 +68,12 @@ class ScaledProgram:
 
     def matrices(self, dense: bool, upper: bool = False) -> tuple[Any, Any, Any, Array | None]:
         """P, or its upper half, G, A and b, dense in C order or sparse by columns; A and b are None without joints."""
-        made = _dense if dense else _matrix
-        P = made(len(self.q), *(_upper(*self.objective) if upper else self.objective))
-        G = made(len(self.h), *self.bounds)
+        matrix = _dense if dense else _matrix
+        P = matrix(len(self.q), *(_upper(*self.objective) if upper else self.objective))
+        G = matrix(len(self.h), *self.bounds)
         if not len(self.b):
             return P, G, None, None
-        A = made(len(self.q), *self.joints).T
+        A = matrix(len(self.q), *self.joints).T
         return P, G, A.copy() if dense else A.tocsc(), self.b
 
     def limits(self, least: float) -> tuple[Array, Array]:

@@ -75,8 +75,8 @@ def scaled_lcp_of(packed, k, basis, space):  # type: ignore[no-untyped-def]
     if fits:
         write_partners(first, neighbours, space.partner, space.places)
         write_in_basis(block, first[nc], basis, space.part)
-        given = first, neighbours, space.part, space.partner, q, mu, wider, basis, scale, units
-        write_scaled_lcp(*given, M.start, M.rows, M.column, M.row, stretch, right, unit)
+        parts = first, neighbours, space.part, space.partner, q, mu, wider, basis, scale, units
+        write_scaled_lcp(*parts, M.start, M.rows, M.column, M.row, stretch, right, unit)
     return fits, stretch, M, right, unit
 
 

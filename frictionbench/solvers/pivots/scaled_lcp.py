@@ -132,26 +132,26 @@ def write_scaled_lcp(  # type: ignore[no-untyped-def]
     start[0] = at = j = 0
     for tangential in range(2):  # the columns of c, then those of beta contact by contact, as problems.forms.lcp orders them
         for i in range(nc):
-            for own in range(1, width) if tangential else range(1):
+            for b in range(1, width) if tangential else range(1):
                 right[j] = D[j] = 0.0
                 for a in range(d):
-                    right[j] += basis[a, own] * q[i * d + a]
+                    right[j] += basis[a, b] * q[i * d + a]
                 for k in range(first[i], first[i + 1]):
-                    rows[at], column[at], row[at] = neighbours[k], part[partner[k], 0, own], part[k, own, 0]
-                    if own == 0 and neighbours[k] == i and column[at] != 0.0:
+                    rows[at], column[at], row[at] = neighbours[k], part[partner[k], 0, b], part[k, b, 0]
+                    if b == 0 and neighbours[k] == i and column[at] != 0.0:
                         D[j] = 1 / np.sqrt(abs(column[at]))
                     at += column[at] != 0.0 or row[at] != 0.0
                 for k in range(first[i], first[i + 1]):
                     for m in range(1, width):
                         rows[at], column[at], row[at] = (
                             nc + neighbours[k] * K + m - 1,
-                            part[partner[k], m, own],
-                            part[k, own, m],
+                            part[partner[k], m, b],
+                            part[k, b, m],
                         )
-                        if own == m and neighbours[k] == i and column[at] != 0.0:
+                        if b == m and neighbours[k] == i and column[at] != 0.0:
                             D[j] = 1 / np.sqrt(abs(column[at]))
                         at += column[at] != 0.0 or row[at] != 0.0
-                if own:
+                if b:
                     rows[at], column[at], row[at] = nc * width + i, -1.0, 1.0
                     at += 1
                 elif friction[i] != 0.0:

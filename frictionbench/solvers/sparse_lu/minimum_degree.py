@@ -39,20 +39,20 @@ def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
     label = np.zeros(n, np.int64)
     labels = len(member) + n + 1
     split, into = _minus_one(labels), np.zeros(labels, np.int64)
-    made = 1
+    count = 1
     for e in range(len(start) - 1):
         for k in range(start[e], start[e + 1]):
             old = label[member[k]]
             if split[old] != e:
-                split[old], into[old] = e, made
-                made += 1
+                split[old], into[old] = e, count
+                count += 1
             label[member[k]] = into[old]
     number = _minus_one(labels)
     groups = 0
     for v in range(n):
         if label[v] == 0:  # in no element: a number of its own
-            label[v] = made
-            made += 1
+            label[v] = count
+            count += 1
         if number[label[v]] < 0:
             number[label[v]] = groups
             groups += 1
@@ -180,12 +180,12 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
         low[new], high[new], size[new] = pivot, end, border
         fronts += 1
     first[fronts] = end
-    given = len(member)
+    members = len(member)
     for f in range(fronts + 1):
-        first[f] -= given
+        first[f] -= members
     return (
         first[: fronts + 1],
-        storage[given:end],
+        storage[members:end],
         pivots[:fronts],
         taken[elements : elements + fronts],
         taken[:elements],

@@ -102,14 +102,14 @@ def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
 def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: Index) -> Fronts:
     """Fronts of variables from fronts of groups: group g, in order of elimination, is variables offset[g] to offset[g+1]."""
     fronts, size = len(pivots), np.zeros(len(pivots) + 1, np.int64)
-    own, begin = np.zeros(fronts, np.int64), np.zeros(fronts + 1, np.int64)
+    eliminated, begin = np.zeros(fronts, np.int64), np.zeros(fronts + 1, np.int64)
     owner = np.empty(offset[-1], np.int64)
     for f in range(fronts):
         for k in range(first[f], first[f + 1]):
             g = listed[k]
             size[f] += offset[g + 1] - offset[g]
             if k < first[f] + pivots[f]:
-                own[f] += offset[g + 1] - offset[g]
+                eliminated[f] += offset[g + 1] - offset[g]
                 for v in range(offset[g], offset[g + 1]):
                     owner[v] = f
         begin[f + 1] = begin[f] + size[f]
@@ -124,11 +124,11 @@ def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: 
                 at += 1
     for f in range(fronts):
         k = begin[parent[f]]
-        for m in range(begin[f] + own[f], begin[f + 1]):
+        for m in range(begin[f] + eliminated[f], begin[f + 1]):
             while variable[k] != variable[m]:
                 k += 1
             above[m] = k - begin[parent[f]]
-    return Fronts(begin, variable, above, own, parent, start, owner)
+    return Fronts(begin, variable, above, eliminated, parent, start, owner)
 
 
 @lean

@@ -137,8 +137,8 @@ def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
     worst = 0.0
     for i in range(len(r)):
         law = form.friction[i], form.friction_bias[i]
-        found = contact_residual(r[i], u[i], form.scale[i], law[0], law[1], form.units[i], shift)
-        worst = found if found > worst else worst
+        error = contact_residual(r[i], u[i], form.scale[i], law[0], law[1], form.units[i], shift)
+        worst = error if error > worst else worst
     return worst
 
 
