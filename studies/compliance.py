@@ -92,8 +92,8 @@ def _index(angle: float, friction: float) -> float:
     return 1 + 3 * np.cos(angle) ** 2 - 3 * friction * abs(np.sin(angle) * np.cos(angle))
 
 
-def summary(found: Tables) -> Summary:
-    table, pressed, stuck = (found[name] for name in ("stiffnesses", "indentations", "inconsistent"))
+def summary(tables: Tables) -> Summary:
+    table, pressed, stuck = (tables[name] for name in ("stiffnesses", "indentations", "inconsistent"))
     radau = table[table["method"] == "Radau"]
     slopes = {name: order(1 / rows["stiffness"], rows["error"]) for name, rows in radau.groupby("scene")}
     stiffest = radau[radau["stiffness"] == radau["stiffness"].max()]

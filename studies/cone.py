@@ -199,8 +199,8 @@ def _shrinkage(x: Array, dx: Array) -> float:
     return float(((np.linalg.norm(rest, axis=-1, keepdims=True) - along) / size).max() / 0.995)
 
 
-def summary(found: Tables) -> Summary:
-    ball, problems = found["ball"], found["problems"]
+def summary(tables: Tables) -> Summary:
+    ball, problems = tables["ball"], tables["problems"]
     cone, polygons = ball[ball["facets"] == 0].iloc[0], ball[ball["facets"] > 0]
     bends = polygons.groupby("facets")["from_cone"].agg(["mean", "max"])
     slope = order(bends.index, bends["mean"])
@@ -210,7 +210,7 @@ def summary(found: Tables) -> Summary:
     coarse, fine = bends.index.min(), bends.index.max()
     enough = bends.index[bends["max"] < cone["from_parabola"]]
     require(slope.value < -0.5, "more facets approach the cone")
-    interior = found["interior"]
+    interior = tables["interior"]
     require(interior["solved"].all(), "the interior point method solves all problems")
     require((interior[interior["facets"] == 0]["residual"] < 1e-5).all(), "with the cone it solves Coulomb's law")
     own = interior.pivot_table(index="number", columns="facets", values=["iterations", "seconds"])

@@ -100,8 +100,8 @@ def listed(problem: FrictionProblem) -> Census | None:
         return None
 
 
-def summary(found: Tables) -> Summary:
-    jam, block, motions = (found[name] for name in ("jam", "block", "motions"))
+def summary(tables: Tables) -> Summary:
+    jam, block, motions = (tables[name] for name in ("jam", "block", "motions"))
     inside, beyond = jam[jam["share"] <= 1], jam[jam["share"] > 1]
     require(jam["residual"].max() < ROUNDING, "the closed form solves the jam")
     require(inside["middle_residual"].max() < ROUNDING, "the sliding solutions of the jam form a segment")

@@ -63,8 +63,8 @@ def free(
         }
 
 
-def summary(found: Tables) -> Summary:
-    drifts = found["drifts"]
+def summary(tables: Tables) -> Summary:
+    drifts = tables["drifts"]
     angles, hinges = (drifts[drifts["form"] == form] for form in ("angles", "hinges"))
     require(angles["drift"].max() < 1e-12, "nothing drifts in angles")
     slopes = {scheme: order(rows["step"], rows["drift"]) for scheme, rows in hinges.groupby("scheme")}
@@ -80,7 +80,7 @@ def summary(found: Tables) -> Summary:
         "drift": f"{hinges['drift'].max():.0e}",
         "drifts": told,
         "ends": ends,
-        "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in found["free"].groupby("form")),
+        "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in tables["free"].groupby("form")),
     }
     figures = {"drift": (Panel("drift", partial(_drift, hinges=hinges)), Panel("error", partial(_error, drifts=drifts)))}
     return Summary(numbers, figures)

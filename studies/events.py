@@ -96,8 +96,8 @@ def compared(path: Array, known: Array, work: int) -> Row:
     return {"error": float(np.abs(path - known).max()) if whole else None, "work": work}
 
 
-def summary(found: Tables) -> Summary:
-    errors, ends = found["errors"], found["ends"]
+def summary(tables: Tables) -> Summary:
+    errors, ends = tables["errors"], tables["ends"]
     driven, stepped = errors[errors["scheme"] == EVENTS], errors[errors["scheme"] != EVENTS]
     require(driven["error"].notna().all(), "the event-driven scheme follows all scenes")
     whole, names = stepped.dropna(subset="error"), list(dict.fromkeys(errors["scene"]))

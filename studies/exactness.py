@@ -145,8 +145,8 @@ def _moved(model: Any, data: Any, drive: Any, way: str, duration: float) -> Iter
             yield ends[k + 1], data.xipos * (np.nan if lost else 1.0)
 
 
-def summary(found: Tables) -> Summary:
-    errors, grips = found["paths"], found["grips"]
+def summary(tables: Tables) -> Summary:
+    errors, grips = tables["paths"], tables["grips"]
     twins = errors[errors["way"] == TWIN].groupby("model")["error"].max()
     parted = twins[twins > COMPARABLE]
     errors = errors[~errors["model"].isin(parted.index)]
@@ -154,7 +154,7 @@ def summary(found: Tables) -> Summary:
     last = errors["time"].max()
     ends = errors[errors["time"] == last].pivot_table(index="way", columns="model", values="error")
     falling = ends.loc[SOLVED[-2]] < ends.loc[SOLVED[0]]
-    moved = found["tasks"].pivot_table(index="way", columns="task", values="moved")
+    moved = tables["tasks"].pivot_table(index="way", columns="task", values="moved")
     exact = [REFERENCE, OTHER, SOLVED[-1]]
     require(
         (moved.loc[exact, "grasp"] > HELD).any() and (moved.loc[exact, "grasp"] <= HELD).any(), "exact steps hold and lose it"

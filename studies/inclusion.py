@@ -61,8 +61,8 @@ def accumulated(stage: Any, solver: str, steps: int) -> Row:
     return {"normal": normal, "largest": largest, "net": net, "velocity": states[-1].v, "variation": sum(changes)}
 
 
-def summary(found: Tables) -> Summary:
-    rows = found["refinement"].sort_values("step", ascending=False)
+def summary(tables: Tables) -> Summary:
+    rows = tables["refinement"].sort_values("step", ascending=False)
     settled = pd.DataFrame(
         [
             {"scene": scene, "solver": solver}

@@ -59,8 +59,8 @@ def threshold(ratios: Iterable[float] = (0.25, 0.5, 0.9, 1.1, 2, 3, 4, 6), draws
         }
 
 
-def summary(found: Tables) -> Summary:
-    random, piles, threshold = (found[name] for name in ("random", "piles", "threshold"))
+def summary(tables: Tables) -> Summary:
+    random, piles, threshold = (tables[name] for name in ("random", "piles", "threshold"))
     below, beyond = threshold[threshold["p0"]], threshold[~threshold["p0"]]
     modest, wide = random[random["friction"] <= 1], random[random["friction"] > 1]
     ratio = (random["plain_work"] / random["relaxation_work"]).median()

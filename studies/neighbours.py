@@ -114,8 +114,8 @@ def landings(schemes: Iterable[str] = SCHEMES_COMPARED, spins: Iterable[float] =
         }
 
 
-def summary(found: Tables) -> Summary:
-    rows, landings = found["ensembles"], found["landings"]
+def summary(tables: Tables) -> Summary:
+    rows, landings = tables["ensembles"], tables["landings"]
     rows = rows.assign(parted=rows["apart"] > PARTED * rows["size"], none=rows["velocity"].isna())
     pairs = rows.groupby(["case", "scheme", "solver"])[["parted", "none"]].any().reset_index()
     inside = rows[rows["case"].isin(RODS) & ~rows["none"]]

@@ -100,8 +100,8 @@ def places(scene: Scene, run: list[Step]) -> Array:
     return np.array([scene.geometry.centres(now.q)[0] for now in run])
 
 
-def summary(found: Tables) -> Summary:
-    errors = found["errors"]
+def summary(tables: Tables) -> Summary:
+    errors = tables["errors"]
     cases = errors.groupby(["kind", "scheme"])
     slopes = {key: order(own["step"], own["error"]) for key, own in cases if (own["error"] > ROUNDING).all()}
     drifts = {key: order(own["step"], own["drift"]) for key, own in cases if (own["drift"] > ROUNDING).all()}
@@ -135,11 +135,11 @@ def summary(found: Tables) -> Summary:
 
 
 def _drift(kind: str, drifts: dict[tuple[str, str], Slope], errors: pd.DataFrame) -> str:
-    own = errors[errors["kind"] == kind]
-    finest = own[own["step"] == own["step"].min()].set_index("scheme")["drift"]
+    of_kind = errors[errors["kind"] == kind]
+    finest = of_kind[of_kind["step"] == of_kind["step"].min()].set_index("scheme")["drift"]
     names = [s for s in ("anitescu_potra", "stewart_trinkle", "moreau", HIGHER) if s in finest.index]
-    told = [f"{s} {finest[s]:.1g} m" + (f", order {drifts[kind, s]}" if (kind, s) in drifts else "") for s in names]
-    return f"{kind}, at the finest step: " + ", ".join(told)
+    texts = [f"{s} {finest[s]:.1g} m" + (f", order {drifts[kind, s]}" if (kind, s) in drifts else "") for s in names]
+    return f"{kind}, at the finest step: " + ", ".join(texts)
 
 
 def _draw(ax: Axes, own: pd.DataFrame, column: str) -> None:

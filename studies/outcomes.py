@@ -169,12 +169,12 @@ def summary(tables: Tables) -> Summary:
 def _agreements(cold: pd.DataFrame) -> dict[str, str]:
     """Return for each pair of methods, started from zero, on how many problems that both solve their outcomes agree."""
     table = cold.pivot_table(index=PROBLEM, columns="method", values="outcome")
-    found = {}
+    agreements = {}
     for one, other in combinations(table.columns, 2):
         both = table[[one, other]].dropna()
         if len(both):
-            found[f"{one} and {other}"] = f"{(both[one] == both[other]).sum()} of {len(both)}"
-    return found
+            agreements[f"{one} and {other}"] = f"{(both[one] == both[other]).sum()} of {len(both)}"
+    return agreements
 
 
 def _draw_digits(ax: Axes, rows: pd.DataFrame) -> None:

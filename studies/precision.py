@@ -50,8 +50,8 @@ def _cases(cases: Iterable[str] | None) -> list[str]:
     return list(cases or [source.parameters["case"] for source in robots.one_of_each()])
 
 
-def summary(found: Tables) -> Summary:
-    table, rounding = found["reached"], found["rounded"]["residual"]
+def summary(tables: Tables) -> Summary:
+    table, rounding = tables["reached"], tables["rounded"]["residual"]
     least = table.groupby(["method", "precision", "case"])["residual"].min()
     coarse = (least <= TARGETS[0]).groupby("precision").sum()
     require(coarse["single"] == coarse["double"], "no step is lost within 1e-4 in single precision")

@@ -47,8 +47,8 @@ def plan() -> Plan:
     )
 
 
-def summary(found: Tables) -> Summary:
-    solves = needing(found["solves"])
+def summary(tables: Tables) -> Summary:
+    solves = needing(tables["solves"])
     rows = [
         (finding, shown[0], ", ".join(VERDICTS[each] for each in possible), VERDICTS[shown[1]])
         for finding, (show, possible) in SHOWN.items()
@@ -77,13 +77,13 @@ def _looks(rows: pd.DataFrame) -> dict[str, Look]:
 
 
 def _profile(ax: Axes, rows: pd.DataFrame, tol: float, looks: dict[str, Look]) -> None:
-    own = rows[(rows["tol"] == tol) & rows["name"].isin(list(looks))]
-    best = own[own["solved"]].groupby("problem")["time"].min()
-    for name, mine in own.groupby("name"):
+    rows_to_tol = rows[(rows["tol"] == tol) & rows["name"].isin(list(looks))]
+    best = rows_to_tol[rows_to_tol["solved"]].groupby("problem")["time"].min()
+    for name, mine in rows_to_tol.groupby("name"):
         solved = mine[mine["solved"]]
         ratio = np.sort(solved["time"].to_numpy(float) / best[solved["problem"]].to_numpy(float))
         x, done = np.concatenate([[1], ratio, [1e4]]), np.minimum(np.arange(len(ratio) + 2), len(ratio))
-        ax.step(x, done / own["problem"].nunique(), where="post", **looks[str(name)].line | {"marker": ""})
+        ax.step(x, done / rows_to_tol["problem"].nunique(), where="post", **looks[str(name)].line | {"marker": ""})
     finish(ax, "times the fastest", "share of problems", "x", xlim=(1, 1e3), ylim=(0, 1.03))
 
 
@@ -97,14 +97,14 @@ def needing(solves: pd.DataFrame) -> pd.DataFrame:
 
 def _solved(rows: pd.DataFrame, tol: float, names: Sequence[str]) -> tuple[int, int]:
     """Return how many cells of these methods are solved, and how many there are."""
-    own = rows[(rows["tol"] == tol) & rows["name"].isin(names)]
-    return int(own["solved"].sum()), len(own)
+    rows_to_tol = rows[(rows["tol"] == tol) & rows["name"].isin(names)]
+    return int(rows_to_tol["solved"].sum()), len(rows_to_tol)
 
 
 def _fastest(rows: pd.DataFrame, tol: float, kind: Sequence[str], among: Sequence[str]) -> tuple[int, int]:
     """Return on how many problems a method of the kind is the fastest of these, and how many problems these solve."""
-    own = rows[(rows["tol"] == tol) & rows["solved"] & rows["name"].isin(among)]
-    first = own.loc[own.groupby("problem")["time"].idxmin(), "name"]
+    rows_to_tol = rows[(rows["tol"] == tol) & rows["solved"] & rows["name"].isin(among)]
+    first = rows_to_tol.loc[rows_to_tol.groupby("problem")["time"].idxmin(), "name"]
     return int(first.isin(kind).sum()), len(first)
 
 
@@ -136,8 +136,8 @@ def _proximal(rows: pd.DataFrame) -> Shown:
 
 
 def _relaxed(rows: pd.DataFrame) -> Shown:
-    own = rows[(rows["tol"] == TIGHT) & (rows["name"] == "relaxation_ip")]
-    done = own[own["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])]
+    of_relaxation = rows[(rows["tol"] == TIGHT) & (rows["name"] == "relaxation_ip")]
+    done = of_relaxation[of_relaxation["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])]
     off = done[done["verdict"] == Verdict.RELAXED]
     median = f", by a median residual of {off['residual'].median():.1g}" if len(off) else ""
     text = f"{len(off)} of {len(done)} answers of relaxation_ip break Coulomb's law{median}; its cost: see relaxation"

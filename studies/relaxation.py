@@ -77,8 +77,8 @@ def gaps(friction: float = 0.6, speed: float = 1.0, steps: Iterable[float] = (0.
         }
 
 
-def summary(found: Tables) -> Summary:
-    errors, gaps = found["errors"], found["gaps"]
+def summary(tables: Tables) -> Summary:
+    errors, gaps = tables["errors"], tables["gaps"]
     hop, smooth = gaps.iloc[-1], order(gaps["step"], gaps["smooth"])
     require(np.allclose(gaps["smooth"], gaps["smooth_predicted"], rtol=0.02), "the smooth gap is h mu |v_t|")
     require(abs(hop["hop"] / hop["hop_predicted"] - 1) < 0.05, "the hop is that of the closed form")

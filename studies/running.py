@@ -45,8 +45,8 @@ CODE = b"code"  # the hash of the code that computed a table, in its file's meta
 
 
 def study(name: str) -> Study:
-    found: Study = import_module(f"studies.{name}").STUDY
-    return found
+    module_study: Study = import_module(f"studies.{name}").STUDY
+    return module_study
 
 
 def code(name: str) -> str:
@@ -88,26 +88,26 @@ def _kept(out: Path, name: str, table: str) -> bool:
 
 def read(out: Path, name: str) -> Tables | None:
     """Read the tables of a study; None if one is missing."""
-    own, runs = study(name), out / name / "runs"
-    paths = [out / name / f"{rows.__name__}.parquet" for rows in own.rows]
-    if not all(path.exists() for path in paths) or (own.plan and not (runs / "solves.parquet").exists()):
+    of_study, runs = study(name), out / name / "runs"
+    paths = [out / name / f"{rows.__name__}.parquet" for rows in of_study.rows]
+    if not all(path.exists() for path in paths) or (of_study.plan and not (runs / "solves.parquet").exists()):
         return None
     tables = {path.stem: pd.read_parquet(path) for path in paths}
-    return tables | ({"solves": read_table(runs, "solves")} if own.plan else {})
+    return tables | ({"solves": read_table(runs, "solves")} if of_study.plan else {})
 
 
 def write_page(out: Path) -> Path:
     """Write OUT/studies.md and its figures, for all studies that are complete in OUT."""
-    told = []
+    texts = []
     for name in NAMES:
         tables = read(out, name)
         if tables is not None:
             summary = study(name).summary(tables)
-            told.append(text(name, summary))
+            texts.append(text(name, summary))
             for figure, panels in summary.figures.items():
                 stem = subfolder(out, FIGURES) / f"{name}_{figure}"
                 save_sheet(panels, dict(summary.looks), stem, 2, PANEL, 8, kinds=("svg", "pdf"), paper="white")
-    write_text(out / "studies.md", _environment().get_template("page.md").render(studies=told))
+    write_text(out / "studies.md", _environment().get_template("page.md").render(studies=texts))
     return out / "studies.md"
 
 

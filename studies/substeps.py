@@ -76,8 +76,8 @@ class Sweeps:
         return self.before
 
 
-def summary(found: Tables) -> Summary:
-    rows = found["errors"]
+def summary(tables: Tables) -> Summary:
+    rows = tables["errors"]
     exact, swept = rows[rows["budget"] == 0], rows[rows["budget"] > 0]
     one = swept[swept["substeps"] == 1].set_index(["scene", "budget"])["error"]
     best = swept.loc[swept.groupby(["scene", "budget"])["error"].idxmin()].set_index(["scene", "budget"])

@@ -48,8 +48,8 @@ def plan() -> Plan:
     )
 
 
-def summary(found: Tables) -> Summary:
-    rows = found["solves"]
+def summary(tables: Tables) -> Summary:
+    rows = tables["solves"]
     rows = rows.assign(solved=rows["verdict"].isin(list(ACCEPTED)))
     solved = rows.set_index([*KEYS, "start"])["solved"].unstack().dropna()  # noqa: PD010  # problems with all three starts
     answers = solved.groupby("variant").sum()
@@ -72,7 +72,7 @@ def summary(found: Tables) -> Summary:
     lost = [name for name in names if answers.loc[name, WARM] < answers.loc[name, COLD]]
     middle = (motions[WARM] / motions[COLD]).groupby("variant").median()
     ends = middle.idxmin(), middle.idxmax()
-    told = [
+    texts = [
         f"{name} ({COUNTS[name]}) {'{:.2f} ({:.2f} to {:.2f})'.format(*ratios[name][WARM])}, "
         f"{middle[name]:.2f} in the median motion, from another step {ratios[name][SHUFFLED][0]:.2f}"
         for name in names
@@ -85,7 +85,7 @@ def summary(found: Tables) -> Summary:
         "gained": len(gained),
         "methods": len(names),
         "problems": problems.iloc[0],
-        "ratios": "; ".join(told),
+        "ratios": "; ".join(texts),
         "nearer": len(nearer),
         "shuffled_better": sum(ratios[name][SHUFFLED][0] < 1 for name in names),
         "at_once": listing(at_once),

@@ -114,19 +114,19 @@ def _solved_by_blocks(mass: Array, rows: Array) -> arb_mat:
     from scipy.sparse.csgraph import connected_components
 
     count, label = connected_components(csr_array(mass != 0))
-    found = np.zeros(rows.T.shape, dtype=object)
+    solution = np.zeros(rows.T.shape, dtype=object)
     for block in range(count):
-        own = np.flatnonzero(label == block)
-        used = np.flatnonzero(rows[:, own].any(axis=0 if len(own) == 0 else 1))
+        in_block = np.flatnonzero(label == block)
+        used = np.flatnonzero(rows[:, in_block].any(axis=0 if len(in_block) == 0 else 1))
         if not len(used):
             continue
-        M = fmpq_mat([[_rational(x) for x in line] for line in mass[np.ix_(own, own)].tolist()])
-        right = fmpq_mat([[_rational(x) for x in line] for line in rows[np.ix_(used, own)].T.tolist()])
+        M = fmpq_mat([[_rational(x) for x in line] for line in mass[np.ix_(in_block, in_block)].tolist()])
+        right = fmpq_mat([[_rational(x) for x in line] for line in rows[np.ix_(used, in_block)].T.tolist()])
         solved = M.solve(right)
-        for i, v in enumerate(own):
+        for i, v in enumerate(in_block):
             for k, row in enumerate(used):
-                found[v, row] = arb(solved[i, k])
-    return arb_mat(found.tolist())
+                solution[v, row] = arb(solved[i, k])
+    return arb_mat(solution.tolist())
 
 
 def _rational(x: float) -> fmpq:
@@ -136,17 +136,17 @@ def _rational(x: float) -> fmpq:
 def certify(problem: FrictionProblem, impulse: Array) -> float:
     """Return the radius. Errors: NotCertifiedError with the reason."""
     flint.ctx.prec = BITS
-    given = impulse
+    known = impulse
     r = refined(problem, impulse)
     if r is None:
         raise NotCertifiedError("it cannot be refined to rounding")
     try:
-        return _certified(problem, given, r, mode_of(problem, r, 0.0))
+        return _certified(problem, known, r, mode_of(problem, r, 0.0))
     except NotCertifiedError:
-        return _certified(problem, given, r, mode_of(problem, r, TIE))
+        return _certified(problem, known, r, mode_of(problem, r, TIE))
 
 
-def _certified(problem: FrictionProblem, given: Array, r: Array, mode: Mode) -> float:
+def _certified(problem: FrictionProblem, known: Array, r: Array, mode: Mode) -> float:
     """Return the radius. Errors: NotCertifiedError with the reason."""
     d, nc = problem.dimension, problem.contacts
     closed, slides = np.flatnonzero(mode.closed), np.flatnonzero(mode.slides)
@@ -156,14 +156,14 @@ def _certified(problem: FrictionProblem, given: Array, r: Array, mode: Mode) -> 
     sliding = np.concatenate([slides * d + k for k in range(1, d)]).astype(np.int64) if len(slides) else np.zeros(0, np.int64)
     if len(zero) + len(sliding) > LARGEST:
         raise NotCertifiedError(f"too large: {len(zero) + len(sliding)} unknowns")
-    return _Certificate(problem, given, r, mode, zero, sliding).radius()
+    return _Certificate(problem, known, r, mode, zero, sliding).radius()
 
 
 class _Certificate:
     """One problem in one mode. zero, sliding: the rows with zero velocity, and the tangential rows of sliding contacts."""
 
-    def __init__(self, problem: FrictionProblem, given: Array, r: Array, mode: Mode, zero: Whole, sliding: Whole) -> None:
-        self.problem, self.given, self.r, self.mode = problem, given, r, mode
+    def __init__(self, problem: FrictionProblem, known: Array, r: Array, mode: Mode, zero: Whole, sliding: Whole) -> None:
+        self.problem, self.known, self.r, self.mode = problem, known, r, mode
         self.zero, self.sliding, self.d = zero, sliding, problem.dimension
         self.active = np.concatenate([zero, sliding])
         self.rows = rows_of(problem, self.active)
@@ -213,8 +213,8 @@ class _Certificate:
         W, root = self._scaled(len(self.active))
         move = W[:, :n].copy()
         for i in map(int, self.slides):
-            own = [self.at[i * d + k] for k in range(1, d)]
-            move[:, self.at[i * d]] += np.asarray(W[:, own]) @ self._friction(i)
+            tangential = [self.at[i * d + k] for k in range(1, d)]
+            move[:, self.at[i * d]] += np.asarray(W[:, tangential]) @ self._friction(i)
         return move / root[:, None] / root[:n]
 
     def _start(self) -> Array:
@@ -265,11 +265,11 @@ class _Certificate:
             right.append(start[normal] * root[normal] / size[normal])
             of.append(c)
             if not self.mode.slides[i] and mu[i] > 0:
-                own = [self.at[int(i * d + k)] for k in range(1, d)]
+                tangential = [self.at[int(i * d + k)] for k in range(1, d)]
                 for turn in np.array([[1.0], [-1.0]]) if d == 2 else _CORNERS:
-                    limit = {normal: -mu[i]} | {k: t * root[normal] / root[k] for k, t in zip(own, turn, strict=True)}
+                    limit = {normal: -mu[i]} | {k: t * root[normal] / root[k] for k, t in zip(tangential, turn, strict=True)}
                     limits.append(_entry(n, limit))
-                    right.append((mu[i] * start[normal] - float(turn @ start[own])) * root[normal] / size[normal])
+                    right.append((mu[i] * start[normal] - float(turn @ start[tangential])) * root[normal] / size[normal])
                     of.append(c)
         above, below = np.array(limits), np.array(right)
         # First maximise each contact's slack, to find contacts that cannot be loaded; then the least slack of all others.
@@ -297,20 +297,20 @@ class _Certificate:
 
     def _equations(self, impulse: list[arb]) -> list[arb]:
         u = self._velocities(impulse)
-        found = [u[int(k)] for k in self.kept]
+        equations = [u[int(k)] for k in self.kept]
         for i in map(int, self.slides):
-            own, along, _ = self._slip(i, u)
+            tangential, along, _ = self._slip(i, u)
             pressed = arb(float(self.problem.friction[i])) * impulse[self.at[int(i * self.d)]]
-            found += [impulse[k] + pressed * each for k, each in zip(own, along, strict=True)]
-        return found
+            equations += [impulse[k] + pressed * each for k, each in zip(tangential, along, strict=True)]
+        return equations
 
     def _slip(self, i: int, u: list[arb]) -> tuple[list[int], list[arb], arb]:
         """Return the positions of a contact's tangential rows, the direction of its slip, and its speed."""
-        own = [self.at[i * self.d + k] for k in range(1, self.d)]
+        tangential = [self.at[i * self.d + k] for k in range(1, self.d)]
         if self.d == 2:
-            return own, [arb(1) if u[own[0]].mid() > 0 else arb(-1)], abs(u[own[0]])
-        speed = (u[own[0]] ** 2 + u[own[1]] ** 2).sqrt()
-        return own, [u[k] / speed for k in own], speed
+            return tangential, [arb(1) if u[tangential[0]].mid() > 0 else arb(-1)], abs(u[tangential[0]])
+        speed = (u[tangential[0]] ** 2 + u[tangential[1]] ** 2).sqrt()
+        return tangential, [u[k] / speed for k in tangential], speed
 
     def _derivative(self, impulse: list[arb]) -> arb_mat:
         u = self._velocities(impulse)
@@ -318,15 +318,15 @@ class _Certificate:
         lines = [[W[int(k), c] for c in columns] for k in self.kept]
         where = {c: k for k, c in enumerate(columns)}
         for i in map(int, self.slides):
-            own, along, speed = self._slip(i, u)
+            tangential, along, speed = self._slip(i, u)
             mu, normal = arb(float(self.problem.friction[i])), self.at[int(i * self.d)]
             pressed = mu * impulse[normal]
             for k, each in enumerate(along):
                 line = [arb(0)] * len(columns)
                 if self.d == 3:
                     turn = [pressed * ((1 if m == k else 0) - each * along[m]) / speed for m in range(2)]
-                    line = [turn[0] * W[own[0], c] + turn[1] * W[own[1], c] for c in columns]
-                line[where[own[k]]] += 1
+                    line = [turn[0] * W[tangential[0], c] + turn[1] * W[tangential[1], c] for c in columns]
+                line[where[tangential[k]]] += 1
                 if normal in where:
                     line[where[normal]] += mu * each
                 lines.append(line)
@@ -357,10 +357,10 @@ class _Certificate:
     def _newton(self, point: list[arb], box: list[arb]) -> list[arb]:
         """Return F'(box)^-1 F(point). Errors: NotCertifiedError if the derivative may be singular."""
         try:
-            found = self._derivative(box).solve(arb_mat([[x] for x in self._equations(point)]))
+            step = self._derivative(box).solve(arb_mat([[x] for x in self._equations(point)]))
         except ZeroDivisionError:
             raise NotCertifiedError("the equations of its mode are singular") from None
-        return [found[k, 0] for k in range(found.nrows())]
+        return [step[k, 0] for k in range(step.nrows())]
 
     def _require_strict(self, impulse: list[arb]) -> None:
         """Check the strict inequalities. Errors: NotCertifiedError naming one that is not proved."""
@@ -396,7 +396,7 @@ class _Certificate:
     def _distance(self, impulse: list[arb]) -> float:
         """Return the largest difference of a contact's velocity between answer and solution over the contact's unit."""
         p, d = self.problem, self.d
-        answered = p.contact_velocity(self.given)
+        answered = p.contact_velocity(self.known)
         every = np.arange(p.contacts * d)
         others = np.setdiff1d(every, self.active)
         exact = np.zeros(p.contacts * d + len(p.joint_bias))
@@ -413,7 +413,7 @@ def _most_room(equal: Array, above: Array, below: Array, of: Array, still: list[
     """Maximise the sum of the slacks `room` subject to above dx + of room <= below and equal dx = 0; return dx and room."""
     n, rooms = above.shape[1], of.shape[1]
     bounds = [(0.0, 0.0) if k in set(still) else (-1e3, 1e3) for k in range(n)] + [(0.0, most)] * rooms
-    found = linprog(
+    result = linprog(
         np.concatenate([np.zeros(n), -np.ones(rooms)]),
         A_ub=np.column_stack([above, of]),
         b_ub=np.maximum(below, 0.0),
@@ -422,16 +422,16 @@ def _most_room(equal: Array, above: Array, below: Array, of: Array, still: list[
         bounds=bounds,
         method="highs",
     )
-    if found.status != 0:
+    if result.status != 0:
         raise NotCertifiedError("no impulses that satisfy all limits strictly are found")
-    return np.asarray(found.x)
+    return np.asarray(result.x)
 
 
 def _entry(n: int, values: dict[int, float]) -> Array:
-    found = np.zeros(n)
+    vector = np.zeros(n)
     for k, value in values.items():
-        found[k] = value
-    return found
+        vector[k] = value
+    return vector
 
 
 def _pivots(matrix: Array) -> Whole:
@@ -461,8 +461,8 @@ def lines() -> Any:
             if known is None:
                 raise NotCertifiedError("a solution is known by theory alone")
             parameters = json.loads(row["parameters"])
-            made = fb.instance if row["scene"] in fb.instances() else (lambda name, **p: fb.scene(name, **p).problem())
-            radius = f"{certify(made(row['scene'], **parameters), known):.1e}"
+            make = fb.instance if row["scene"] in fb.instances() else (lambda name, **p: fb.scene(name, **p).problem())
+            radius = f"{certify(make(row['scene'], **parameters), known):.1e}"
         except NotCertifiedError as error:
             reason = str(error)
         yield "\t".join([row["family"], row["scene"], row["parameters"], row["contacts"], radius, reason])
