@@ -44,17 +44,17 @@ def _table(title: str, name: str, parameter: str, sizes: tuple[int, ...]) -> str
     dict(_times(_problem(name, parameter, 3), set()))  # compiles and loads
     for size in sizes:
         problem = _problem(name, parameter, size)
-        found = dict(_times(problem, late))
-        base = found["interior_point"][0]
+        times = dict(_times(problem, late))
+        base = times["interior_point"][0]
         first = first or base
-        shown = [_shown(found.get(method), base) for method in METHODS[1:]]
+        shown = [_shown(times.get(method), base) for method in METHODS[1:]]
         lines.append(f"| {size} | {problem.contacts} | {_unknowns(problem)} | {base / first:.3g} | {' | '.join(shown)} |")
     return "\n".join(lines) + "\n"
 
 
 def _problem(name: str, parameter: str, size: int) -> FrictionProblem:
-    given = {parameter: size}
-    return fb.scene(name, **given).problem() if name in fb.scenes() else fb.instance(name, **given)
+    parameters = {parameter: size}
+    return fb.scene(name, **parameters).problem() if name in fb.scenes() else fb.instance(name, **parameters)
 
 
 def _unknowns(problem: FrictionProblem) -> int:
@@ -71,9 +71,9 @@ def _times(problem: FrictionProblem, late: set[str]) -> Iterator[tuple[str, tupl
             continue
         least, worst = float("inf"), 0.0
         for _ in range(ROUNDS):
-            given = problem.fresh()
+            fresh = problem.fresh()
             begun = process_time()
-            answer = fb.solve(given, method, tol=TOL)
+            answer = fb.solve(fresh, method, tol=TOL)
             least = min(least, process_time() - begun)
             worst = max(worst, fb.residual(problem, answer.impulse))
             if least > LONG:
@@ -82,8 +82,8 @@ def _times(problem: FrictionProblem, late: set[str]) -> Iterator[tuple[str, tupl
         yield method, (least, worst)
 
 
-def _shown(found: tuple[float, float] | None, base: float) -> str:
-    if found is None:
+def _shown(timed: tuple[float, float] | None, base: float) -> str:
+    if timed is None:
         return "–"  # a dash in a table
-    time, worst = found
+    time, worst = timed
     return f"{time / base:.2g}" if worst <= TOL else f"{worst:.0e}"

@@ -28,11 +28,11 @@ def lines(specs: list[str], jobs: int) -> Iterable[str]:
     """Yield the lines of the table, the header first."""
     yield "\t".join(COLUMNS)
     installed = [spec for spec in specs if not find(spec)[0].missing]
-    found = examine(installed, jobs, Progress()) if installed else []
+    results = examine(installed, jobs, Progress()) if installed else []
     for spec in specs:
         info, _ = find(spec)
         licences = "; ".join(f"{need}: {licence(need)}" for need in info.needs)
-        failed = info.missing or _failed_checks([one for one in found if one.variant == spec])
+        failed = info.missing or _failed_checks([one for one in results if one.variant == spec])
         yield "\t".join([spec, info.version, licences, f"{datetime.now(UTC):%Y-%m-%d}", failed])
 
 
@@ -55,8 +55,8 @@ def _metadata_of(module: str, python: str) -> Message:
     return message_from_string(done.stdout)
 
 
-def _failed_checks(found: list[CheckResult]) -> str:
-    failed = [f"{one.check.replace('_', ' ')} ({' '.join(one.violations[0].split())})" for one in found if one.violations]
+def _failed_checks(results: list[CheckResult]) -> str:
+    failed = [f"{one.check.replace('_', ' ')} ({' '.join(one.violations[0].split())})" for one in results if one.violations]
     return "; ".join(failed) or "none"
 
 

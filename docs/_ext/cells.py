@@ -48,12 +48,12 @@ class CodeCell(SphinxDirective):
         folder = self.env.temp_data.setdefault("folder of cells", mkdtemp())
         code = "\n".join(self.content)
         output = run_cell(code, names, folder)
-        found: list[nodes.Node] = [nodes.literal_block(text=code, language="python")]
+        content: list[nodes.Node] = [nodes.literal_block(text=code, language="python")]
         if output:
-            found.append(nodes.literal_block(text=output, language="text", classes=["output"]))
-        found += [self.image(pyplot.figure(number)) for number in pyplot.get_fignums()]
+            content.append(nodes.literal_block(text=output, language="text", classes=["output"]))
+        content += [self.image(pyplot.figure(number)) for number in pyplot.get_fignums()]
         pyplot.close("all")
-        return found
+        return content
 
     def image(self, figure: Any) -> nodes.Node:
         home = Path(self.env.srcdir) / "_build" / "cells"

@@ -23,32 +23,34 @@ class Page(HTMLParser):
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = {name: value or "" for name, value in attrs}
-        self.ids |= {given["id"]} if "id" in given else set()
-        if tag == "a" and "href" in given:
-            self.links.append(given["href"])
-        if (name := LOADED.get(tag)) in given and (tag != "link" or set(given.get("rel", "").split()) & set(RELATIONS)):
-            self.loads.append(given[str(name)])
+        attributes = {name: value or "" for name, value in attrs}
+        self.ids |= {attributes["id"]} if "id" in attributes else set()
+        if tag == "a" and "href" in attributes:
+            self.links.append(attributes["href"])
+        if (name := LOADED.get(tag)) in attributes and (
+            tag != "link" or set(attributes.get("rel", "").split()) & set(RELATIONS)
+        ):
+            self.loads.append(attributes[str(name)])
 
 
 def faults(site: Path) -> list[str]:
     """A line for each link that leads nowhere and for each file that a page would fetch from elsewhere."""
     pages = {path.resolve(): Page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
-    found = []
+    texts = []
     for path, page in pages.items():
         name = path.relative_to(site.resolve())
-        found += [f"{name}: loads {target}" for target in page.loads if remote(target)]
+        texts += [f"{name}: loads {target}" for target in page.loads if remote(target)]
         for link in [*page.links, *page.loads]:
             parts = urlsplit(link)
             if remote(link) or parts.scheme:
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
             if not target.exists():
-                found.append(f"{name}: {link} does not exist")
+                texts.append(f"{name}: {link} does not exist")
             elif parts.fragment and target in pages and unquote(parts.fragment) not in pages[target].ids:
-                found.append(f"{name}: {link} has no such place")
-    found += [f"{path.relative_to(site)}: a style fetches from elsewhere" for path in site.rglob("*.css") if fetches(path)]
-    return found
+                texts.append(f"{name}: {link} has no such place")
+    texts += [f"{path.relative_to(site)}: a style fetches from elsewhere" for path in site.rglob("*.css") if fetches(path)]
+    return texts
 
 
 def remote(target: str) -> bool:

@@ -109,16 +109,16 @@ def write(summary: Summary, folder: Path) -> Path:
 
 def read(path: Path) -> Summary:
     """Read the summary in a file. Errors: ResultsError naming the file and the field that is missing or cannot be used."""
-    found = read_json(path, LARGEST)
-    if not isinstance(found, dict) or found.get("format") != FORMAT:
+    content = read_json(path, LARGEST)
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise ResultsError(f"{path}: not a published summary of format {FORMAT}")
-    kinds = FIELDS | ({"classes": list[str]} if "classes" in found else {})  # older runs lack it
+    kinds = FIELDS | ({"classes": list[str]} if "classes" in content else {})  # older runs lack it
     try:
-        _fields(**kinds).model_validate_json(json.dumps(found), strict=True)
+        _fields(**kinds).model_validate_json(json.dumps(content), strict=True)
     except ValidationError as error:
         field = ".".join(part for part in error.errors()[0]["loc"] if isinstance(part, str))
         raise ResultsError(f"{path}: {field} is missing or cannot be used") from None
-    return found
+    return content
 
 
 def summarise(run: Run) -> Summary:
@@ -166,16 +166,16 @@ def summarise(run: Run) -> Summary:
 
 def _hashes(facts: pd.DataFrame, maps: list[MapCells]) -> dict[str, str]:
     """Return the hash of each problem by its origin. A map, which has hundreds of problems, has one hash of all these."""
-    found, left = {}, facts
+    hashes, left = {}, facts
     for cells in maps:
-        own = set(cells.rows["problem"]) - {""} if "problem" in cells.rows else set()
-        left = left[~left["problem"].isin(own)]
-        if own:
-            found[f"map {cells.spec.name}, {len(own)} problems"] = sha256("".join(sorted(own)).encode()).hexdigest()[:SHORT]
+        ids = set(cells.rows["problem"]) - {""} if "problem" in cells.rows else set()
+        left = left[~left["problem"].isin(ids)]
+        if ids:
+            hashes[f"map {cells.spec.name}, {len(ids)} problems"] = sha256("".join(sorted(ids)).encode()).hexdigest()[:SHORT]
     for row in left.to_dict("records"):
         step = "" if pd.isna(row["step"]) else f" step {int(row['step'])}"
-        found[f"{scene_title(row['scene'], row['parameters'])}{step} {row['phase']}".strip()] = row["problem"][:SHORT]
-    return found
+        hashes[f"{scene_title(row['scene'], row['parameters'])}{step} {row['phase']}".strip()] = row["problem"][:SHORT]
+    return hashes
 
 
 def held(folder: Path, names: set[str]) -> tuple[bool, str]:
@@ -234,12 +234,12 @@ def _scenes(run: Run, maps: list[MapCells]) -> list[dict[str, Any]]:
     those at grid points with a known solution."""
     keys = {key for cells in maps for key in cells.rows["key"]}
     rest = run.tightest[~run.tightest["key"].isin(keys)]
-    mapped, found = {f"map {cells.spec.name}": cells.rows[cells.rows["known"]] for cells in maps}, []
+    mapped, scenes = {f"map {cells.spec.name}": cells.rows[cells.rows["known"]] for cells in maps}, []
     for name, rows in [*rest.groupby("scene"), *mapped.items()]:
         ran = rows[measured(rows)]
         solved = (ran["verdict"] == fb.Verdict.SOLVED).groupby(ran["label"]).agg(["sum", "size"])
-        found += [
+        scenes += [
             {"scene": str(name), "solver": str(label), "solved": int(row["sum"]), "cells": int(row["size"])}
             for label, row in solved.iterrows()
         ]
-    return found
+    return scenes

@@ -124,9 +124,9 @@ def _dense(model: Any, data: Any) -> Array:
     return csr_array((data.efc_J, data.efc_J_colind, ends), shape=(data.nefc, model.nv)).toarray()
 
 
-def chosen_of(model: Any, found: list[Candidate], deviation: Array) -> list[tuple[fb.FrictionProblem, Candidate]]:
+def chosen_of(model: Any, candidates: list[Candidate], deviation: Array) -> list[tuple[fb.FrictionProblem, Candidate]]:
     """Return the nearest and the farthest step of each cluster, among those that need friction."""
-    points, data, chosen = _points(found) / deviation, mj.MjData(model), {}
+    points, data, chosen = _points(candidates) / deviation, mj.MjData(model), {}
     centres, label = kmeans2(points, CLUSTERS, minit="++", seed=0)
     distance = np.linalg.norm(points - centres[label], axis=1)
     for cluster in range(CLUSTERS):
@@ -134,12 +134,12 @@ def chosen_of(model: Any, found: list[Candidate], deviation: Array) -> list[tupl
         order = members[np.argsort(distance[members], kind="stable")].tolist()
         for direction in (order, order[::-1]):
             for i in direction:
-                mj.mj_setState(model, data, found[i].state, WHOLE)
+                mj.mj_setState(model, data, candidates[i].state, WHOLE)
                 problem = fb.mujoco.problem(model, data)
                 if problem.contacts and not idle(problem, _frictionless):
                     chosen[i] = problem
                     break
-    return [(chosen[i], found[i]) for i in sorted(chosen)]
+    return [(chosen[i], candidates[i]) for i in sorted(chosen)]
 
 
 def _start(model: Any, one: Candidate) -> Array:
@@ -156,8 +156,8 @@ def _frictionless(problem: fb.FrictionProblem) -> Array:
     return fb.solve(problem, "interior_point", tol=1e-9).impulse
 
 
-def _points(found: list[Candidate]) -> Array:
-    table = np.array([[float(one.facts[name]) for name in FEATURES] for one in found])
+def _points(candidates: list[Candidate]) -> Array:
+    table = np.array([[float(one.facts[name]) for name in FEATURES] for one in candidates])
     return np.hstack([np.log1p(table[:, :5]), np.log10(table[:, 5:7]), table[:, 7:]])
 
 
