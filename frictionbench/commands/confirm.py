@@ -113,7 +113,7 @@ def confirmed(
 
 def require_whole(code: str, stored: pd.DataFrame, runs: list[pd.DataFrame]) -> None:
     """Check that the baseline's code works here, since one that lacks something would excuse any failure. Errors: ResultsError
-    if a cell that the baseline solved never runs, or if all, or more than one and a share FEW, of these are not solved."""
+    if a cell that the baseline solved never runs, or if all, or more than one and FEW_LOST, of these are not solved."""
     for variant, solved in stored[stored["verdict"].isin(ACCEPTED)].groupby("variant"):
         lost = 0
         for key, cell in solved.iterrows():

@@ -18,7 +18,7 @@ COLUMNS = (
     progress.TimeElapsedColumn(),
     progress.TimeRemainingColumn(),
 )
-FEW = 100  # items up to which the time left is not shown: the first items may have compiled kernels for others
+FEW_ITEMS = 100  # items up to which the time left is not shown: the first items may have compiled kernels for others
 INTERVAL = 20.0  # seconds between plain lines: under two hundred lines per hour
 
 
@@ -39,7 +39,7 @@ class Progress:
     def counted(self, name: str, items: Iterable[T], total: int, done: int = 0) -> Iterator[T]:
         """Yield the items and show how many of the total there have been. done: the number before the first item."""
         printed = time.monotonic()
-        shown = COLUMNS if total > FEW else COLUMNS[:-1]
+        shown = COLUMNS if total > FEW_ITEMS else COLUMNS[:-1]
         with progress.Progress(*shown, console=self._console, disable=not self._console.is_terminal) as bar:
             task = bar.add_task(name, total=total, completed=done)
             for count, item in enumerate(items, done + 1):

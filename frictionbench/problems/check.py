@@ -11,7 +11,7 @@ from scipy import sparse
 from frictionbench.problems.rows import Rows, from_dense, from_matrix
 
 Array = NDArray[np.float64]
-MOST = 10**8  # the largest count: no machine holds a larger problem
+LARGEST_COUNT = 10**8  # the largest count: no machine holds a larger problem
 REAL = "fiu"  # numpy's kinds of real numbers: floats, integers with and without sign
 
 
@@ -73,10 +73,10 @@ def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf
 
 
 def count(name: str, value: Any, least: int = 1) -> int:
-    """An integer from `least` to MOST. Errors: InputError naming the parameter."""
+    """An integer from `least` to LARGEST_COUNT. Errors: InputError naming the parameter."""
     require(isinstance(value, (int, np.integer)) and not isinstance(value, bool), name, f"expected an integer, got {value!r}")
     require(value >= least, name, f"must be at least {least}, got {value!r:.100}")
-    require(value <= MOST, name, f"must be at most {MOST}, got {value!r:.100}")
+    require(value <= LARGEST_COUNT, name, f"must be at most {LARGEST_COUNT}, got {value!r:.100}")
     return int(value)
 
 

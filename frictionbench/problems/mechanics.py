@@ -20,7 +20,7 @@ from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.balance import factors, mechanical_parts
 from frictionbench.problems.forms.delassus import CSR, Blocks, Dense
 from frictionbench.problems.forms.islands import islands, lowered, mechanical_graph, mechanical_units, spread
-from frictionbench.problems.forms.joints import FEW, FewJoints, JointEquations, ManyJoints
+from frictionbench.problems.forms.joints import FEW_EQUATIONS, FewJoints, JointEquations, ManyJoints
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_row
 
 NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))  # a matrix without rows
@@ -323,7 +323,7 @@ class Mechanics(ReadOnly):
     @cached_property
     def _held(self) -> JointEquations:
         """The joint equations with an inverse of F M^-1 F'."""
-        inverted = FewJoints if len(self.joint_bias) <= FEW else ManyJoints
+        inverted = FewJoints if len(self.joint_bias) <= FEW_EQUATIONS else ManyJoints
         return inverted(self.joint_rows, self.joint_bias, self.inverse_rows, self.contact_rows)
 
     @cached_property

@@ -161,8 +161,8 @@ def profiles(times: pd.DataFrame, cost: str = "charged", *, relative: bool = Tru
 
 def percentiles(times: pd.DataFrame, budget: float | None = None, *, weighted: bool = True) -> pd.DataFrame:
     """Return a row per label: the times within which half and 99 % of the problems are solved (p50, p99) and the longest
-    (worst), s, infinite if not solved; p99 is NaN below HUNDRED problems, where it would be the longest. within: the share
-    solved within the budget (s), NaN without one.
+    (worst), s, infinite if not solved; p99 is NaN below LEAST_FOR_P99 problems, where it would be the longest. within: the
+    share solved within the budget (s), NaN without one.
 
     times: one of `overall`, or the steps of one motion. weighted: whether by the weights above or with equal weights.
     """

@@ -29,7 +29,7 @@ from frictionbench.results.files import write_text
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
 MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the same reason
-FEW = 8  # curves that can be distinguished in one figure
+DISTINGUISHABLE = 8  # curves that can be distinguished in one figure
 CURVES = ["times", "energies", "penetrations"]  # columns that no table shows
 MUCH_FORM = 0.2  # share of form in the time above which this suite's formulation may determine the rank
 MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent ones
@@ -137,10 +137,10 @@ def _class_names(run: Run) -> dict[str, list[str]]:
 
 
 def _faded(run: Run) -> list[str]:
-    """Return the tags of all labels except the best FEW; none if there are at most two more."""
+    """Return the tags of all labels except the DISTINGUISHABLE best; none if there are at most two more."""
     table = run.summaries[min(run.summaries)]
-    best = {label for where in run.overall for label in tables.best_first(table, where).index[:FEW]}
-    return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > FEW + 2 else []
+    best = {label for where in run.overall for label in tables.best_first(table, where).index[:DISTINGUISHABLE]}
+    return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > DISTINGUISHABLE + 2 else []
 
 
 def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]]:

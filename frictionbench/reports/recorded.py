@@ -59,7 +59,7 @@ class MotionTimes(NamedTuple):
 
 
 def motions(run: Run) -> list[MotionTimes]:
-    """Return the motions with FEWEST ranked steps or more."""
+    """Return the motions with FEWEST_STEPS ranked steps or more."""
     return [
         MotionTimes(name, times["problem_id"].nunique(), in_order(percentiles(times, run.budget, weighted=False)))
         for name, times in step_times(run)

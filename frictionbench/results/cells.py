@@ -201,7 +201,7 @@ def _numbers(values: Any) -> tuple[float, ...]:
 
 
 def counts(text: Any) -> dict[str, int]:
-    """Return the counters in a row's JSON. Values that are not counts below MOST are left out, and thus count as lost."""
+    """Return the counters in a row's JSON. Values other than counts below LARGEST_COUNT are left out, and count as lost."""
     return {name: count for name, count in json_object(text).items() if type(count) is int and 0 <= count < LARGEST_COUNT}
 
 

@@ -94,7 +94,7 @@ def test_inconsistent_rod_ends_the_motion() -> None:
 
 
 def test_impacts_of_several_contacts_may_accumulate(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("frictionbench.problems.schemes.event_driven.MOST", 3)
+    monkeypatch.setattr("frictionbench.problems.schemes.event_driven.MOST_EVENTS", 3)
     with pytest.raises(NoSolution, match=r"^3 events by t = .* accumulate"):
         followed("bouncing_ball", step=5.0)
 

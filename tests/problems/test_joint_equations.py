@@ -126,7 +126,7 @@ def _both(name: str, monkeypatch: pytest.MonkeyPatch) -> list[FrictionProblem]:
     """The problem with a dense inverse of the joints' equations, and with a banded one."""
     made = []
     for few in (10_000, 0):
-        monkeypatch.setattr(mechanics, "FEW", few)
+        monkeypatch.setattr(mechanics, "FEW_EQUATIONS", few)
         made.append(PROBLEMS[name]())
     return made
 

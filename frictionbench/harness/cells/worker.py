@@ -67,7 +67,7 @@ SHARED = 0.02  # a cell that waited for its core for more than this share of the
 def start(deadline: Deadline, core: int | None, settings: Settings, report_loaded: Callable[[], None]) -> None:
     """Make this process a worker, pinned to its own core if there is one.
 
-    tell: called before and after a solver's first call, to report to the main process what has been loaded.
+    report_loaded: called before and after a solver's first call, to report to the main process what has been loaded.
     """
     global _worker  # noqa: PLW0603  # the state of the worker process, set once
     if core is not None:

@@ -22,7 +22,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.forms import banded, delassus, held
 from frictionbench.problems.rows import ByContact, Index32, Rows, by_row, row_of_entry
 
-FEW = 100  # the number of equations up to which a dense inverse is as fast as a band factorisation
+FEW_EQUATIONS = 100  # the number of equations up to which a dense inverse is as fast as a band factorisation
 # Relative to a joint's bias: a larger defect is a contradiction. The value is the tightest tolerance of the suites.
 CONTRADICTION = 1e-8
 # Relative to the largest terms of any joint equation, with each equation in its own unit: a defect that rounding may leave.

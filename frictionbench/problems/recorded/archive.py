@@ -1,7 +1,7 @@
 """Safe opening of problem files, which may come from untrusted sources, and reading of their arrays.
 
 The headers of an archive (.npz) are checked before anything is unpacked. Pickled objects, text, more than MAX_BYTES bytes, more
-than MOST arrays and compression methods other than numpy's are refused. An array with an unknown name is refused too, because
+than MOST_ARRAYS and compression methods other than numpy's are refused. An array with an unknown name is refused too, because
 its data would be missing in the problem.
 """
 
@@ -21,7 +21,7 @@ from frictionbench.problems.check import REAL, Array, InputError, require, requi
 from frictionbench.regular import regular
 
 COMPRESSION = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the methods of numpy; unpacking others can need much memory
-MOST = 1000  # arrays: far more than a problem has
+MOST_ARRAYS = 1000  # arrays: far more than a problem has
 LONGEST_HEADER = 2**16  # bytes of an array's header, which is read before its size is known
 ENTRY = b"PK\x01\x02"  # the start of each entry in an archive's directory
 CHUNK = 2**24
@@ -45,12 +45,12 @@ def read_arrays(path: Path) -> dict[str, Array]:
     """All arrays by name. Errors: InputError naming the file, or the array that cannot be used."""
     try:
         with opened(path, MAX_BYTES) as file:
-            require(_listed(file) <= 2 * MOST, "archive", f"holds more than {MOST} arrays")
+            require(_listed(file) <= 2 * MOST_ARRAYS, "archive", f"holds more than {MOST_ARRAYS} arrays")
             archive = zipfile.ZipFile(file)
             names = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
             require(len(names) == len(archive.infolist()), "names", "several arrays have the same name")
             require(all(map(str.isprintable, names)), "names", "hold control characters")
-            require(len(names) <= MOST, "archive", f"holds more than {MOST} arrays")
+            require(len(names) <= MOST_ARRAYS, "archive", f"holds more than {MOST_ARRAYS} arrays")
             left = MAX_BYTES
             for name, entry in names.items():
                 require(entry.compress_type in COMPRESSION, name, "is compressed by another method than deflate")

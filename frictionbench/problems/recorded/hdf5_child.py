@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 
 FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32, h5py.h5z.FILTER_SZIP}
-MOST = 1000  # groups and data sets, far more than in FCLIB's files
+MOST_OBJECTS = 1000  # groups and data sets, far more than in FCLIB's files
 DEEPEST = 6  # levels of groups, more than in FCLIB's files
 
 
@@ -37,8 +37,8 @@ def read(path: str, most: int) -> dict[str, np.ndarray]:
                 raise Refused(f"{above}: groups are nested more than {DEEPEST} levels deep")
             for name in group:
                 field, seen = f"{above}/{name}".lstrip("/"), seen + 1
-                if seen > MOST:
-                    raise Refused(f"{above or 'file'}: more than {MOST} groups and data sets")
+                if seen > MOST_OBJECTS:
+                    raise Refused(f"{above or 'file'}: more than {MOST_OBJECTS} groups and data sets")
                 if not isinstance(group.get(name, getlink=True), h5py.HardLink):
                     raise Refused(f"{field}: is a link; only plain data are read")
                 data = group[name]

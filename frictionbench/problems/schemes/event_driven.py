@@ -13,7 +13,7 @@ zero, and the contact stays closed. If only one contact bounces, with a speed v 
 towards contact, the event `accumulation` has the time t + 2 v / (a (1 - e)), which is exact for the bouncing ball.
 
 The scheme stops, and states where and when, if no force exists at a sliding contact (Painlevé), if a force grows without bound,
-or if MOST events do not reach the end of a step, because impacts of several contacts accumulate. It refuses spatial scenes.
+or if MOST_EVENTS do not reach the end of a step, because impacts of several contacts accumulate. It refuses spatial scenes.
 
 References: Pfeiffer and Glocker 1996; Génot and Brogliato 1999; Acary and Brogliato 2008, chapter 8.
 """
@@ -37,7 +37,7 @@ CLOSED = 1e-9  # relative to the largest body: contacts with smaller gaps are cl
 LOW = 1e-9  # relative to the largest body: see above
 AT_REST = 1e-9  # relative to the fastest speed: smaller normal or tangential speeds count as zero
 SURE = 1e-8  # relative to the accelerations without contact forces: smaller ones count as zero; far below events.path.MARGIN
-MOST = 500  # smooth parts of a step, each ended by an event; touches that do not change the motion count as well
+MOST_EVENTS = 500  # smooth parts of a step, each ended by an event; touches that do not change the motion count as well
 
 Impact = Callable[[Scene, Array, Array, Contacts, Solve], tuple[list[Solved], Array]]
 
@@ -82,8 +82,8 @@ def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float =
             q, v = project(scene, q, v, mode)
         if flight.event not in ("", "touch"):  # a touch causes an impact or does not change the motion
             events.append(Event(time, flight.event, v, v))
-        if len(smooth) > MOST:
-            raise NoSolution(f"{MOST} events by t = {time:.9g} s: the events accumulate, and their limit is not known")
+        if len(smooth) > MOST_EVENTS:
+            raise NoSolution(f"{MOST_EVENTS} events by t = {time:.9g} s: the events accumulate, and their limit is not known")
     return Step(end, q, v, scene.contacts(q, CLOSED * scene.reach), tuple(solved), tuple(smooth), tuple(events))
 
 

@@ -14,7 +14,7 @@ from frictionbench.results.conventions import scene_title
 
 POINTS = 200  # points of a curve: finer than the panel's resolution
 FLAT = 1e-7  # per cent: smaller changes are rounding errors
-MOST = 24  # panels on the page; more make it slow to load
+MOST_PANELS = 24  # panels on the page; more make it slow to load
 
 
 def panels(run: Run) -> list[Panel]:
@@ -59,5 +59,5 @@ CHART = Chart(
     section="energy",
     caption="Change of kinetic plus potential energy since the start, relative to the scene's energy scale. Friction and "
     "impacts dissipate energy: unless an applied force does work, a rise is an error of the scheme or the solver.",
-    on_page=slice(MOST),
+    on_page=slice(MOST_PANELS),
 )
