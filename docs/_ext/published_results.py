@@ -24,8 +24,8 @@ HEADS = ("suite", "version", "machine", "finished", "ranked problems")
 
 def entries() -> list[Entry]:
     """The published runs, the newest first."""
-    found = [Entry(read(path)) for path in SUMMARIES.glob("*.json")]
-    return sorted(found, key=lambda entry: (entry.summary["finished"], entry.summary["name"]), reverse=True)
+    read_entries = [Entry(read(path)) for path in SUMMARIES.glob("*.json")]
+    return sorted(read_entries, key=lambda entry: (entry.summary["finished"], entry.summary["name"]), reverse=True)
 
 
 def link(entry: Entry, text: str) -> nodes.paragraph:
@@ -34,12 +34,12 @@ def link(entry: Entry, text: str) -> nodes.paragraph:
 
 
 def table(heads: Sequence[str], lines: Iterable[nodes.row]) -> nodes.table:
-    made, group = nodes.table(), nodes.tgroup(cols=len(heads))
+    whole, group = nodes.table(), nodes.tgroup(cols=len(heads))
     group.extend(nodes.colspec(colwidth=1) for _ in heads)
     group += nodes.thead("", row([nodes.paragraph(text=head) for head in heads]))
     group += nodes.tbody("", *lines)
-    made += group
-    return made
+    whole += group
+    return whole
 
 
 class OfSummaries(SphinxDirective):
@@ -47,15 +47,15 @@ class OfSummaries(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         self.env.note_dependency(str(SUMMARIES))
-        return self.made(entries())
+        return self.content(entries())
 
-    def made(self, found: list[Entry]) -> list[nodes.Node]:
+    def content(self, published: list[Entry]) -> list[nodes.Node]:
         raise NotImplementedError
 
 
 class PublishedResults(OfSummaries):
-    def made(self, found: list[Entry]) -> list[nodes.Node]:
-        return [table(HEADS, map(self.line, found))]
+    def content(self, published: list[Entry]) -> list[nodes.Node]:
+        return [table(HEADS, map(self.line, published))]
 
     def line(self, entry: Entry) -> nodes.row:
         s = entry.summary
@@ -71,8 +71,8 @@ def row(cells: list[nodes.Node]) -> nodes.row:
 class PublishedAnswer(OfSummaries):
     required_arguments = 1
 
-    def made(self, found: list[Entry]) -> list[nodes.Node]:
-        entry = next((one for one in found if one.summary["suite"] == self.arguments[0]), None)
+    def content(self, published: list[Entry]) -> list[nodes.Node]:
+        entry = next((one for one in published if one.summary["suite"] == self.arguments[0]), None)
         if entry is None:
             return []
         rows = entry.summary["rankings"]
@@ -85,32 +85,32 @@ class PublishedAnswer(OfSummaries):
             for kind in kinds
         ]
         s = entry.summary
-        said = f"Suite {s['suite']}, version {s['version']}, {s['machine'].get('processor')}, {s['finished'][:10]}"
-        return [table(heads, lines), link(entry, said)]
+        origin = f"Suite {s['suite']}, version {s['version']}, {s['machine'].get('processor')}, {s['finished'][:10]}"
+        return [table(heads, lines), link(entry, origin)]
 
 
-def first(found: Summary | None) -> str:
+def first(place: Summary | None) -> str:
     """The first of a kind: its mean and how many problems it solved, or why there is no winner."""
-    if found is None or found["unclear"]:
-        return found["unclear"] if found else "none"
-    return f"{found['solver']} {seconds(found['mean'])} ({found['reached']}/{found['problems']})"
+    if place is None or place["unclear"]:
+        return place["unclear"] if place else "none"
+    return f"{place['solver']} {seconds(place['mean'])} ({place['reached']}/{place['problems']})"
 
 
 class PublishedHeadlines(OfSummaries):
-    def made(self, found: list[Entry]) -> list[nodes.Node]:
-        told: list[nodes.Node] = []
-        for suite, entry in newest(found).items():
+    def content(self, published: list[Entry]) -> list[nodes.Node]:
+        parts: list[nodes.Node] = []
+        for suite, entry in newest(published).items():
             if entry.summary["headline"]:
-                told.append(link(entry, suite))
+                parts.append(link(entry, suite))
                 said = {line.partition(", ")[2]: line for line in entry.summary["headline"]}  # of robots alone, once
                 items = [nodes.list_item("", nodes.paragraph(text=line)) for line in said.values()]
-                told.append(nodes.bullet_list("", *items))
-        return told
+                parts.append(nodes.bullet_list("", *items))
+        return parts
 
 
-def newest(found: list[Entry]) -> dict[str, Entry]:
+def newest(published: list[Entry]) -> dict[str, Entry]:
     """By suite its newest run."""
-    return {entry.summary["suite"]: entry for entry in reversed(found)}
+    return {entry.summary["suite"]: entry for entry in reversed(published)}
 
 
 class PublishedRanks(OfSummaries):
@@ -119,9 +119,9 @@ class PublishedRanks(OfSummaries):
     required_arguments = 1
     final_argument_whitespace = True
 
-    def made(self, found: list[Entry]) -> list[nodes.Node]:
+    def content(self, published: list[Entry]) -> list[nodes.Node]:
         places: dict[str, dict[str, str]] = {}
-        for suite, entry in newest(found).items():
+        for suite, entry in newest(published).items():
             rows = [
                 one for one in entry.summary["rankings"] if (one["kind"], one["by"]) == (self.arguments[0], RankBy.BODIES.value)
             ]
@@ -131,9 +131,14 @@ class PublishedRanks(OfSummaries):
                 one["solver"]: f"{place} ({one['reached']}/{one['problems']})" for place, one in enumerate(ranked, start=1)
             }
         first = places.pop("standard", {})
-        others = {suite: own for suite, own in sorted(places.items()) if first.keys() & own.keys()}
+        others = {suite: of_suite for suite, of_suite in sorted(places.items()) if first.keys() & of_suite.keys()}
         lines = [
-            row([nodes.paragraph(text=text) for text in (solver, place, *(own.get(solver, "–") for own in others.values()))])
+            row(
+                [
+                    nodes.paragraph(text=text)
+                    for text in (solver, place, *(of_suite.get(solver, "–") for of_suite in others.values()))
+                ]
+            )
             for solver, place in first.items()
         ]
         return [table(("solver", "standard", *others), lines)] if lines else []
@@ -142,17 +147,17 @@ class PublishedRanks(OfSummaries):
 class PublishedLeads(OfSummaries):
     """By suite with several runs of the same problems: in each run the lead of the newest run's first over its next two."""
 
-    def made(self, found: list[Entry]) -> list[nodes.Node]:
-        told: list[nodes.Node] = []
-        for suite, entry in newest(found).items():
-            runs = [one for one in found if one.summary["suite"] == suite and same(one.summary, entry.summary)]
+    def content(self, published: list[Entry]) -> list[nodes.Node]:
+        parts: list[nodes.Node] = []
+        for suite, entry in newest(published).items():
+            runs = [one for one in published if one.summary["suite"] == suite and same(one.summary, entry.summary)]
             orders = {where: [*means(entry.summary, where)][:3] for where in OVERALL.values()}
             compared = [(where, order[0], other) for where, order in orders.items() for other in order[1:]]
             if len(runs) > 1 and compared:
                 heads = ("run", *(f"{first} over {other}, {where}" for where, first, other in compared))
                 lines = [row([link(one, version(one, entry)), *(lead(one, *columns) for columns in compared)]) for one in runs]
-                told += [nodes.paragraph(text=suite), table(heads, lines)]
-        return told
+                parts += [nodes.paragraph(text=suite), table(heads, lines)]
+        return parts
 
 
 def version(run: Entry, last: Entry) -> str:

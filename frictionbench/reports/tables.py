@@ -56,21 +56,18 @@ def problem_classes(run: Run) -> pd.DataFrame:
     problems = run.rows.sort_values("size").drop_duplicates("problem_id").sort_index()
     order = {scene: i for i, scene in enumerate(problems["scene"].unique())}
     problems = problems.assign(order=problems["scene"].map(order)).sort_values(["order", "size"], kind="stable")
-    return (
-        problems.groupby("problem_class", sort=False)
-        .agg(
-            problems=("problem", lambda names: int((names != "").sum())),
-            trivial=("trivial", "sum"),
-            idle=("idle", "sum"),
-            dimension=("dimension", "max"),
-            contacts_from=("contacts", "min"),
-            contacts_to=("contacts", "max"),
-            size_from=("size", "min"),
-            size_to=("size", "max"),
-            condition=("condition", "max"),
-        )
-        .reset_index()
+    table = problems.groupby("problem_class", sort=False).agg(
+        problems=("problem", lambda names: int((names != "").sum())),
+        trivial=("trivial", "sum"),
+        idle=("idle", "sum"),
+        dimension=("dimension", "max"),
+        contacts_from=("contacts", "min"),
+        contacts_to=("contacts", "max"),
+        size_from=("size", "min"),
+        size_to=("size", "max"),
+        condition=("condition", "max"),
     )
+    return table.reset_index()
 
 
 def best_first(summary: pd.DataFrame, problem_class: str) -> pd.DataFrame:
