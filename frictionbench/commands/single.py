@@ -158,7 +158,7 @@ def show_rerun(folder: Path, key: str, named: list[str]) -> None:
         store.read_manifest(folder)
         rows = [row for table in TABLES for row in store.rows(folder, table).values()]
         failed = [row for row in rows if row["verdict"] not in (*ACCEPTED, Verdict.SKIPPED)]
-        labels = [f"{row['key']} {scene_title(row['scene'], row['parameters'])}" for row in failed]
+        labels = [f"{row['key']} {scene_title(row['scene'], row['parameters'])} to {number(row['tol'])}" for row in failed]
         _show(f"{count(len(failed), 'row')} failed", dict(zip(labels, failed, strict=True)))
         return
     row, again = rerun_row(folder, key, named)

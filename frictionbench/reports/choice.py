@@ -85,11 +85,6 @@ class Choice(NamedTuple):
         return second / self.places[0].mean if np.isfinite(second) else None
 
     @property
-    def has_p99(self) -> bool:
-        """Whether there are enough problems for a 99th percentile."""
-        return self.problems >= accuracy.LEAST_FOR_P99
-
-    @property
     def order(self) -> list[str]:
         """The labels of the first three."""
         return [place.label for place in self.places[:3]]
@@ -243,10 +238,11 @@ def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
     if target not in one.choices:
         return f"{where}no solver that ran on all of them reaches it."
     by_first, by_second = one.choices[target], other.choices[target]
-    if by_first.order == by_second.order and by_first.unclear == by_second.unclear:
-        speed = f"{_speed(first, by_first)}; {second.words} the order of the first three is the same"
-    else:
-        speed = f"{_speed(first, by_first)}; {_speed(second, by_second)}"
+    if len(by_first.places) == 1 and not (only := by_first.places[0]).law:
+        return f"{where}{only.label} solves {only.solved}, {first.words} with a mean of {seconds(only.mean, 3)}."
+    same = by_first.order == by_second.order and by_first.unclear == by_second.unclear
+    order = f"{second.words} the order of the first three is the same" if same else _speed(second, by_second)
+    speed = f"{_speed(first, by_first)}; {order}"
     return f"{where}{dependable(by_first)}. {speed[0].upper()}{speed[1:]}.{_charges(by_first)}"
 
 

@@ -53,7 +53,7 @@ def history(lines_by_solver: dict[str, list[Line]]) -> str:
             results = (str(line.verdicts.total()), verdicts, format_counts(dict(line.work)), seconds(line.time))
             names = ("" if i else variant, str(line.run.path), line.run.made[:10], line.run.code)
             rows.append([*map(escaped, (*names, *results))])
-    return "\n".join(pipe(("solver", "run", "made", "code", "cells", "verdicts", "work", "time"), rows))
+    return "\n".join(pipe(("solver", "run", "made", "suite's code", "cells", "verdicts", "work", "time"), rows))
 
 
 def _line(run: Cells, cells: pd.DataFrame, good: list[str]) -> Line:

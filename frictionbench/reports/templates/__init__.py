@@ -11,7 +11,7 @@ import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from frictionbench.reports.accuracy import shown_levels
+from frictionbench.reports.accuracy import LEAST_FOR_P99, shown_levels
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.figures import inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
@@ -60,5 +60,5 @@ def environment(*folders: Path) -> Environment:
         text = "".join(loader.get_source(made, name)[0] for name in names)
         return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
 
-    made.globals |= {"endings": ENDINGS, "hardness": HARDNESS, "dots": tiles.DOTS, "script": script}
+    made.globals |= {"endings": ENDINGS, "hardness": HARDNESS, "dots": tiles.DOTS, "script": script, "p99_from": LEAST_FOR_P99}
     return made
