@@ -259,7 +259,7 @@ CALLS: dict[str, Call] = {
     "clarabel[settings=default]": Call(clarabel, (2, 3)),
     "osqp": Call(osqp),
     "scs[settings=default]": Call(scs, (2, 3)),
-    "scs[settings=tuned]": Call(partial(scs, scale=1.0), (2, 3)),
+    "scs[settings=tuned]": Call(partial(scs, scale=1.0, acceleration_lookback=6), (2, 3)),
     "proxsuite[matrices=sparse]": Call(proxsuite),
     "piqp[matrices=sparse]": Call(piqp),
     "piqp[matrices=dense]": Call(partial(piqp, matrices="dense"), most=100),
@@ -273,7 +273,7 @@ CALLS: dict[str, Call] = {
     "drake[method=unrevised]": Call(drake, most=20, by_matrix=True),
     "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100, by_matrix=True),
     "pinocchio[method=admm,settings=tuned]": Call(
-        partial(pinocchio, anderson_capacity=8, lanczos_size=10), (2, 3), by_matrix=True
+        partial(pinocchio, anderson_capacity=8, lanczos_size=10, max_delassus_decomposition_updates=10), (2, 3), by_matrix=True
     ),
     "mujoco[method=newton]": Call(mujoco, (2, 3), 100),
     "siconos[method=friction_2d_nsgs]": Call(partial(siconos, method="FRICTION_2D_NSGS"), most=20, by_matrix=True),

@@ -5,11 +5,11 @@ Form: the dimensionless Delassus matrix, of which it reads a triangle, with thre
     tangent of a planar one is decoupled. Its diagonal is 1, for ADMM 4. It is dense, and sparse for ADMM above 60 contacts if
     less than half full. Setup: the operator, a point contact model a contact. Solve: its solve, and reading the impulses.
 Clock: the solver's getElapsedTime, with measure_timings on.
-Charged: on some problems it takes many times the iterations of a call by hand, which gives it W in units of kg and asks tol/10
-    of impulses and velocities as they are, and on others a fraction; with Anderson acceleration it may stall above them.
+Charged: on some problems it takes several times the iterations of a call by hand, which gives it W in units of kg and asks
+    tol/10 of impulses and velocities as they are, and on others a fraction.
 Settings: ADMM's defaults have no Anderson acceleration, anderson_capacity = 0, estimate the largest eigenvalue of W by as many
-    steps of Lanczos as W has rows, lanczos_size = 2^31 - 1, which is not in its clock, and may change rho in each iteration,
-    rho_min_update_frequency = 1; tuned sets 8, 10 and 10, with fewer iterations, `frictionbench solve
+    steps of Lanczos as W has rows, lanczos_size = 2^31 - 1, which is not in its clock, and may change rho any number of times,
+    max_delassus_decomposition_updates = 2^31 - 1; tuned sets 8, 10 and 10, with fewer iterations, `frictionbench solve
     'stack[blocks=10,mass_ratio=100,push=1]' --solver 'pinocchio[method=admm]' --solver 'pinocchio[settings=tuned]'`. PGS'
     over_relaxation is 1; tuned is 1.3, `frictionbench solve 'wedge[friction=0.2]' --solver 'pinocchio[method=pgs]' --solver
     'pinocchio[method=pgs,settings=tuned]'`.
@@ -41,7 +41,7 @@ _SIZES = {"admm": 4.0, "pgs": 1.0}
 _DENSE = 60  # contacts up to which ADMM's dense operator is the faster one
 _VARIANTS = tuple(f"method={each}{more}" for each in ("admm", "admm,law=ccp", "pgs") for more in ("", ",settings=tuned"))
 _TUNED: dict[str, dict[str, float]] = {
-    "admm": {"anderson_capacity": 8, "lanczos_size": 10, "rho_min_update_frequency": 10},
+    "admm": {"anderson_capacity": 8, "lanczos_size": 10, "max_delassus_decomposition_updates": 10},
     "pgs": {"over_relaxation": 1.3},
 }
 Prepared = tuple[ScaledDelassus, Any, Any, Any]  # the operator, the contact models and their data

@@ -92,12 +92,13 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
         ("ccp[backend=highs]", "chain[links=20,fall=1]"),
         ("proxsuite[matrices=sparse,settings=tuned]", "wall[rows=6,columns=6,friction=0.05]"),
         ("siconos[method=friction_3d_prox]", "sphere_pyramid[levels=3,noise=0.3]"),
-        ("pinocchio[method=admm,settings=tuned]", "stack[blocks=60,push=1]"),
+        ("proxsuite[matrices=sparse,settings=tuned]", "stack[blocks=3,mass_ratio=1e5]"),
+        ("clarabel[settings=tuned]", "random_bodies[contacts=8,seed=1]"),
+        *(("pinocchio[method=admm,settings=tuned]", f"stack[blocks={blocks},push=1]") for blocks in (10, 60)),
     ],
 )
 def test_answers_are_accurate_and_accepted(spec, what) -> None:
-    """Where other settings leave errors, or claim failure: see docs/fairness.md. Pinocchio's ADMM is on a sparse matrix, where
-    accelerated steps stall if rho may change in each."""
+    """Where other settings leave errors or claim failure (docs/fairness.md); ADMM on a dense and on a sparse matrix."""
     if reason := find(spec)[0].missing:
         pytest.skip(reason)
     name, settings = parse("scene", what)
@@ -110,8 +111,7 @@ def test_answers_are_accurate_and_accepted(spec, what) -> None:
 def test_a_library_that_fails_says_so_and_prints_nothing(spec, capfd) -> None:
     if reason := find(spec)[0].missing:
         pytest.skip(reason)
-    problem = scene("stack", blocks=8, push=0.3).problem()
-    solve(problem, spec)
+    solve(problem := scene("stack", blocks=8, push=0.3).problem(), spec)
     answer = solve(problem, spec, limit=1)
     assert answer.status is Status.FAILED
     assert answer.detail
