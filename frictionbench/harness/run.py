@@ -124,7 +124,8 @@ def open_folder(plan: Plan, folder: Path) -> None:
             listed = "\n  ".join(different[:12])
             raise ResultsError(f"{folder} holds another run; choose another --out. Differences:\n  {listed}")
         return
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+    # A process that was killed in write_manifest has left a temporary file.
+    if folder.exists() and (not folder.is_dir() or any(not path.match(".manifest-*.json") for path in folder.iterdir())):
         raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written. Choose another --out")
     begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": _now(), "options": plan.options}
     store.write_manifest(folder, manifest | begun | dependencies.initial_content(plan))

@@ -51,6 +51,8 @@ def test_dense_matrices_beyond_the_memory_are_told_before_they_are_made(tmp_path
 
 def test_different_plan_is_refused(tmp_path) -> None:
     folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / ".manifest-1.json").touch()  # left by a command that was killed while it wrote the manifest
     run(small_plan(simulations=()), folder, 1, quiet())
     before = verdicts(folder)
     with pytest.raises(ResultsError, match=r"settings\.tolerances"):
