@@ -5,7 +5,6 @@ interrupted and resumed.
 """
 
 import json
-import tempfile
 from hashlib import sha256
 from itertools import groupby
 from pathlib import Path
@@ -17,11 +16,11 @@ from scipy.linalg import null_space
 
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.reference import reference_answer
-from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plan, Plugin, Source
+from frictionbench.harness.plans.plan import Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import natural
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, open_folder
-from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.harness.workers.pool import Pool, Task, scratch_pool
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.check import Array, require
@@ -149,8 +148,8 @@ def prepared(
     require(folder.exists(), "folder", f"there is no folder or file {folder}")
     paths = [folder] if folder.is_file() else sorted(folder.glob("[!.]*.npz"), key=natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
-    with tempfile.TemporaryDirectory() as name:
-        judgements = _judgements(paths, Path(name), jobs, progress)
+    with scratch_pool(jobs=jobs) as pool:
+        judgements = _judgements(paths, pool, progress)
         require(any(one.contacts for one in judgements), "folder", f"no step in {folder} has a contact")
         solvers = tuple(dict.fromkeys((OUR_SOLVER, *against)))
         files = [(one.file, one.problem) for one in judgements]
@@ -158,21 +157,20 @@ def prepared(
         out = out or Path("runs") / f"judge-{sha256(settings.encode()).hexdigest()[:8]}"
         plan = Plan("judge", _sources(folder, judgements, out), solvers, (tol,), time_limit=time_limit, plugins=plugins)
         open_folder(plan, out)
-        for path in (Path(name) / FOLDER).iterdir():
+        for path in (pool.folder / FOLDER).iterdir():
             with replaced(subfolder(out, FOLDER) / path.name) as file:  # shutil.move writes through a link
                 copyfile(path, file)
     write_judgements(out, judgements)
     return plan, out
 
 
-def _judgements(paths: list[Path], scratch: Path, jobs: int, progress: Progress) -> list[Judgement]:
+def _judgements(paths: list[Path], pool: Pool, progress: Progress) -> list[Judgement]:
     """Return the judgements in the order of the paths. Errors: InputError naming the first file that cannot be judged."""
     tasks = [Task(judge_step, (str(path.absolute()),), COLLECT_SECONDS) for path in paths]
-    with Pool(scratch, jobs, (), MEMORY_LIMIT) as pool:
-        judgements = {
-            outcome.task.arguments: Judgement(**outcome.result(f"{outcome.task.arguments[0]}: cannot be judged"))
-            for outcome in progress.follow("steps", pool, tasks)
-        }
+    judgements = {
+        outcome.task.arguments: Judgement(**outcome.result(f"{outcome.task.arguments[0]}: cannot be judged"))
+        for outcome in progress.follow("steps", pool, tasks)
+    }
     return [judgements[task.arguments] for task in tasks]
 
 

@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
@@ -75,8 +76,8 @@ Settings = tuple[Path, tuple[Plugin, ...], int]
 class _Server:
     """The process that forks the supervisors. It is started once, ends with this process and imports nothing from its folder.
 
-    sandbox: the plug-ins' sandbox, see harness.workers.sandbox. Errors: ConnectionError with the reason if it ends before it
-    reports its code, ResultsError if it runs other code.
+    sandbox: the plug-ins' sandbox, see harness.workers.sandbox. scratch: a folder that it removes when it
+    ends. Errors: ConnectionError with the reason if it ends before it reports its code, ResultsError if it runs other code.
     """
 
     def __init__(self) -> None:
@@ -101,7 +102,7 @@ class _Server:
                 errors_printed = errors.read().decode(errors="replace").strip().splitlines()
                 raise ConnectionError(errors_printed[-1] if errors_printed else "it was killed")
         theirs, ours = json.loads(line), machine.code()
-        self.sandbox = str(theirs["sandbox"])
+        self.sandbox, self.scratch = str(theirs["sandbox"]), str(theirs["scratch"])
         if theirs["code"] != ours:
             self.close()
             raise ResultsError(
@@ -126,13 +127,15 @@ class _Server:
 _server: _Server | None = None
 
 
-def _supervisor(settings: Settings) -> Connection:
+def _asked(question: Callable[[_Server], Any]) -> Any:
+    """Return the server's answer; it is started if it does not run. Errors: ResultsError with the reason if it cannot be."""
+    process.require_linux()
     global _server  # noqa: PLW0603  # one per process, so that the workers' modules are imported once
     reason = ""
     for _ in range(TRIES):  # the server may be killed at any moment, even while it starts
         try:
             _server = _server or _Server()
-            return _server.supervisor(settings)
+            return question(_server)
         except OSError as error:
             reason = str(error)
         if _server is not None:
@@ -145,8 +148,8 @@ class _Slot:
     """The connection to one supervisor, and the task that its worker runs."""
 
     def __init__(self, settings: Settings) -> None:
-        self._settings = settings
-        self.connection = _supervisor(settings)
+        self._begin = partial(_asked, lambda server: server.supervisor(settings))
+        self.connection: Connection = self._begin()
         self.task: Task | None = None
         self._tries = 0
         self._loaded: Loaded = {}
@@ -168,7 +171,7 @@ class _Slot:
             if self._tries < TRIES:
                 self._restart()
                 return None
-            self.connection = _supervisor(self._settings)
+            self.connection = self._begin()
             message = {"failure": Verdict.CRASHED.name, "reason": f"its processes were killed {TRIES} times"}
         except RecursionError:
             message = {"failure": Verdict.CRASHED.name, "reason": "the worker's reply is nested too deeply"}
@@ -190,7 +193,7 @@ class _Slot:
     def _restart(self) -> None:
         assert self.task is not None
         self.connection.close()
-        self.connection = _supervisor(self._settings)
+        self.connection = self._begin()
         self.send(self.task)
 
     def close(self) -> None:
@@ -211,11 +214,9 @@ class Pool(AbstractContextManager["Pool"]):
     """
 
     def __init__(self, folder: Path, jobs: int, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
-        process.require_linux()
         self.folder = folder.absolute()
         self._slots = [_Slot((self.folder, plugins, memory_limit)) for _ in range(jobs)]
-        assert _server is not None
-        self.sandbox = _server.sandbox
+        self.sandbox: str = _asked(lambda server: server.sandbox)
 
     def __exit__(self, *_: object) -> None:
         for slot in self._slots:
@@ -240,8 +241,8 @@ class Pool(AbstractContextManager["Pool"]):
 def scratch_pool(
     plugins: tuple[Plugin, ...] = (), memory_limit: int = MEMORY_LIMIT, jobs: int = 1, folder: Path | None = None
 ) -> Iterator[Pool]:
-    """Provide workers with a temporary folder. folder: a run whose problems they read."""
-    with TemporaryDirectory() as name:
+    """Provide workers with a folder, which their server removes at its end. folder: a run whose problems they read."""
+    with TemporaryDirectory(dir=_asked(lambda server: server.scratch)) as name:
         if folder is not None:
             (Path(name) / "problems").symlink_to((folder / "problems").resolve())
         with Pool(Path(name), jobs, plugins, memory_limit) as pool:

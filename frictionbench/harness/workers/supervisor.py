@@ -45,7 +45,7 @@ def serve(control_fd: int) -> None:
     supervisors: set[int] = set()
     sandbox_kind = sandbox.best()
     with socket.socket(fileno=control_fd) as control, tempfile.TemporaryDirectory(prefix="frictionbench-") as scratch:
-        control.sendall(json.dumps({"code": machine.code(), "sandbox": sandbox_kind}).encode() + b"\n")
+        control.sendall(json.dumps({"code": machine.code(), "sandbox": sandbox_kind, "scratch": scratch}).encode() + b"\n")
         for context in (cpu_target.typing_context, cpu_target.target_context):
             context.refresh()  # imports numba's modules for the first kernel, once for all workers
         while True:

@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,7 @@ from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.results import store
 from tests.helpers.paths import ROOT
 from tests.helpers.plugin import write
-from tests.helpers.runs import run_of
+from tests.helpers.runs import run_of, soon
 
 # What a plug-in tries, each by a line of Python that raises OSError where it is refused; RUN, PID and FREE are put in.
 ATTEMPTS = {
@@ -179,8 +178,8 @@ def test_server_ends_what_a_killed_supervisor_leaves(monkeypatch, tmp_path) -> N
     assert (row["verdict"], row["reason"]) == ("crashed", "its processes were killed 3 times")
     assert store.read_manifest(tmp_path / "run")["walls"] == sandbox.GROUPS
     server = pool._server
-    end = time.monotonic() + 60
-    while (left := process.descendants(server._process.pid)) and time.monotonic() < end:
-        time.sleep(0.05)
-    assert left == []
+    assert soon(lambda: not process.descendants(server._process.pid))
+    with pool.scratch_pool() as other:
+        home = other.folder.parent  # where a killed command leaves its temporary folder
     server.close()
+    assert (home.name[:14], home.exists()) == ("frictionbench-", False)
