@@ -20,8 +20,8 @@ predicted, linearly, for the end of the step, A_i the rows of normals, limits an
 
     min 1/2 x'(W + E) x - SHARE d'x,    x_i >= 0 for normals and limits,    delta = A^-1 A_i' x,    q+ += delta,
 
-with E = SOFT diag(W). A single row is corrected by nearly SHARE of its depth in each step; where rows contradict each other, as
-those of wedged parts do, the regularisation gives a compromise. The program is strictly convex, so its solution exists.
+with E = SOFT diag(W). A single row is corrected by nearly SHARE of its depth in each step; the regularisation gives a
+compromise where rows contradict each other, as those of wedged parts do, and a solution in all cases.
 
 The step has no torsional or rolling friction, soft constraints, adhesion or restitution.
 """
@@ -35,7 +35,7 @@ from time import thread_time
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.linalg import cho_factor, cho_solve, cholesky, qr, solve_triangular
 from scipy.optimize import nnls
 
 from frictionbench.problems import FrictionProblem, Status
@@ -50,6 +50,8 @@ from frictionbench.solvers import solve
 SHARE = 0.2  # of a penetration, corrected in one step
 SOFT = 1e-3  # regularisation relative to diag(W)
 SLOP = 1e-3  # depth that is left, relative to model.stat.meansize
+IMPLIED = 1e-4  # of an equality's row, scaled, that is not a combination of others: below, the loops that they close imply it
+ROUNDING = 1e-10  # relative to the largest: smaller rows and columns of equalities are rounding errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,9 +193,21 @@ def _stage(mj: Any, model: Any, data: Any) -> _Stage:
 
 
 def _problem(model: Any, stage: _Stage) -> FrictionProblem:
-    F = stage.J[stage.kinds.equal]
+    F = _independent(stage.J[stage.kinds.equal])
     bias = np.maximum(stage.contacts.gap, 0.0) / model.opt.timestep
     return posed(stage.mass, stage.free, stage.contacts, bias, F, np.zeros(len(F)))
+
+
+def _independent(F: Array) -> Array:
+    """The equalities F (nj, nv) without those that others imply: in a loop that is out of place by an error, as after any step,
+    these differ from the others by an angle, and would forbid what the loop allows."""
+    if not F.any():
+        return F
+    scaled = F / np.maximum(np.abs(F).max(axis=0), ROUNDING * np.abs(F).max())  # metres and radians
+    size = np.linalg.norm(scaled, axis=1)
+    triangle, order = qr((scaled / np.maximum(size, ROUNDING * size.max())[:, None]).T, mode="r", pivoting=True)
+    own = np.abs(np.diag(triangle)) > IMPLIED
+    return np.array(F[np.sort(order[: len(own)][own])])
 
 
 def _frames(data: Any, kinds: Kinds) -> Array:

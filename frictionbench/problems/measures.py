@@ -10,9 +10,9 @@ At each contact, in m/s, where D is the disc of radius mu r_n + b_f and s is as 
 with E = s (p - P_D(p - u_t/s)), where p is the friction impulse projected onto D and P_D is that projection. All four are zero
 exactly if Coulomb's law holds.
 
-Engines deliberately remove a penetration over many steps, so a step need not remove all of it. The bias b = gap/step of a
-penetrating contact is therefore replaced by the value in [b, 0] that fits the engine's answer best. The penetration is
-reported separately, in metres. A violation is only to penetrate more deeply, or to separate faster than b requires.
+Engines may leave a penetration. The bias b = gap/step of a penetrating contact is therefore replaced by the value in [b, 0]
+that fits the engine's answer best (docs/engines.md), so that only deeper penetration, or separation faster than b, is a
+violation.
 """
 
 from typing import NamedTuple

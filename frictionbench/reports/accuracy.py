@@ -1,17 +1,15 @@
 """Time to equal achieved accuracy, the measure of speed by which reports rank solvers.
 
 For a problem and a solver (a label, see reports.run) it is the least median time over the solver's tolerances at which the
-*verified* residual is within the target. Whether the solver claimed a solution has no influence. RankBy defines which times are
-compared. A problem not solved is charged the time limit. A class of problems is summarised by the shifted geometric mean (H.
-Mittelmann's benchmarks) with the weights w of the problems
+*verified* residual is within the target. RankBy defines which times are compared. A problem not solved is charged the time
+limit. A class of problems is summarised by the shifted geometric mean (H. Mittelmann's benchmarks) with weights w
 
     exp(sum w log(t + s)) - s,     s = 1e-5 s,
 
 where s is about the cost of one call (docs/reading.md). The problems of one scene, one decade of contacts and one dimension
 form a stratum: with S strata, a problem in a stratum of n problems has the weight w = 1 / (S n). n_eff = 1 / sum w^2 (Kish
-1965) is the number of problems of equal weight whose mean has the same variance. A solver that was skipped on a whole class has
-no mean there; one that was skipped on some of its problems is charged for these. Over all problems in the plane, and over all
-in space, solvers are compared on the same problems, so that every skipped problem counts as not solved.
+1965) is the number of problems of equal weight whose mean has the same variance. A solver skipped on a whole class has no mean
+there; one skipped on some of its problems is charged for these, and over all problems in the plane or in space for all.
 """
 
 from collections.abc import Sequence

@@ -1,13 +1,11 @@
 """Which solver to choose: for each kind of problem, the solvers by mean time to a target, and the confidence in the first.
 
-The mean is the weighted shifted geometric mean of reports.accuracy, with problems not solved charged the time limit (PAR1).
-Only solvers that ran on every problem of the kind are compared; plane and space are different kinds. A solver of another law
-has a mean only if it solves every problem, because a charge would not reflect its speed. Solvers without a mean come last.
+The mean is the weighted shifted geometric mean of reports.accuracy, with problems not solved charged the time limit (PAR1), of
+solvers that ran on every problem of the kind. Solvers without a mean come last (docs/reading.md).
 
 The lead is the mean of the second solver over that of the first. Its interval contains 95 % of DRAWS bootstrap samples, each of
 scenes (for robots' steps, models), then of the problems of each drawn scene, stratum by stratum, then of the repeats of each
 cell, whose median is its time. In each sample the lead is over the best of the RIVALS next solvers (docs/reading.md).
-`headline` puts this into sentences.
 """
 
 from collections.abc import Collection, Mapping

@@ -1,18 +1,15 @@
 """A portfolio: the method that is fastest on the problem, then others if its answer is not within the tolerance.
 
-No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all of them, and is
-the fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane (`few_pivots`). In space
-Newton's method on dense rows is several times faster, including form and residual (solvers.dense), and solves nearly all steps
-of robots, with limits, dry friction and joints. For the largest problems a few sweeps of Gauss-Seidel give the interior point a
-start that saves most of its iterations, except if contacts are hyperstatic, as in stacks of cubes: then W is singular, and 30
-sweeps leave a residual of a tenth.
+No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all, and is the
+fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane (`few_pivots`), and Newton's
+method on dense rows in space (solvers.dense). For the largest problems a few sweeps of Gauss-Seidel save most of the interior
+point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, and its rounding floor
-are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. On the candidates of
-the suite `hard` no other method solves a problem that the first two do not solve. In the plane the staggered method solves
-problems in which a very heavy body rests beside light ones, whose digits are lost in factorisations. In space proximal points
-solve walls of boxes in which the interior point stalls, and projected gradients solve nearly dependent rows of dry friction,
-for which the shifts of the other methods are too large. (Algorithm portfolios: Gomes and Selman 2001.)
+are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. In the plane the
+staggered method solves problems in which a very heavy body rests beside light ones, whose digits are lost in factorisations. In
+space proximal points solve walls of boxes in which the interior point stalls, and projected gradients solve nearly dependent
+rows of dry friction, for which the shifts of the other methods are too large. (Algorithm portfolios: Gomes and Selman 2001.)
 
 In the plane Lemke's method and the interior point take the same time near 36 contacts in most families, and near 70 in chains
 of bodies of which few slip in the free motion (docs/tried.md; tests/benchmarks/test_hybrid.py measures both bounds).

@@ -83,7 +83,6 @@ def test_coupled_mass_matrix() -> None:
 
 
 def test_ill_conditioned_mass_matrix_is_inverted_to_rounding() -> None:
-    """Verdicts are found from this inverse, and count no other error than that of rounding its entries."""
     mass, scale = pascal(10)[::-1, ::-1], 2.0 ** np.arange(-20, 20, 4)  # reversed: its Cholesky factor is not one of integers
     inverse = contacts_of(np.ones((1, 10)), np.ones((1, 10)), 0.5, np.ones(10), mass=mass * np.outer(scale, scale)).inverse_mass
     assert np.array_equal(inverse.toarray() * np.outer(scale, scale), invpascal(10)[::-1, ::-1])

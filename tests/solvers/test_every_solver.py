@@ -12,9 +12,9 @@ from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.random_bodies import random_problem
-from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
-from frictionbench.solvers import Answer, Status, available, find, solve
-from tests.helpers.friction_problems import block, known_by_W, nothing, spatial, with_joints
+from frictionbench.problems.residual import residual_floor
+from frictionbench.solvers import Status, available, find, solve
+from tests.helpers.friction_problems import block, known_by_W, nothing, own_residual, spatial, with_joints
 
 TOL = 1e-6
 OURS = sorted(spec for info in available().values() if not info.needs for spec in info.specs)
@@ -64,16 +64,6 @@ PROBLEMS = {
     **{f"limit, {d}": rows_of_joints(d, LIMIT) for d in (2, 3)},
     **{f"dry friction, {d}": rows_of_joints(d, DRY) for d in (2, 3)},
 }
-
-
-def own_residual(spec: str, problem: FrictionProblem, answer: Answer) -> float:
-    """The residual of the model that the solver is for."""
-    info, _ = find(spec)
-    if info.model == "relaxation":
-        return relaxation_residual(problem, answer.impulse)
-    if info.model == "lcp" and problem.dimension == 3:
-        return problem.lcp().residual(answer.z)
-    return residual(problem, answer.impulse)
 
 
 def test_solver_facts() -> None:

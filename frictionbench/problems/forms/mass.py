@@ -1,9 +1,8 @@
 """The inverse of a mass matrix.
 
 A multibody system's mass matrix is block diagonal, with a block for each body or each set of coupled generalised coordinates.
-Each block's inverse is dense, so the inverse has the same block structure.
-
-Verdicts are found with this inverse and count only the rounding of its entries, so that an ill-conditioned block's is refined.
+Each block's inverse is dense, so the inverse has the same block structure. Verdicts are found with it and count only the
+rounding of its entries, so that an ill-conditioned block's is refined.
 """
 
 import numpy as np

@@ -1,18 +1,11 @@
 """Dense arrays named by the usual letters, as written by np.savez("problem.npz", M=M, N=N, T=T, mu=mu, v=v, b=b):
 
-    M (nv, nv), N (nc, nv), T (nc*(d-1), nv), mu (nc), v (nv)   mass, normals and tangents in rows, free velocity (also vfree);
-        with b (nc), fb (nc)                                    normal and friction biases, zero if left out
-        with F (nj, nv), bF (nj)                                joints F v + bF = 0, none if left out; bF zero if left out
-        with d                                                  2 in the plane, 3 in space; 2 if left out
-    W (nc*d, nc*d), q (nc*d), mu (nc), d; with fb (nc)          u = W r + q, rows per contact, normal first
-    M (n, n), q (n)                                             an LCP, w = M z + q
-    G (3 nc, 3 nc), g (3 nc, 1), mus (nc)                       u = G r + g of ContactBench (Le Lidec and others 2024)
+    M, N, T, mu, v (also vfree), with b, fb, F, bF, d    masses and Jacobians (docs/recorded.md has the shapes and defaults)
+    W, q, mu, d, with fb                                 u = W r + q, rows per contact, normal first
+    M (n, n), q (n)                                      an LCP, w = M z + q
+    G (3 nc, 3 nc), g (3 nc, 1), mus (nc)                u = G r + g of ContactBench (Le Lidec and others 2024)
 
 ContactBench's contacts have the normal last, (t1, t2, n). Its G includes a compliance of 1e-9 I, which is part of the problem.
-
-mu may be one number for all contacts. N and T may both have the contacts in columns; square ones must have them in rows.
-A file with M, N and T may also contain W and q, which are compared with those computed from them. Arrays with any other name
-are refused, except answers, which are ignored: r, u and names that start with r_ or u_.
 """
 
 from collections import Counter

@@ -15,17 +15,16 @@ from frictionbench.harness.run import run
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.catalogue import problem_of, scene
-from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verify import verify
 from frictionbench.results import store
-from frictionbench.solvers import Answer, Status, available, find, plugins, solve
+from frictionbench.solvers import Status, available, find, plugins, solve
 from frictionbench.solvers.needs import LICENSED, installed_version
 from frictionbench.solvers.outside.children.child import Child, DiedError
 from frictionbench.solvers.outside.mujoco import MuJoCo
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
-from tests.helpers.friction_problems import block, nothing, spatial, with_joints
+from tests.helpers.friction_problems import block, nothing, own_residual, spatial, with_joints
 from tests.helpers.paths import HELPERS, ROOT
 from tools.direct.page import FIELDS, facts, outcomes, page
 
@@ -52,15 +51,6 @@ UNABLE = {
     ("siconos[method=lcp_newton_fb_fblsa]", "two boxes"),
     ("siconos[method=friction_3d_dsfp]", "two boxes"),
 }
-
-
-def own_residual(spec, problem, answer: Answer) -> float:
-    info, _ = find(spec)
-    if info.model in ("relaxation", "regularised"):
-        return relaxation_residual(problem, answer.impulse, answer.softness)
-    if info.model == "lcp" and problem.dimension == 3:
-        return problem.lcp().residual(answer.z)
-    return residual(problem, answer.impulse)
 
 
 @pytest.mark.parametrize("name", EASY)
