@@ -11,17 +11,17 @@ from scipy import sparse
 
 from frictionbench.problems.check import Array, InputError, require
 
-LARGEST = 1e150  # 1/kg, for an entry: the squares of larger entries overflow
+LARGEST = 1e150  # for an entry of W in 1/kg, and for friction: the squares of larger ones overflow
 DIGITS = 1e-6  # relative to the largest entry: an asymmetry up to this counts as rounding in a file
 INDEFINITE = 1e-6  # relative to the largest eigenvalue: W may be indefinite by this, because files round its digits
 STEPS = 60  # products with the matrix; with at most this number of rows the values are exact
 
 
 def require_semidefinite(field: str, W: sparse.csr_array) -> None:
-    """Errors: InputError naming the field if W (n, n) has entries of LARGEST or more; if only one of its triangles has entries
-    and they exceed rounding, because the other triangle was probably not stored; or if its symmetric part has an eigenvalue
-    below -INDEFINITE times the largest, as estimated by spectrum_ends."""
-    require(abs(W).max() < LARGEST if W.nnz else True, field, f"its entries must be below {LARGEST:g}")
+    """Errors: InputError naming the field if W's (n, n) largest entry is not 0 or from 1/LARGEST to LARGEST; if only one of its
+    triangles has entries and they exceed rounding, because the other triangle was probably not stored; or if its symmetric part
+    has an eigenvalue below -INDEFINITE times the largest, as estimated by spectrum_ends."""
+    require(not W.nnz or 1 / LARGEST <= abs(W).max() < LARGEST, field, "its largest entry must be 0 or from 1e-150 to 1e150")
     sides = sparse.tril(W, -1, format="coo"), sparse.triu(W, 1, format="coo")
     for side, other in (sides, sides[::-1]):
         if side.nnz and not other.nnz and abs(side.data).max() > DIGITS * abs(W).max():
