@@ -68,8 +68,8 @@ def power(value: float) -> str:
 
 
 def residual(value: float, decimals: int = 0) -> str:
-    """Format a residual with one digit and `decimals` more: 3e-9."""
+    """Format a residual with one digit and `decimals` more: 3e-9; from 1 to 10 without an exponent."""
     if value == 0 or not np.isfinite(value):
         return f"{value:g}"
     digit, exponent = f"{value:.{decimals}e}".split("e")
-    return f"{digit}e{int(exponent)}"
+    return f"{digit}e{int(exponent)}".removesuffix("e0")
