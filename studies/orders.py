@@ -107,6 +107,7 @@ def summary(tables: Tables) -> Summary:
     drifts = {key: order(own["step"], own["drift"]) for key, own in cases if (own["drift"] > ROUNDING).all()}
     kinds = list(dict.fromkeys(errors["kind"]))
     high = {kind: slopes[kind, HIGHER] for kind in kinds if (kind, HIGHER) in slopes}
+    drifting = [kind for kind in ("pendulum", "smooth sliding") if kind in kinds]
     settled = {key for key, slope in slopes.items() if max(slope) - min(slope) <= APART}
     clear = {kind: slope for kind, slope in high.items() if (kind, HIGHER) in settled}
     lower = {kind: [slope.value for (k, s), slope in slopes.items() if k == kind and s != HIGHER] for kind in kinds}
@@ -121,15 +122,12 @@ def summary(tables: Tables) -> Summary:
         "by_kind": "; ".join(
             f"{kind}: " + ", ".join(f"{s} {slopes[kind, s]}" for k, s in slopes if k == kind) for kind in kinds
         ),
-        "drift": "; ".join(_drift(kind, drifts, errors) for kind in ("pendulum", "smooth sliding") if kind in kinds),
+        "drift": "; ".join(_drift(kind, drifts, errors) for kind in drifting),
     }
+    of_kind = {kind: errors[errors["kind"] == kind] for kind in kinds}
     figures = {
-        "orders": tuple(Panel(kind, partial(_draw, own=errors[errors["kind"] == kind], column="error")) for kind in kinds),
-        "drift": tuple(
-            Panel(f"drift, {kind}", partial(_draw, own=errors[errors["kind"] == kind], column="drift"))
-            for kind in ("pendulum", "smooth sliding")
-            if kind in kinds
-        ),
+        "orders": tuple(Panel(kind, partial(_draw, own=of_kind[kind], column="error")) for kind in kinds),
+        "drift": tuple(Panel(f"drift, {kind}", partial(_draw, own=of_kind[kind], column="drift")) for kind in drifting),
     }
     return Summary(numbers, figures)
 

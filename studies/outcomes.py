@@ -144,6 +144,8 @@ def summary(tables: Tables) -> Summary:
         "never": listing(sorted(set(problems.reset_index()["scene"]) - set(least.index))),
         "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
         "agreements": listing([f"{pair} on {own}" for pair, own in _agreements(cold).items()]),
+        "offered": int(problems.index.isin(ladder["friction"].unique(), level="friction").sum()),
+        "agreeing": int((ladder["method"].eq("nsgs") & ladder["tol"].eq(ladder["tol"].max())).sum()),  # nsgs answers each
         "answers": len(measured),
         "slope": f"{order(measured['residual'][~other], measured['error'][~other]).value:.2f}",
         "gain": f"{np.median(gain):.1f}",
@@ -154,14 +156,11 @@ def summary(tables: Tables) -> Summary:
         "other_problems": count(len(measured[other].groupby(["scene", "friction"])), "problem"),
     }
     figures = {
-        "digits": tuple(
-            Panel(f"in {where}", partial(_draw_digits, rows=measured[measured["dimension"] == dimension]))
+        name: tuple(
+            Panel(f"in {where}", partial(draw, rows=shown[shown["dimension"] == dimension]))
             for dimension, where in ((2, "the plane"), (3, "space"))
-        ),
-        "apart": tuple(
-            Panel(f"in {where}", partial(_draw_apart, rows=several[several["dimension"] == dimension].reset_index()))
-            for dimension, where in ((2, "the plane"), (3, "space"))
-        ),
+        )
+        for name, draw, shown in (("digits", _draw_digits, measured), ("apart", _draw_apart, several.reset_index()))
     }
     return Summary(numbers, figures)
 

@@ -15,7 +15,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
 from frictionbench.solvers import solve
 from studies.motions import apart, coulomb, path, relaxed
-from studies.study import Row, Study, Summary, Tables, curve, finish, order, require
+from studies.study import Row, Study, Summary, Tables, curve, finish, listing, order, require
 
 PILES: dict[str, dict[str, Any]] = {
     "stack": {"blocks": 5},
@@ -89,6 +89,7 @@ def summary(tables: Tables) -> Summary:
     by_pile = usual.groupby(["push", "scene"])["error"].agg(["median", "max"])
     counts = errors.groupby("friction")[["anitescu_hart", "staggered"]].agg(["count", "median"])
     low, high = counts.index.min(), counts.index[counts["anitescu_hart"]["count"] > 0].max()
+    arrived, cases = errors[["anitescu_hart", "staggered"]].notna(), errors[["scene", "friction"]]
     numbers = {
         **{f"most_{push}": _percent(error) for push, error in by_pile["max"].groupby("push").max().items()},
         "rows": [(name, *map(_percent, [*by_pile.loc[(SUDDEN, name)], *smooth_errors[name].sort_index()])) for name in PILES],
@@ -96,10 +97,13 @@ def summary(tables: Tables) -> Summary:
         "same": int((smooth_errors < SAME).sum()),
         "pairs": len(smooth_errors),
         "least": _percent(smooth_errors[smooth_errors >= SAME].min()),
-        "arrived": int(errors["anitescu_hart"].notna().sum()),
+        "arrived": arrived.sum(),
+        "lost": {
+            name: listing([f"{pile} at mu = {mu:g} ({n})" for (pile, mu), n in cases[~own].value_counts(sort=False).items()])
+            for name, own in arrived.items()
+        },
         "cases": len(errors),
-        "first_step": f"{errors['step'].min():g}",
-        "last_step": f"{errors['step'].max():g}",
+        "steps": [f"{step:g}" for step in by_step.index],
         "finest_error": _percent(by_step.iloc[0]),
         "coarsest_error": _percent(by_step.iloc[-1]),
         "hop": f"{1000.0 * hop['hop']:.1f}",
@@ -109,7 +113,6 @@ def summary(tables: Tables) -> Summary:
         "low": f"{low:g}",
         "at_high": f"{counts['anitescu_hart']['median'][high]:.0f}",
         "high": f"{high:g}",
-        "staggered": int(errors["staggered"].notna().sum()),
     }
     figures = {
         "errors": (

@@ -55,14 +55,14 @@ def table() -> str:
 
 def orders(made: str) -> str:
     """Return the rows of MOVING in `made` with the least-squares slope of log error over log step, for all steps and for the
-    larger and the smaller half of them; a dash if signs differ or error bars reach 0."""
+    larger and the smaller half of them; a dash if signs differ, error bars reach 0, or all are below own.TOLERANCE."""
     kept = [line for line in made.splitlines() if line.startswith(("| phenomenon", "| ---", *MOVING))]
     return "\n" + "".join(f"{ERRORS.sub(_orders, line)}\n" for line in kept)
 
 
 def _orders(cell: re.Match[str]) -> str:
     means, bars = (np.array(cell.groups("0")[k::2], dtype=float) for k in (0, 1))
-    if abs(np.sign(means).sum()) < len(means) or (abs(means) <= bars).any():
+    if abs(np.sign(means).sum()) < len(means) or (abs(means) <= bars).any() or abs(means).max() < own.TOLERANCE:
         return "–"
     x, y = np.log(STEPS), np.log(abs(means))
     whole, large, small = (np.polyfit(x[own], y[own], 1)[0].round(1) + 0.0 for own in (slice(None), slice(2), slice(-2, None)))
