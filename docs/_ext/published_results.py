@@ -47,14 +47,14 @@ class OfSummaries(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         self.env.note_dependency(str(SUMMARIES))
-        return self.content(entries())
+        return self.body(entries())
 
-    def content(self, published: list[Entry]) -> list[nodes.Node]:
+    def body(self, published: list[Entry]) -> list[nodes.Node]:
         raise NotImplementedError
 
 
 class PublishedResults(OfSummaries):
-    def content(self, published: list[Entry]) -> list[nodes.Node]:
+    def body(self, published: list[Entry]) -> list[nodes.Node]:
         return [table(HEADS, map(self.line, published))]
 
     def line(self, entry: Entry) -> nodes.row:
@@ -71,7 +71,7 @@ def row(cells: list[nodes.Node]) -> nodes.row:
 class PublishedAnswer(OfSummaries):
     required_arguments = 1
 
-    def content(self, published: list[Entry]) -> list[nodes.Node]:
+    def body(self, published: list[Entry]) -> list[nodes.Node]:
         entry = next((one for one in published if one.summary["suite"] == self.arguments[0]), None)
         if entry is None:
             return []
@@ -97,7 +97,7 @@ def first(place: Summary | None) -> str:
 
 
 class PublishedHeadlines(OfSummaries):
-    def content(self, published: list[Entry]) -> list[nodes.Node]:
+    def body(self, published: list[Entry]) -> list[nodes.Node]:
         parts: list[nodes.Node] = []
         for suite, entry in newest(published).items():
             if entry.summary["headline"]:
@@ -119,7 +119,7 @@ class PublishedRanks(OfSummaries):
     required_arguments = 1
     final_argument_whitespace = True
 
-    def content(self, published: list[Entry]) -> list[nodes.Node]:
+    def body(self, published: list[Entry]) -> list[nodes.Node]:
         places: dict[str, dict[str, str]] = {}
         for suite, entry in newest(published).items():
             rows = [
@@ -147,7 +147,7 @@ class PublishedRanks(OfSummaries):
 class PublishedLeads(OfSummaries):
     """By suite with several runs of the same problems: in each run the lead of the newest run's first over its next two."""
 
-    def content(self, published: list[Entry]) -> list[nodes.Node]:
+    def body(self, published: list[Entry]) -> list[nodes.Node]:
         parts: list[nodes.Node] = []
         for suite, entry in newest(published).items():
             runs = [one for one in published if one.summary["suite"] == suite and same(one.summary, entry.summary)]

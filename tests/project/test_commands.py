@@ -28,7 +28,7 @@ FIRST = [ROOT / "README.md", DOCS / "choose.md", DOCS / "plugin.md"]  # they mak
 DOCUMENTS = [*FIRST, *sorted(path for path in DOCS.glob("*.md") if path.name not in APART and path not in FIRST)]
 # What stands for the words in capitals of a synopsis, whose options are all given, and of several choices the first.
 STANDS_FOR = {
-    "[--jobs N | --cluster ADDRESS]": "--jobs 1",
+    "[--jobs N]": "--jobs 1",
     "[--scene S]": "",
     "[--solver A]": "--solver lemke",
     "[--time-limit S]": "",
@@ -48,7 +48,6 @@ STANDS_FOR = {
     "SCENE[...]": "stack[blocks=2]",
     "SCENE": "stack",
     "[--solvers A,B] [--scenes A,B]": "",
-    "[--figures A,B]": "--figures profiles",
     "DIR": "runs/now",
     "--solver NAME": "--solver lemke",
     "FILE": "problem.npz",
