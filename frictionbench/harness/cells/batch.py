@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness import process
+from frictionbench.harness.cells.rows import judged
 from frictionbench.harness.cells.timing import drawn_ulps
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.problems import FrictionProblem
@@ -31,7 +32,6 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate, nudged
 from frictionbench.problems.packed import Batch
 from frictionbench.problems.verdicts import RANK, Verdict
-from frictionbench.problems.verify import verify
 from frictionbench.results.conventions import DRAWN, NEARBY, WARM
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, Answers, SolverInfo, solve, solve_many
@@ -115,10 +115,7 @@ def _one_by_one(answers: Answers | list[Answer]) -> list[Answer]:
 
 def _verified(cell: BatchCell, problems: tuple[FrictionProblem, ...], answers: list[Answer], info: SolverInfo) -> Row:
     """Return the worst verdict, the count of each other verdict than solved, and the summed counts of work."""
-    findings = [
-        verify(problem, answer, info.model, cell.tol, quiet=bool(info.needs))
-        for problem, answer in zip(problems, answers, strict=True)
-    ]
+    findings = [judged(problem, answer, info, cell.tol) for problem, answer in zip(problems, answers, strict=True)]
     verdicts = Counter(finding.verdict for finding in findings)
     work: Counter[str] = Counter()
     for answer in answers:

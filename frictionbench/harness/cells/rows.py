@@ -62,6 +62,11 @@ CLOSE = 1e-4  # residual below which an answer is refined to determine its outco
 NOTICEABLE = 1e-3  # seconds: a first call longer than this and than SLOW_FIRST times the repeats gets a remark
 
 
+def judged(problem: FrictionProblem | LCP, answer: Answer, info: SolverInfo, tol: float) -> Finding:
+    """Verify an answer as a solution of the solver's model."""
+    return verify(problem, answer, info.model, tol, quiet=bool(info.needs))
+
+
 def finding_columns(
     problem: FrictionProblem | LCP,
     timing: Timing,
@@ -78,7 +83,7 @@ def finding_columns(
     disturbed: whether another process ran on the core, which may be why the first call was slow.
     """
     answers = [*((problem, answer) for answer in timing.answers), *timing.new_answers]  # a cache may hold results of other code
-    findings = [(verify(posed, answer, info.model, tol, quiet=bool(info.needs)), answer) for posed, answer in answers]
+    findings = [(judged(posed, answer, info, tol), answer) for posed, answer in answers]
     finding, answer = max(findings, key=lambda pair: (RANK[pair[0].verdict], pair[0].residual))
     row: Row = {
         "status": answer.status.name,

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionbench.harness.cells.rows import judged
 from frictionbench.harness.cells.timing import Call, Timing, check_reuse, clean_call, timed_call
 from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.problems import FrictionProblem
@@ -21,7 +22,6 @@ from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.verdicts import RANK, Verdict
-from frictionbench.problems.verify import Finding, verify
 from frictionbench.solvers import Answer, Solver, SolverInfo
 
 DIVERGED = 1e6  # relative to the scene's energy: an inaccurate but stable motion gains far less
@@ -51,7 +51,7 @@ class _ClosedLoop:
             return malformed(error), None
         answered, self._last = perf_counter(), (handed, call)
         self.solver_time += np.nan if call.loaded else sum(call.times)
-        finding = self._judged(problem, call.answer)
+        finding = judged(problem, call.answer, self._info, self._tol)
         self.worst_residual = max(self.worst_residual, finding.residual)
         if np.isfinite(finding.residual):
             self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
@@ -62,8 +62,8 @@ class _ClosedLoop:
     def _timed(self, problem: FrictionProblem) -> Call:
         return timed_call(self._solver, problem, lambda ready: self._solver.solve(ready, self._tol, None))
 
-    def _judged(self, problem: FrictionProblem, answer: Answer) -> Finding:
-        return verify(problem, answer, self._info.model, self._tol, quiet=bool(self._info.needs))
+    def _rank(self, problem: FrictionProblem, answer: Answer) -> int:
+        return RANK[judged(problem, answer, self._info, self._tol).verdict]
 
     def time(self) -> float | None:
         """Return the solver's time in seconds, or None if it cannot be reported."""
@@ -73,7 +73,7 @@ class _ClosedLoop:
         if self._last:
             problem, call = self._last
             timing.add_sample(call)
-            check_reuse(timing, problem, self._timed, lambda *given: RANK[self._judged(*given).verdict])
+            check_reuse(timing, problem, self._timed, self._rank)
         return None if timing.new_answers else self.solver_time
 
     def verdict(self) -> tuple[Verdict, str]:

@@ -155,13 +155,12 @@ def check_reuse(
 
     Errors: whatever the solver raises on two new problems."""
     usual, new = statistics.median(map(sum, zip(timing.form, timing.setup, timing.solve, strict=True))), []
-    worst = max(rank(problem, answer) for answer in timing.answers)
     for errors in (Exception,), ():  # one failure alone may be due to rounding
         other = nudged(problem, drawn_ulps())
         with suppress(*errors):
             made = call(other)
             slow = made.running > max(SLOW_FIRST * usual, SLOW_NEW) and made.running > SLOW_FIRST * sum(call(other).times)
-            if not slow and rank(other, made.answer) <= worst:
+            if not slow and rank(other, made.answer) <= max(rank(problem, answer) for answer in timing.answers):
                 return
             new.append((other, made, slow))
     times, timing.new_answers = [made.times for _, made, slow in new if slow], [(other, made.answer) for other, made, _ in new]
