@@ -206,8 +206,8 @@ def _independent(F: Array) -> Array:
     scaled = F / np.maximum(np.abs(F).max(axis=0), ROUNDING * np.abs(F).max())  # metres and radians
     size = np.linalg.norm(scaled, axis=1)
     triangle, order = qr((scaled / np.maximum(size, ROUNDING * size.max())[:, None]).T, mode="r", pivoting=True)
-    own = np.abs(np.diag(triangle)) > IMPLIED
-    return np.array(F[np.sort(order[: len(own)][own])])
+    independent = np.abs(np.diag(triangle)) > IMPLIED
+    return np.array(F[np.sort(order[: len(independent)][independent])])
 
 
 def _frames(data: Any, kinds: Kinds) -> Array:

@@ -155,7 +155,7 @@ def _left_out() -> list[Path]:
 def changed_content(plan: Plan, recorded: dict[str, str]) -> list[str]:
     """Return the places in `recorded`, the `content` of a manifest, whose hash is different now."""
     now = cleaned(initial_content(plan)["content"])  # in the form in which they are stored in the manifest
-    return [place for place, digest in recorded.items() if (now.get(place) or content_hash(place)) != digest]
+    return [place for place, digest in recorded.items() if (now.get(place) or place_hash(place)) != digest]
 
 
 class LoadRecord:
@@ -175,7 +175,7 @@ class LoadRecord:
         manifest = store.read_manifest(self._folder)
         known = manifest["loaded"].setdefault(source, {})  # has the files that the source names, which a worker hashes again
         known |= {name: place for _, name, place in new if name != place or place not in known.values()}
-        manifest["content"] |= {place: content_hash(place) for *_, place in new if place not in manifest["content"]}
+        manifest["content"] |= {place: place_hash(place) for *_, place in new if place not in manifest["content"]}
         with suppress(ResultsError):  # too much is not recorded: half of the manifest is left for the run's own entries
             store.write_manifest(self._folder, manifest, share=0.5)
 
@@ -186,7 +186,7 @@ def initial_content(plan: Plan) -> dict[str, Any]:
     files = {name for source in plan.sources for name in (source.file, source.before) if name}
     loaded = {plugin.source: _named_files(plugin) for plugin in plan.plugins}
     places = sorted(files | {place for known in loaded.values() for place in known.values()})
-    return {"loaded": loaded, "content": {place: digest for place in places if (digest := content_hash(place))}}
+    return {"loaded": loaded, "content": {place: digest for place in places if (digest := place_hash(place))}}
 
 
 def _named_files(plugin: Plugin) -> Loaded:
@@ -197,7 +197,7 @@ def _named_files(plugin: Plugin) -> Loaded:
     return named_files
 
 
-def content_hash(place: str) -> str:
+def place_hash(place: str) -> str:
     """Return the hash of a file or folder, or the version if `place` is one; empty if it cannot be read or is too large, since
     a worker may report any path."""
     if place.startswith(VERSION):

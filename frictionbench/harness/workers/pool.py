@@ -12,7 +12,6 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
-from functools import partial
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
@@ -148,11 +147,14 @@ class _Slot:
     """The connection to one supervisor, and the task that its worker runs."""
 
     def __init__(self, settings: Settings) -> None:
-        self._begin = partial(_asked, lambda server: server.supervisor(settings))
-        self.connection: Connection = self._begin()
+        self._settings = settings
+        self._connect()
         self.task: Task | None = None
         self._tries = 0
         self._loaded: Loaded = {}
+
+    def _connect(self) -> None:
+        self.connection: Connection = _asked(lambda server: server.supervisor(self._settings))
 
     def send(self, task: Task) -> None:
         self.task = task
@@ -171,7 +173,7 @@ class _Slot:
             if self._tries < TRIES:
                 self._restart()
                 return None
-            self.connection = self._begin()
+            self._connect()
             message = {"failure": Verdict.CRASHED.name, "reason": f"its processes were killed {TRIES} times"}
         except RecursionError:
             message = {"failure": Verdict.CRASHED.name, "reason": "the worker's reply is nested too deeply"}
@@ -193,7 +195,7 @@ class _Slot:
     def _restart(self) -> None:
         assert self.task is not None
         self.connection.close()
-        self.connection = self._begin()
+        self._connect()
         self.send(self.task)
 
     def close(self) -> None:

@@ -42,8 +42,8 @@ def read(path: Path) -> tuple[FrictionProblem, tuple[Array, ...]]:
     """
     arrays = _unpack(path)
     forms = {name.split("/")[0] for name in arrays} & {"fclib_local", "fclib_global"}
-    told = " and ".join(sorted(forms)) or "neither"
-    require(len(forms) == 1, "fclib_local, fclib_global", f"expected one of them, found {told}")
+    present = " and ".join(sorted(forms)) or "neither"
+    require(len(forms) == 1, "fclib_local, fclib_global", f"expected one of them, found {present}")
     form = forms.pop()
     problem = (_local if form == "fclib_local" else _global)(arrays, form)
     shape = (problem.contacts, problem.dimension)
