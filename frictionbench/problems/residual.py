@@ -256,11 +256,10 @@ def fclib_error(problem: FrictionProblem, impulse: Array) -> float:
         return 0.0
     if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
         return np.inf
-    g = problem.contact_velocity(impulse)
+    unit = float(np.abs(problem.q).max()) or 1.0  # in this unit squares of q neither overflow nor underflow
     with np.errstate(over="ignore", invalid="ignore"):
+        r, g = impulse / unit, problem.contact_velocity(impulse) / unit
         g[:, 0] += problem.friction * np.linalg.norm(g[:, 1:], axis=1)
-        error = float(np.linalg.norm(impulse - project_cone(impulse - g, problem.friction, problem.friction_bias)))
-    size = float(np.linalg.norm(problem.q))
-    if not np.isfinite(error):
-        return np.inf
-    return error / size if size else error
+        error = float(np.linalg.norm(r - project_cone(r - g, problem.friction, problem.friction_bias / unit)))
+    error /= float(np.linalg.norm(problem.q / unit)) or 1.0
+    return error if np.isfinite(error) else np.inf

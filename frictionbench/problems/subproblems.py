@@ -4,6 +4,8 @@ The parts of a problem are not connected by any body, joint, or entry of the mas
 exactly. The islands of problems.forms.islands differ: they ignore couplings below rounding.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
@@ -26,17 +28,16 @@ def keep_contacts(problem: FrictionProblem, contacts: list[int]) -> FrictionProb
     return _taken(problem, chosen, stay, np.arange(len(problem.joint_bias)))
 
 
-Parts = list[tuple[Index64, FrictionProblem]]
-
-
-def separate(problem: FrictionProblem) -> Parts:
-    """The parts, each with the numbers of its contacts. If there is only one part, it is the problem itself."""
+def separate(problem: FrictionProblem) -> Iterator[tuple[Index64, FrictionProblem]]:
+    """The parts one by one, each with the numbers of its contacts. If there is only one part, it is the problem itself."""
     part, nc, nv = problem.parts(), problem.contacts, len(problem.free_velocity)
     count = int(part.max(initial=0)) + 1
     if count == 1:
-        return [(np.arange(nc), problem)]
-    members = ([np.flatnonzero(of == k) for of in np.split(part, [nc, nc + nv])] for k in range(count))
-    return [(contacts, _taken(problem, contacts, velocities, joints)) for contacts, velocities, joints in members]
+        yield np.arange(nc), problem
+        return
+    for k in range(count):
+        contacts, velocities, joints = (np.flatnonzero(of == k) for of in np.split(part, [nc, nc + nv]))
+        yield contacts, _taken(problem, contacts, velocities, joints)
 
 
 def _taken(problem: FrictionProblem, contacts: Index64, velocities: Index64, joints: Index64) -> FrictionProblem:

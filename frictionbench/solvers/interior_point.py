@@ -35,7 +35,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import contact_residuals, residual
-from frictionbench.problems.subproblems import Parts, separate
+from frictionbench.problems.subproblems import separate
 from frictionbench.solvers.clock import is_over
 from frictionbench.solvers.interface import Answer, Solved, Status, impulses, solve, solver
 from frictionbench.solvers.interior.central_path import Path, new_path, trace
@@ -91,7 +91,6 @@ class InteriorPoint(Phased):
         """limit bounds the factorisations."""
         problem, system = prepared
         spent: dict[str, int] = {}
-        parts: Parts = []
 
         def polish(impulse: Array) -> Array:
             if problem.dimension == 3:
@@ -101,12 +100,12 @@ class InteriorPoint(Phased):
             _add(spent, "polishing", refined)
             return refined.impulse
 
-        phases, most = self._phases(*prepared, start, spent, parts), LIMIT if limit is None else limit
+        phases, most = self._phases(*prepared, start, spent), LIMIT if limit is None else limit
         polishable = problem.dimension == 3 or problem.contacts >= LARGE
         answer = run(prepared, phases, tol, most, PATIENCE, residual, polish if polishable else None)
         answer.work |= spent
-        if answer.status is Status.STALLED and parts:
-            return self._solve_parts(problem, parts, answer, tol, limit, start)
+        if answer.status in (Status.STALLED, Status.BREAKDOWN) and _has_parts(problem):
+            return self._solve_parts(problem, answer, tol, limit, start)
         return answer
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
@@ -115,7 +114,7 @@ class InteriorPoint(Phased):
         return first_phase_of(packed, tol, limit, guess, np.full(packed.size, start is not None))
 
     def _solve_parts(
-        self, problem: FrictionProblem, parts: Parts, whole: Answer, tol: float, limit: int | None, start: Array | None
+        self, problem: FrictionProblem, whole: Answer, tol: float, limit: int | None, start: Array | None
     ) -> Answer:
         """Solve each part that is not solved by the answer to the whole problem; keep the impulses with the smaller residual.
 
@@ -124,15 +123,14 @@ class InteriorPoint(Phased):
         """
         impulse, work, history = whole.impulse.copy(), dict(whole.work), whole.history
         by_contact, unsolved = contact_residuals(problem, impulse), None
-        for contacts, part in parts:
+        for contacts, part in separate(problem):
             had = by_contact[contacts].max()
             if had <= tol:
                 continue
             if is_over():
-                unsolved = unsolved or Status.WORK_LIMIT
+                unsolved = unsolved or Status.TIME_LIMIT
                 break
-            start_of_part = None if start is None else start[contacts]
-            answer = self.solve(self.setup(self.form(part)), tol, limit, start_of_part)
+            answer = self.solve(self.setup(self.form(part)), tol, limit, None if start is None else start[contacts])
             for unit, count in answer.work.items():
                 work[unit] = work.get(unit, 0) + count
             history += answer.history
@@ -142,19 +140,13 @@ class InteriorPoint(Phased):
                 impulse[contacts] = answer.impulse
         return Answer(impulse, unsolved or Status.SOLVED, work, history)
 
-    def _phases(
-        self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int], parts: Parts
-    ) -> Iterator[Phase]:
-        """The methods in turn, with their starting points, until parts are found that can be solved one by one.
-
-        spent: the total work of nested solvers. parts: filled with the parts.
-        """
+    def _phases(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
+        """The methods in turn, with their starting points; only the first if the problem has parts. spent: see _nested."""
         if start is not None:
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
         trapped = first_point(system)
         yield predictor_corrector, trapped, SHARE
-        if np.bincount(problem.parts()[: problem.contacts]).max(initial=0) < GIANT * problem.contacts:
-            parts += separate(problem)
+        if _has_parts(problem):
             return
 
         @cache
@@ -203,6 +195,11 @@ class InteriorPoint(Phased):
         while paths := [path for path in paths if not path.ended]:
             for path in paths:
                 yield trace, path, PATH * share
+
+
+def _has_parts(problem: FrictionProblem) -> bool:
+    """Whether the problem has parts that are solved one by one if the whole is not solved at once."""
+    return bool(np.bincount(problem.parts()[: problem.contacts]).max(initial=0) < GIANT * problem.contacts)
 
 
 def first_phase_of(packed: Packed, tol: float, limit: int | None, guess: Array, guessed: NDArray[np.bool_]) -> Solved:

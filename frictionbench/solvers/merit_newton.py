@@ -103,7 +103,7 @@ class MeritNewton:
     def solve(self, dense: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the iterations, 200 by default.
 
-        The status is SOLVED also if the method gave up and the exact residual of its best iterate is within tol.
+        The status is SOLVED if and only if the exact residual of the best iterate is within tol.
         """
         problem = dense.scaled.problem
         descent = new_descent(dense.scaled.unit, MARGIN * tol, 200 if limit is None else limit, self.memory, self.shortest)
@@ -111,8 +111,8 @@ class MeritNewton:
         y = np.maximum(descent.best, 0.0)
         if isinstance(problem, FrictionProblem):  # normal impulses that act on nothing, as those of dry friction in joints
             y[: problem.contacts][(dense.M.diagonal()[: problem.contacts] == 0) & (problem.friction == 0)] = 0.0
-        if end != SOLVED and dense.scaled.residual(y) <= tol:
-            end = SOLVED
+        if (dense.scaled.residual(y) <= tol) != (end == SOLVED):
+            end = STALLED if end == SOLVED else SOLVED
         work = dict(zip(UNITS, descent.work.tolist(), strict=True))
         answer = dense.scaled.answer(y, STATUS[end], self.end if end == STALLED else "", **work)
         return replace(answer, history=tuple(descent.history[: iterations + 1].tolist()))
@@ -152,7 +152,7 @@ def iterate(M, q, y, descent, eps, smooth):  # type: ignore[no-untyped-def]
     phi = equations(y, w, smooth)
     work[EVALUATIONS] += smooth
     while True:
-        end = _record(descent, k, y, w, phi @ phi / 2, len(q) if smooth else (w < y).sum())
+        end = _record(descent, k, M, q, y, w, phi @ phi / 2, len(q) if smooth else (w < y).sum())
         if end != GOING:
             return end, k
         A, B = jacobian(y, w, smooth)
@@ -175,9 +175,12 @@ def iterate(M, q, y, descent, eps, smooth):  # type: ignore[no-untyped-def]
 
 
 @part
-def _record(descent, k, y, w, merit, size):  # type: ignore[no-untyped-def]
+def _record(descent, k, M, q, y, w, merit, size):  # type: ignore[no-untyped-def]
     """Record the k-th iterate; GOING, or how the method ended. size: number of unknowns of the next linear system."""
     descent.history[k] = measured(descent.unit, y, w)
+    if descent.history[k] <= descent.tol:  # without its negative unknowns, whose effect on others may exceed the tolerance
+        positive = np.maximum(y, 0.0)
+        descent.history[k] = measured(descent.unit, positive, M @ positive + q)
     if descent.history[k] < descent.least[0]:
         descent.least[0] = descent.history[k]
         descent.best[:] = y

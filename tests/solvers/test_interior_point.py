@@ -7,8 +7,12 @@ from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.random_bodies import random_bodies, random_problem
 from frictionbench.problems.packed import pack
 from frictionbench.problems.residual import residual
+from frictionbench.problems.subproblems import separate, side_by_side
 from frictionbench.solvers import Status, interior_point, solve
 from frictionbench.solvers.interface import find
+from frictionbench.solvers.interior.central_path import new_path, trace
+from frictionbench.solvers.interior.phases import run
+from frictionbench.solvers.interior.point import start_point
 
 
 @pytest.mark.parametrize("push", [0.0, 1.0])
@@ -53,3 +57,36 @@ def test_polishing_in_the_plane(monkeypatch) -> None:
     assert residual(problem, answer.impulse) <= 1e-8
     assert 0 < answer.work["polishing factorisations"] <= 60
     assert answer.work["factorisations"] == 0
+
+
+@pytest.mark.parametrize(
+    ("start", "status"),
+    [((1e-150, 1e160), Status.STALLED), ((1e160, 1e-150), Status.BREAKDOWN), ((1e300, 1e300), Status.BREAKDOWN)],
+)
+def test_a_path_ends_when_numbers_overflow(start, status) -> None:
+    """The first start has a finite residual, but no step; the residuals of the others overflow."""
+    problem = random_problem(0, contacts=3)
+    prepared = find("interior_point")[1].prepare(problem)
+    paths = [(trace, new_path(start_point(prepared[1], *start)), 40)]
+    answer = run(prepared, paths, 1e-8, 40, 12, residual)
+    assert answer.status is status
+    assert len(answer.history) < 10
+
+
+def test_no_part_is_built_after_the_deadline(monkeypatch) -> None:
+    built = []
+
+    def parts(problem):
+        for part in separate(problem):
+            built.append(part)
+            yield part
+
+    def give_up(system, space, point, work, best, tol, patience, history):
+        history[0] = 1.0
+        return 1
+
+    for name, changed in (("separate", parts), ("predictor_corrector", give_up), ("is_over", lambda: True)):
+        monkeypatch.setattr(interior_point, name, changed)
+    answer = solve(side_by_side(*(random_problem(2, 3) for _ in range(5))), "interior_point")
+    assert answer.status is Status.TIME_LIMIT
+    assert len(built) == 1

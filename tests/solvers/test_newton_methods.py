@@ -93,3 +93,19 @@ def test_the_gradient_of_the_merit() -> None:
     A, B = jacobian(y, M @ y + q, True)
     expected = [(merit(y + h * e) - merit(y - h * e)) / (2 * h) for e in np.eye(n)]
     assert A * phi + (B * phi) @ M == pytest.approx(expected, rel=1e-6, abs=1e-7)
+
+
+@pytest.mark.parametrize("spec", BOTH)
+def test_claims_for_contacts_of_unlike_masses(spec) -> None:
+    """A negative impulse within the tolerance at a heavy contact moves a light one by more; W is unsymmetric."""
+    random, claims = np.random.default_rng(0), 0
+    for seed in range(40):
+        given = random_problem(seed, contacts=20)
+        size, W = np.repeat(10 ** random.uniform(-2, 2, 20), 2), given.W.toarray()
+        skew = np.triu(random.standard_normal(W.shape), 1) * 1e-5 * np.sqrt(np.outer(W.diagonal(), W.diagonal()))
+        W = (W + skew - skew.T) * np.outer(size, size)
+        problem = FrictionProblem.from_delassus(W, given.q * size, given.friction, 2)
+        answer = solve(problem, spec)
+        claims += answer.status is Status.SOLVED
+        assert (answer.status is Status.SOLVED) == (residual(problem, answer.impulse) <= 1e-8)
+    assert claims >= 20

@@ -83,3 +83,14 @@ def test_cycle_is_stalled() -> None:
     answer = solve(random_problem(7, contacts=40), "nsgs")  # mu up to 4; the residual stays at .157
     assert answer.status is Status.STALLED
     assert answer.work["sweeps"] < LIMIT
+
+
+@pytest.mark.parametrize("spec", ["nsgs", "nncg"])
+@pytest.mark.parametrize("slide", [0.0, 1.0, 1e-200])
+def test_a_contact_whose_tangents_are_held_by_joints(spec, slide) -> None:
+    """No impulse changes its tangential velocity: friction opposes it, or nothing needs friction."""
+    motion = {"mass": np.eye(3), "free_velocity": [-1, 0, 0], "joints": np.eye(3)[1:], "joint_bias": [-slide, 0]}
+    contact = {"normal": [[1, 0, 0]], "tangent": np.eye(3)[1:], "friction": [0.5], "bias": [0]}
+    answer = solve(FrictionProblem(**motion, **contact, dimension=3), spec)
+    assert answer.status is Status.SOLVED
+    assert answer.impulse == pytest.approx(np.array([[1, -0.5 if slide == 1 else 0, 0]]), abs=1e-12)

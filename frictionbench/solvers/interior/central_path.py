@@ -98,7 +98,7 @@ def trace(system: System, space: Space, path: Path, work: Work, best: Best, tol:
     while used < len(history):
         history[used] = evaluate_and_record(system, space, point, defect, work, best)
         used += 1
-        if best.residual[0] <= tol or not END < t < DIVERGED or late(work.until):
+        if best.residual[0] <= tol or not (history[used - 1] < np.inf and END < t < DIVERGED) or late(work.until):
             return used
         linearise(system, space, point, work)
         best.factorisations[0] += 1
@@ -167,6 +167,8 @@ def trace(system: System, space: Space, path: Path, work: Work, best: Best, tol:
             if longest(system, space, saved, trial, 1 / INSIDE) >= 1 / INSIDE and saved_t + change > (1 - INSIDE) * saved_t:
                 break
             length *= 0.8
+            if not SHORTEST <= length < np.inf:  # as after an overflow or underflow
+                return used
         set_step(point, 1.0, saved)
         add_step(point, 1.0, trial)
         t = saved_t + change

@@ -83,7 +83,6 @@ def run(
     space, workspace = space_of(system), new_work(system, last_step(system))
     best = nothing_yet(*nothing.shape)
     history: list[float] = []
-    status = Status.STALLED
     for method, point, share in phases:
         reached = nothing_yet(*nothing.shape)._replace(factorisations=best.factorisations)
         residuals = np.empty(min(share, limit - len(history)))
@@ -100,6 +99,8 @@ def run(
         if len(history) == limit or is_past(workspace.until):
             status = Status.WORK_LIMIT if len(history) == limit else Status.TIME_LIMIT
             break
+    else:
+        status = Status.STALLED if np.isfinite(history).any() else Status.BREAKDOWN
     work = {"iterations": len(history), "factorisations": int(best.factorisations[0])}
     impulse = best.impulse * system.impulse
     # The first iterates are far inside the cones, where zero impulses may be the better answer.

@@ -27,7 +27,7 @@ from frictionbench.problems.residual import EPSILON, contact_residual
 from frictionbench.solvers.sweeps.form import state, velocity
 
 LIFT = 1e-14  # the least eigenvalue of S, relative to the trace of W_t: a hundred units of rounding, in double
-TINY = 1e-300  # added to it, so that nothing is divided by zero if W = 0
+TINY = 1e-150  # added to it: a determinant, the product of two of these, is not zero even if W_t = 0
 
 
 @inlined
