@@ -496,13 +496,13 @@ def _resumable(folder: Path, progress: "Progress") -> Iterator[None]:
         raise
 
 
-_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+_SIGNALS = [signal.SIGINT, signal.SIGTERM]
+if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # nohup ignores it
+    _SIGNALS.append(signal.SIGHUP)
 
 
 def main() -> None:
     """Run the command line. Errors of input are printed as one line, errors of this program in full."""
-    for number in _SIGNALS:
-        signal.signal(number, _stop)
     with standard_streams():
         try:
             _run()
@@ -525,6 +525,8 @@ def _run() -> None:
         typer.echo(f"frictionbench: {wrong}", err=True)
         sys.exit(2)
     try:
+        for number in _SIGNALS:
+            signal.signal(number, _stop)
         app()
     except (ValueError, OSError) as error:
         from frictionbench.problems import InputError
@@ -540,6 +542,9 @@ def _run() -> None:
         with suppress(Unwritable):  # the terminal may be closed
             typer.echo(f"\nfrictionbench: {'; '.join(notes)}", err=True)
         sys.exit(128 + number)
+    finally:
+        for number in _SIGNALS:  # where no handler reports it, a signal ends the process at once
+            signal.signal(number, signal.SIG_DFL)
 
 
 def _message(error: Exception) -> str:

@@ -67,3 +67,33 @@ def test_interruption_message(tmp_path, command) -> None:
     if "--out" in command:
         assert "frictionbench report run" in ended.stderr
         assert store.read_manifest(tmp_path / "run")["settings"]["suite"] == "smoke"  # the same command continues it
+
+
+@pytest.mark.parametrize(
+    ("when", "number", "ends"),
+    [
+        ("streams.io.BufferedWriter", signal.SIGINT, -signal.SIGINT),
+        ("signal.signal", signal.SIGTERM, -signal.SIGTERM),
+        ("cli.app", signal.SIGTERM, 128 + signal.SIGTERM),
+        ("cli.app", signal.SIGHUP, 128 + signal.SIGHUP),
+    ],
+)
+def test_a_signal_at_any_time_is_no_regression(when, number, ends) -> None:
+    """Exit code 1 would mean a regression: neither a signal before the command begins nor one after its end gives it."""
+    module, name = when.rsplit(".", 1)
+    code = "import os, signal, sys; from frictionbench.harness import streams; from frictionbench.commands import cli\n"
+    code += f"before = {when}\n"
+    code += f"setattr({module}, {name!r}, lambda *given, **named: (os.kill(os.getpid(), {int(number)}), before(*given, **named))[1])\n"
+    ended = subprocess.run(
+        [sys.executable, "-c", code + "cli.main()", "--version"], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == ends, ended.stderr
+
+
+def test_hangups_are_ignored_under_nohup() -> None:
+    code = "import os, signal; signal.signal(signal.SIGHUP, signal.SIG_IGN); from frictionbench.commands import cli; app = cli.app\n"
+    code += "cli.app = lambda: (os.kill(os.getpid(), signal.SIGHUP), app())[1]\n"
+    ended = subprocess.run(
+        [sys.executable, "-c", code + "cli.main()", "--version"], capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stderr) == (0, "")

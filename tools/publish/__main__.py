@@ -5,6 +5,7 @@ python -m tools.publish DIR... --summaries FOLDER    each run's summary as text
 """
 
 import argparse
+import signal
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -49,6 +50,7 @@ def main() -> int:
     given = parser.parse_args()
     if not given.out and not given.summaries:
         parser.error("name a folder for the site with --out, or one for the summaries with --summaries")
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # no traceback
     try:
         for path in publish(given.folders, given.out, given.summaries):
             print(path)
