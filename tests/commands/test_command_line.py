@@ -83,7 +83,8 @@ def test_a_signal_at_any_time_is_no_regression(when, number, ends) -> None:
     module, name = when.rsplit(".", 1)
     code = "import os, signal, sys; from frictionbench.harness import streams; from frictionbench.commands import cli\n"
     code += f"before = {when}\n"
-    code += f"setattr({module}, {name!r}, lambda *given, **named: (os.kill(os.getpid(), {int(number)}), before(*given, **named))[1])\n"
+    code += f"interrupted = lambda *given, **named: (os.kill(os.getpid(), {int(number)}), before(*given, **named))[1]\n"
+    code += f"setattr({module}, {name!r}, interrupted)\n"
     ended = subprocess.run(
         [sys.executable, "-c", code + "cli.main()", "--version"], capture_output=True, text=True, check=False
     )
@@ -91,8 +92,8 @@ def test_a_signal_at_any_time_is_no_regression(when, number, ends) -> None:
 
 
 def test_hangups_are_ignored_under_nohup() -> None:
-    code = "import os, signal; signal.signal(signal.SIGHUP, signal.SIG_IGN); from frictionbench.commands import cli; app = cli.app\n"
-    code += "cli.app = lambda: (os.kill(os.getpid(), signal.SIGHUP), app())[1]\n"
+    code = "import os, signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
+    code += "from frictionbench.commands import cli; app = cli.app; cli.app = lambda: (os.kill(os.getpid(), signal.SIGHUP), app())[1]\n"
     ended = subprocess.run(
         [sys.executable, "-c", code + "cli.main()", "--version"], capture_output=True, text=True, check=False
     )
