@@ -345,12 +345,7 @@ def export(
 def show(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like stack or 'stack[blocks=5]'.")],
     solver: Annotated[
-        str | None,
-        typer.Option(
-            "--solver",
-            metavar="SOLVER",
-            help="A solver, or a file that defines one; by default lemke, in space interior_point.",
-        ),
+        str | None, typer.Option("--solver", metavar="SOLVER|FILE", help="By default lemke, in space interior_point.")
     ] = None,
     scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[int | None, typer.Option("--steps", metavar="N", min=1, help="By default the scene's duration.")] = None,

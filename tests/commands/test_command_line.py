@@ -93,7 +93,8 @@ def test_a_signal_at_any_time_is_no_regression(when, number, ends) -> None:
 
 def test_hangups_are_ignored_under_nohup() -> None:
     code = "import os, signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
-    code += "from frictionbench.commands import cli; app = cli.app; cli.app = lambda: (os.kill(os.getpid(), signal.SIGHUP), app())[1]\n"
+    code += "from frictionbench.commands import cli\n"
+    code += "app = cli.app; cli.app = lambda: (os.kill(os.getpid(), signal.SIGHUP), app())[1]\n"
     ended = subprocess.run(
         [sys.executable, "-c", code + "cli.main()", "--version"], capture_output=True, text=True, check=False
     )
