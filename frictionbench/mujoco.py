@@ -18,9 +18,9 @@ of SLOP times the model's mean size is left, so that MuJoCo lists resting contac
 that the solver's tolerance opens by a nanometre would be missing in the next step. Let d be the depths beyond it that are
 predicted, linearly, for the end of the step, A_i the rows of normals, limits and equalities, and W = A_i A^-1 A_i':
 
-    min 1/2 x'(W + E) x - SHARE d'x,    x_i >= 0 for normals and limits,    delta = A^-1 A_i' x,    q+ += delta,
+    min 1/2 x'(W + E) x - CORRECTED_SHARE d'x,    x_i >= 0 for normals and limits,    delta = A^-1 A_i' x,    q+ += delta,
 
-with E = SOFT diag(W). A single row is corrected by nearly SHARE of its depth in each step; the regularisation gives a
+with E = SOFT diag(W). A single row is corrected by nearly CORRECTED_SHARE of its depth in each step; the regularisation gives a
 compromise where rows contradict each other, as those of wedged parts do, and a solution in all cases.
 
 The step has no torsional or rolling friction, soft constraints, adhesion or restitution.
@@ -47,11 +47,11 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.solvers import solve
 
-SHARE = 0.2  # of a penetration, corrected in one step
+CORRECTED_SHARE = 0.2  # of a penetration, corrected in one step
 SOFT = 1e-3  # regularisation relative to diag(W)
 SLOP = 1e-3  # depth that is left, relative to model.stat.meansize
 IMPLIED = 1e-4  # of an equality's row, scaled, that is not a combination of others: below, the loops that they close imply it
-ROUNDING = 1e-10  # relative to the largest: smaller rows and columns of equalities are rounding errors
+EQUALITY_ROUNDING = 1e-10  # relative to the largest: smaller rows and columns of equalities are rounding errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,9 +203,9 @@ def _independent(F: Array) -> Array:
     these differ from the others by an angle, and would forbid what the loop allows."""
     if not F.any():
         return F
-    scaled = F / np.maximum(np.abs(F).max(axis=0), ROUNDING * np.abs(F).max())  # metres and radians
+    scaled = F / np.maximum(np.abs(F).max(axis=0), EQUALITY_ROUNDING * np.abs(F).max())  # metres and radians
     size = np.linalg.norm(scaled, axis=1)
-    triangle, order = qr((scaled / np.maximum(size, ROUNDING * size.max())[:, None]).T, mode="r", pivoting=True)
+    triangle, order = qr((scaled / np.maximum(size, EQUALITY_ROUNDING * size.max())[:, None]).T, mode="r", pivoting=True)
     independent = np.abs(np.diag(triangle)) > IMPLIED
     return np.array(F[np.sort(order[: len(independent)][independent])])
 
@@ -257,7 +257,7 @@ def _correction(model: Any, data: Any, stage: _Stage, velocity: Array) -> Array:
     F, error = stage.J[stage.kinds.equal], data.efc_pos[stage.kinds.equal]
     if not deep.any() and not error.any():
         return np.zeros_like(velocity)
-    rows, wanted = np.vstack([normal[deep], F, -F]), SHARE * np.concatenate([depth[deep], -error, error])
+    rows, wanted = np.vstack([normal[deep], F, -F]), CORRECTED_SHARE * np.concatenate([depth[deep], -error, error])
     moved = cho_solve(cho_factor(stage.mass), rows.T)
     W = rows @ moved
     size = np.diag(W)

@@ -8,7 +8,7 @@ from frictionbench.problems.verify import Finding
 from frictionbench.solvers import Answer, find
 from frictionbench.solvers.interface import tolerance
 
-EXACT = "nsgs"  # a solver of Coulomb's law, whose answers are verified on the exact problem only
+COULOMB_SOLVER = "nsgs"  # a solver of Coulomb's law, whose answers are verified on the exact problem only
 
 
 def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver: str | None = None) -> Finding:
@@ -30,7 +30,7 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
     ('solved', True)
     """
     tol = tolerance(tol)
-    info, _ = find(EXACT if solver is None else solver)
+    info, _ = find(COULOMB_SOLVER if solver is None else solver)
     require_problem(problem)
     require(isinstance(answer, Answer), "answer", f"must be an Answer, got {type(answer)}; fb.residual takes impulses")
     try:

@@ -13,7 +13,7 @@ import frictionbench as fb
 from frictionbench.problems import impact
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM
-from studies.motions import FINEST, SAMPLES, by_events, sampled
+from studies.motions import REFERENCE_ACCURACY, SAMPLES, by_events, sampled
 from studies.springs import comply
 from studies.study import Row, Study, Summary, Tables, finish, listing, order, require
 
@@ -35,7 +35,7 @@ def stiffnesses(
     for name in names:
         settings, duration = CASES[name]
         made = fb.scene(name, **settings, step=duration / SAMPLES, duration=duration)
-        known, work = sampled(made, by_events(impact, FINEST))
+        known, work = sampled(made, by_events(impact, REFERENCE_ACCURACY))
         for stiffness in values:
             for method in methods:
                 found = comply(made, stiffness, SLIP * 1e4 / stiffness, 1e-7, method=method)

@@ -15,9 +15,9 @@ from studies.motions import coulomb, thrown
 from studies.study import Row, Study, Summary, Tables, finish, listing, require, share
 
 BLUE = "#0077bb"
-ROUNDING = 1e-12  # residuals below it are rounding
+RESIDUAL_ROUNDING = 1e-12  # residuals below it are rounding
 EXAMPLES = tuple(f"example_{number}" for number in range(1, 8))
-MOST = 5  # contacts of a problem whose solutions are enumerated, in a tenth of a second
+MOST_CONTACTS = 5  # contacts of a problem whose solutions are enumerated, in a tenth of a second
 SHAPES = {shape: shape.value.replace(" ", "_") for shape in Shape}
 
 
@@ -70,7 +70,7 @@ def motions(names: Iterable[str] = EXAMPLES, steps: int | None = None, most: int
     """
     for name in names:
         met = [one.problem for step in simulation(fb.scene(name), coulomb, steps=steps) for one in step.solved]
-        few = [problem for problem in met if 0 < problem.contacts <= MOST]
+        few = [problem for problem in met if 0 < problem.contacts <= MOST_CONTACTS]
         yield {"source": name, **counted(few[:: -(-len(few) // most) or 1])}
     kept = [fb.instance("recorded_step", case=case) for case in recorded_steps()]
     yield {"source": "recorded steps", **counted([problem for problem in kept if problem.dimension == 2])}
@@ -78,7 +78,7 @@ def motions(names: Iterable[str] = EXAMPLES, steps: int | None = None, most: int
 
 def counted(problems: list[FrictionProblem]) -> Row:
     """Count the problems with few contacts, those whose solutions are all enumerated, and the shapes of their solution sets."""
-    few = [problem for problem in problems if 0 < problem.contacts <= MOST]
+    few = [problem for problem in problems if 0 < problem.contacts <= MOST_CONTACTS]
     found = [one for problem in few if (one := listed(problem)) is not None]
     return {"problems": len(few), "listed": len(found), **tally(found)}
 
@@ -103,8 +103,8 @@ def listed(problem: FrictionProblem) -> Census | None:
 def summary(tables: Tables) -> Summary:
     jam, block, motions = (tables[name] for name in ("jam", "block", "motions"))
     inside, beyond = jam[jam["share"] <= 1], jam[jam["share"] > 1]
-    require(jam["residual"].max() < ROUNDING, "the closed form solves the jam")
-    require(inside["middle_residual"].max() < ROUNDING, "the sliding solutions of the jam form a segment")
+    require(jam["residual"].max() < RESIDUAL_ROUNDING, "the closed form solves the jam")
+    require(inside["middle_residual"].max() < RESIDUAL_ROUNDING, "the sliding solutions of the jam form a segment")
     require((beyond["middle_residual"] > 1e-3).all(), "no middle with a sticking solution is a solution")
     several = block[block["several_velocities"] > 0]
     require(not several["p0"].any(), "a block with a P0 matrix has one velocity")

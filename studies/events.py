@@ -13,12 +13,12 @@ from matplotlib.axes import Axes
 import frictionbench as fb
 from frictionbench.problems import SCHEMES, NoSolution, impact, newton, start
 from frictionbench.reports.drawing.figures import Panel
-from studies.motions import FINEST, SAMPLES, by_events, exact, sampled
+from studies.motions import REFERENCE_ACCURACY, SAMPLES, by_events, exact, sampled
 from studies.orders import COMPARED, HIGHER
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require
 
 EVENTS = "event_driven"
-LEAST = 1e-15  # errors below it are drawn there
+LEAST_DRAWN = 1e-15  # errors below it are drawn there
 CASES: dict[str, tuple[str, dict[str, Any], float]] = {  # scene, parameters and duration, s
     "bouncing_ball": ("bouncing_ball", {"restitution": 0.5}, 1.2),
     "bowl": ("bowl", {"friction": 0.3}, 1.2),
@@ -56,7 +56,7 @@ def errors(
     for name in names:
         place, settings, duration = CASES[name]
         whole = fb.scene(place, **settings, step=duration / SAMPLES)
-        known = {law: sampled(whole, by_events(law, FINEST))[0] for law in (impact, newton)}
+        known = {law: sampled(whole, by_events(law, REFERENCE_ACCURACY))[0] for law in (impact, newton)}
         for accuracy in accuracies:
             path, work = sampled(whole, by_events(impact, accuracy))
             yield {"scene": name, "scheme": "event_driven", "setting": accuracy, **compared(path, known[impact], work)}
@@ -153,7 +153,7 @@ def _settings(parameters: str) -> str:
 def _work(ax: Axes, errors: pd.DataFrame) -> None:
     for k, (scheme, own) in enumerate(errors.groupby("scheme")):
         ordered = own.sort_values("work")
-        curve(ax, k, ordered["work"], ordered["error"].clip(lower=LEAST), str(scheme))
+        curve(ax, k, ordered["work"], ordered["error"].clip(lower=LEAST_DRAWN), str(scheme))
     finish(ax, "evaluations", "largest error, m or rad", "xy")
 
 

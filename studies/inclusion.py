@@ -16,9 +16,9 @@ from frictionbench.reports.drawing.figures import Panel
 from studies.motions import by
 from studies.study import Row, Study, Summary, Tables, curve, finish, listing, widest
 
-SMALL = 0.05  # a last change below this share of the quantity counts as convergence
-APART = 0.01  # m/s, or a share of normal impulses: a larger difference is another answer
-ROUNDING = 1e-6  # m/s or N s: changes below it are rounding
+SETTLED_CHANGE = 0.05  # a last change below this share of the quantity counts as convergence
+ANOTHER_ANSWER = 0.01  # m/s, or a share of normal impulses: a larger difference is another answer
+CHANGE_ROUNDING = 1e-6  # m/s or N s: changes below it are rounding
 ROD = 0.9  # N s: the normal impulse that stops the rod in the limit, 3/4 m sin cos |v_t|
 SCENES: dict[str, tuple[str, dict[str, Any], float]] = {  # name, settings, duration
     "rod": ("painleve_rod", {"angle": atan(2.0), "friction": 1.6, "tip_velocity": -3.0}, 0.1),
@@ -75,8 +75,8 @@ def summary(tables: Tables) -> Summary:
     spread = finest.groupby("scene").agg(
         normal=("normal", np.ptp), middle=("normal", "median"), net=("net", widest), velocity=("velocity", widest)
     )
-    parted = spread[spread["velocity"] > APART]
-    loose = spread[(spread["velocity"] <= APART) & (spread["normal"] > APART * spread["middle"])]
+    parted = spread[spread["velocity"] > ANOTHER_ANSWER]
+    loose = spread[(spread["velocity"] <= ANOTHER_ANSWER) & (spread["normal"] > ANOTHER_ANSWER * spread["middle"])]
     both = settled["net"] & settled["velocity"]
     steady, restless = int(both.sum()), [f"{row['scene']} by {row['solver']}" for row in settled[~both].to_dict("records")]
     rod, largest = finest[(finest["scene"] == "rod")]["largest"], settled["grows"].max()
@@ -86,7 +86,7 @@ def summary(tables: Tables) -> Summary:
         "growth": f"{largest:.2f}",
         "parted": len(parted),
         "parted_names": listing([*parted.index]),
-        "small": f"{100 * SMALL:.0f}",
+        "small": f"{100 * SETTLED_CHANGE:.0f}",
         "restless": restless,
         "restless_names": listing(restless),
         "rod_least": f"{rod.min():.4f}",
@@ -108,7 +108,7 @@ def summary(tables: Tables) -> Summary:
 
 def _settles(values: pd.Series) -> bool:
     vectors = np.array([np.atleast_1d(value) for value in values], dtype=float)
-    return bool(np.linalg.norm(vectors[-1] - vectors[-2]) <= max(SMALL * np.abs(vectors).max(), ROUNDING))
+    return bool(np.linalg.norm(vectors[-1] - vectors[-2]) <= max(SETTLED_CHANGE * np.abs(vectors).max(), CHANGE_ROUNDING))
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, column: str) -> None:

@@ -23,7 +23,7 @@ from frictionbench.solvers import solve
 from studies.study import Array
 
 SAMPLES = 10  # times at which motions are compared
-FINEST = 1e-11  # the accuracy of the reference motion
+REFERENCE_ACCURACY = 1e-11  # the accuracy of the reference motion
 TOL = 1e-10
 
 

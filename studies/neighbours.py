@@ -19,7 +19,7 @@ from studies.motions import by
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require, widest
 
 PARTED = 20.0  # ratio of final to initial distance that smooth growth in so short a motion does not explain
-SAME = 1e-6  # m/s: answers of two solvers that differ by less are equal
+SAME_VELOCITY = 1e-6  # m/s: answers of two solvers that differ by less are equal
 JAM, RODS = "jam", ("rod at p > 0", "rod at p < 0")
 EDGE = "rod leaving at p < 0"
 EVENTS = "event_driven"
@@ -135,7 +135,7 @@ def summary(tables: Tables) -> Summary:
     late = [f"{name} up to {delay:.1g} s" for name, delay in small.items()]
     numbers = {
         "parted": listing(sorted(parted["case"].unique())),
-        "jam": f"differ by up to {between:.2g} m/s" if between > SAME else "are the same",
+        "jam": f"differ by up to {between:.2g} m/s" if between > SAME_VELOCITY else "are the same",
         "gain": f"{(inside['apart'] / inside['size']).max():.2g}",
         "parted_limit": f"{PARTED:g}",
         "cases": "; ".join(told),

@@ -12,12 +12,12 @@ from matplotlib.axes import Axes
 import frictionbench as fb
 from frictionbench.problems import GRAVITY, SCHEMES, Scene, Scheme, Solve, Solved, Step, newton, simulation, start
 from frictionbench.reports.drawing.figures import Panel
-from studies.motions import FINEST, by_events, coulomb, exact
+from studies.motions import REFERENCE_ACCURACY, by_events, coulomb, exact
 from studies.study import Array, Row, Slope, Study, Summary, Tables, curve, finish, listing, order
 
-ROUNDING = 1e-10  # m: errors and drifts below it have no order
+ERROR_ROUNDING = 1e-10  # m: errors and drifts below it have no order
 HIGHER = "trapezoid"
-APART = 0.5  # largest difference between the slopes of the halves and the whole if the order has converged
+SLOPES_APART = 0.5  # largest difference between the slopes of the halves and the whole if the order has converged
 MOTIONS: dict[str, tuple[str, dict[str, Any], float]] = {
     # kind: scene, settings and duration; no event falls on a step of all grids
     "pendulum": ("pendulum", {}, 0.4),
@@ -70,7 +70,7 @@ def errors(
     schemes: Iterable[str] = tuple(COMPARED), fractions: Iterable[int] = FRACTIONS, kinds: Iterable[str] = tuple(MOTIONS)
 ) -> Iterator[Row]:
     """The body's position at multiples of SAMPLE compared with the event-driven scheme's, and the largest drift."""
-    driven = by_events(newton, FINEST)
+    driven = by_events(newton, REFERENCE_ACCURACY)
     for kind in kinds:
         name, settings, duration = MOTIONS[kind]
         whole = fb.scene(name, **settings, step=SAMPLE, duration=duration)
@@ -103,12 +103,12 @@ def places(scene: Scene, run: list[Step]) -> Array:
 def summary(tables: Tables) -> Summary:
     errors = tables["errors"]
     cases = errors.groupby(["kind", "scheme"])
-    slopes = {key: order(own["step"], own["error"]) for key, own in cases if (own["error"] > ROUNDING).all()}
-    drifts = {key: order(own["step"], own["drift"]) for key, own in cases if (own["drift"] > ROUNDING).all()}
+    slopes = {key: order(own["step"], own["error"]) for key, own in cases if (own["error"] > ERROR_ROUNDING).all()}
+    drifts = {key: order(own["step"], own["drift"]) for key, own in cases if (own["drift"] > ERROR_ROUNDING).all()}
     kinds = list(dict.fromkeys(errors["kind"]))
     high = {kind: slopes[kind, HIGHER] for kind in kinds if (kind, HIGHER) in slopes}
     drifting = [kind for kind in ("pendulum", "smooth sliding") if kind in kinds]
-    settled = {key for key, slope in slopes.items() if max(slope) - min(slope) <= APART}
+    settled = {key for key, slope in slopes.items() if max(slope) - min(slope) <= SLOPES_APART}
     clear = {kind: slope for kind, slope in high.items() if (kind, HIGHER) in settled}
     lower = {kind: [slope.value for (k, s), slope in slopes.items() if k == kind and s != HIGHER] for kind in kinds}
     numbers = {
@@ -142,7 +142,7 @@ def _drift(kind: str, drifts: dict[tuple[str, str], Slope], errors: pd.DataFrame
 
 def _draw(ax: Axes, own: pd.DataFrame, column: str) -> None:
     for k, (scheme, rows) in enumerate(own.groupby("scheme")):
-        curve(ax, k, rows["step"], rows[column].clip(lower=ROUNDING), str(scheme))
+        curve(ax, k, rows["step"], rows[column].clip(lower=ERROR_ROUNDING), str(scheme))
     steps, top = np.sort(own["step"].unique()), own[column].max()
     for power in (1, 2):
         ax.plot(steps, top * (steps / steps[-1]) ** power, color="#20242b", lw=0.6, ls=":")

@@ -28,7 +28,7 @@ SMALL = tuple(
     if source.scene != "packed_spheres"
 )
 LARGER = families.halves(families.SPACE_LARGE)
-NEAR = 2.0  # a universal method would be within this factor of the fastest time
+NEAR_FASTEST = 2.0  # a universal method would be within this factor of the fastest time
 CHANCE = 0.05  # significance level for differences of shares
 VERDICTS = {True: "confirmed", None: "in part", False: "contradicted"}  # by whether the result agrees
 
@@ -110,10 +110,11 @@ def _fastest(rows: pd.DataFrame, tol: float, kind: Sequence[str], among: Sequenc
 
 def _universal(rows: pd.DataFrame) -> Shown:
     good = rows[rows["solved"]]
-    near = good["time"] <= NEAR * good.groupby(["problem", "tol"])["time"].transform("min")
+    near = good["time"] <= NEAR_FASTEST * good.groupby(["problem", "tol"])["time"].transform("min")
     shares = near.groupby(good["name"]).sum() / len(rows[["problem", "tol"]].drop_duplicates())
     best = str(shares.idxmax())
-    return f"{best} is within {NEAR:g} times the fastest in {100 * shares[best]:.0f} % of cases", bool(shares[best] < 0.9)
+    share = shares[best]
+    return f"{best} is within {NEAR_FASTEST:g} times the fastest in {100 * share:.0f} % of cases", bool(share < 0.9)
 
 
 def _robust(rows: pd.DataFrame) -> Shown:

@@ -25,10 +25,10 @@ PILES: dict[str, dict[str, Any]] = {
 }
 FRICTIONS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.2, 1.6)
 STEPS = (1e-4, 1e-3, 1e-2)
-GAPS = "stewart_trinkle"
+GAP_SCHEME = "stewart_trinkle"
 SUDDEN, SMOOTH = "sudden", "smooth"
 ANY = 1e-3  # s, an arbitrary step: with a push of 10 m/s^2 the first problem and its answer are proportional to it
-SAME = 1e-10  # smaller errors may be due to the answers' own
+ANSWER_ERROR = 1e-10  # smaller errors may be due to the answers' own
 
 
 def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEPS) -> Iterator[Row]:
@@ -63,17 +63,17 @@ def gaps(friction: float = 0.6, speed: float = 1.0, steps: Iterable[float] = (0.
         thrown = fb.scene("stopping_block", friction=friction, speed=speed, step=step, duration=0.4)
         down = fb.scene("incline", friction=0.3, angle=0.5, step=step, duration=0.4)
         normal = np.array([-np.sin(0.5), np.cos(0.5)])
-        q = path(down, relaxed, GAPS)
+        q = path(down, relaxed, GAP_SCHEME)
         sliding = np.abs(np.diff(q[:, :2] @ np.array([np.cos(0.5), np.sin(0.5)])) / step).max()
         yield {
             "step": step,  # s
-            "hop": np.ptp(path(thrown, relaxed, GAPS)[:, 1]),  # greatest height of the relaxed block after a sudden start, m
+            "hop": np.ptp(path(thrown, relaxed, GAP_SCHEME)[:, 1]),  # height of the relaxed block after a sudden start, m
             # (mu v/(1 + mu^2))^2/(2 g), its limit for small steps, m
             "hop_predicted": (friction * speed / (1 + friction**2)) ** 2 / (2 * GRAVITY),
             # greatest gap of the relaxed block that begins to slide smoothly, m
             "smooth": ((q[:, :2] - q[0, :2]) @ normal).max(),
             "smooth_predicted": step * 0.3 * sliding,  # h mu |v_t| at its greatest speed, m
-            "coulomb": np.ptp(path(thrown, coulomb, GAPS)[:, 1]),  # greatest height by Coulomb's law after the sudden start, m
+            "coulomb": np.ptp(path(thrown, coulomb, GAP_SCHEME)[:, 1]),  # the same by Coulomb's law, m
         }
 
 
@@ -94,9 +94,9 @@ def summary(tables: Tables) -> Summary:
         **{f"most_{push}": _percent(error) for push, error in by_pile["max"].groupby("push").max().items()},
         "rows": [(name, *map(_percent, [*by_pile.loc[(SUDDEN, name)], *smooth_errors[name].sort_index()])) for name in PILES],
         "frictions": [f"{mu:g}" for mu in sorted(smooth_errors.index.unique("friction"))],
-        "same": int((smooth_errors < SAME).sum()),
+        "same": int((smooth_errors < ANSWER_ERROR).sum()),
         "pairs": len(smooth_errors),
-        "least": _percent(smooth_errors[smooth_errors >= SAME].min()),
+        "least": _percent(smooth_errors[smooth_errors >= ANSWER_ERROR].min()),
         "arrived": arrived.sum(),
         "lost": {
             name: listing([f"{pile} at mu = {mu:g} ({n})" for (pile, mu), n in cases[~own].value_counts(sort=False).items()])
@@ -125,7 +125,7 @@ def summary(tables: Tables) -> Summary:
 
 
 def _percent(error: float) -> str:
-    return "0" if error < SAME else f"{100 * error:.2g} %"
+    return "0" if error < ANSWER_ERROR else f"{100 * error:.2g} %"
 
 
 def _errors(ax: Axes, errors: pd.DataFrame) -> None:

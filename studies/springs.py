@@ -7,8 +7,8 @@ mass m = 1/(n'M^-1 n) that does not pull:
 
     e = exp(-2 z acos(z)/sqrt(1 - z^2)),     with acosh and z^2 - 1 if z > 1;
 
-e is at least LEAST, since e = 0 would need an infinite z. As k increases and s decreases, the motion tends to one of the rigid
-model. If there are several, the state of the springs determines which.
+e is at least LEAST_RESTITUTION, since e = 0 would need an infinite z. As k increases and s decreases, the motion tends to one
+of the rigid model. If there are several, the state of the springs determines which.
 
 Reference: Schwager and Pöschel, Granular Matter 9 (2007), pages 465-469, for e.
 """
@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 from frictionbench.problems import InputError, Scene
 from studies.study import Array
 
-LEAST = 0.01  # the least restitution
+LEAST_RESTITUTION = 0.01  # the least restitution
 
 
 class CompliantMotion(NamedTuple):
@@ -41,7 +41,7 @@ def damping_ratio(restitution: float) -> float:
 
     def excess(z: float) -> float:
         exponent = z * np.arccos(z) / np.sqrt(1 - z * z) if z < 1 else z * np.arccosh(z) / np.sqrt(z * z - 1)
-        return float(np.exp(-2 * exponent)) - max(restitution, LEAST)
+        return float(np.exp(-2 * exponent)) - max(restitution, LEAST_RESTITUTION)
 
     return 0.0 if restitution == 1 else float(brentq(excess, 1e-12, 50.0))
 

@@ -29,7 +29,7 @@ SCENES: dict[str, tuple[str, dict[str, Any]]] = {
 }
 BUDGETS = (16, 64, 256)  # sweeps in STEP
 SUBSTEPS = (1, 4, 16, 64)
-GAPS = "stewart_trinkle"
+GAP_SCHEME = "stewart_trinkle"
 
 
 def errors(
@@ -60,7 +60,7 @@ def begin(name: str, parts: int) -> Scene:
 
 def motion(stage: Scene, answer: Any) -> Array:
     """Return the bodies' final centres, m."""
-    *_, last = simulation(stage, answer, SCHEMES[GAPS])
+    *_, last = simulation(stage, answer, SCHEMES[GAP_SCHEME])
     return stage.geometry.centres(last.q)
 
 

@@ -42,9 +42,9 @@ BITS = 400  # precision: a condition number of 1e60 leaves half of the digits
 STEPS = 5  # Newton steps from an answer accurate to rounding: each doubles the number of digits
 BOX = 2.0**-150  # radius of X over the largest unknown
 ROOM = 1e-6  # over the largest impulse: less slack counts as none; ten times the linear program's tolerance
-DEPENDENT = 1e-11  # relative pivot below which a row is treated as dependent, which exact arithmetic then checks
-TIE = 1e-9  # relative to a contact's unit: smaller velocities and impulses are not distinguished from 0
-LARGEST = 400  # unknowns, which take some minutes: the cost grows as their cube
+DEPENDENT_PIVOT = 1e-11  # relative pivot below which a row is treated as dependent, which exact arithmetic then checks
+ZERO_SHARE = 1e-9  # relative to a contact's unit: smaller velocities and impulses are not distinguished from 0
+MOST_UNKNOWNS = 400  # unknowns, which take some minutes: the cost grows as their cube
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -74,7 +74,7 @@ def mode_of(problem: FrictionProblem, r: Array, tie: float) -> Mode:
     idle = np.maximum(np.abs(x[:, 0]), np.abs(u[:, 0])) <= tie * problem.units
     closed = idle | (x[:, 0] > u[:, 0])
     size, speed = (np.linalg.norm(each, axis=1) for each in (x[:, 1:] - u[:, 1:], u[:, 1:]))
-    slides = (speed > TIE * problem.units) & (idle | (size > problem.friction * x[:, 0]))
+    slides = (speed > ZERO_SHARE * problem.units) & (idle | (size > problem.friction * x[:, 0]))
     return Mode(closed, closed & (problem.friction > 0) & slides)
 
 
@@ -143,7 +143,7 @@ def certify(problem: FrictionProblem, impulse: Array) -> float:
     try:
         return _certified(problem, known, r, mode_of(problem, r, 0.0))
     except NotCertifiedError:
-        return _certified(problem, known, r, mode_of(problem, r, TIE))
+        return _certified(problem, known, r, mode_of(problem, r, ZERO_SHARE))
 
 
 def _certified(problem: FrictionProblem, known: Array, r: Array, mode: Mode) -> float:
@@ -154,7 +154,7 @@ def _certified(problem: FrictionProblem, known: Array, r: Array, mode: Mode) -> 
     zero = np.concatenate([closed * d, *(stuck * d + k for k in range(1, d)), nc * d + np.arange(len(problem.joint_bias))])
     zero = zero.astype(np.int64)
     sliding = np.concatenate([slides * d + k for k in range(1, d)]).astype(np.int64) if len(slides) else np.zeros(0, np.int64)
-    if len(zero) + len(sliding) > LARGEST:
+    if len(zero) + len(sliding) > MOST_UNKNOWNS:
         raise NotCertifiedError(f"too large: {len(zero) + len(sliding)} unknowns")
     return _Certificate(problem, known, r, mode, zero, sliding).radius()
 
@@ -438,7 +438,7 @@ def _pivots(matrix: Array) -> Whole:
     """Return the indices of linearly independent rows of a symmetric matrix, in order."""
     _, R, order = qr(matrix, pivoting=True, mode="economic")
     size = np.abs(np.diag(R))
-    return np.sort(order[: int((size > DEPENDENT * size.max(initial=0.0)).sum())])
+    return np.sort(order[: int((size > DEPENDENT_PIVOT * size.max(initial=0.0)).sum())])
 
 
 def _rank(rows: Array) -> int:

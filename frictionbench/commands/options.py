@@ -66,9 +66,9 @@ Tolerances = Annotated[
     str | None, typer.Option("--tol", metavar="T,T,...", help="Tolerances on the residual, like 1e-4,1e-6,1e-8.")
 ]
 Tolerance = Annotated[float, typer.Option("--tol", metavar="T", help="Tolerance on the residual.")]
-LIMIT = "Limit in seconds for form, setup and solve together, enforced."
-Limit = Annotated[float, typer.Option("--time-limit", metavar="S", help=LIMIT)]
-SuitesLimit = Annotated[float | None, typer.Option("--time-limit", metavar="S", help=LIMIT)]
+LIMIT_HELP = "Limit in seconds for form, setup and solve together, enforced."
+Limit = Annotated[float, typer.Option("--time-limit", metavar="S", help=LIMIT_HELP)]
+SuitesLimit = Annotated[float | None, typer.Option("--time-limit", metavar="S", help=LIMIT_HELP)]
 Jobs = Annotated[
     int | None,
     typer.Option("--jobs", metavar="N", min=1, help="Worker processes, one core each; by default all cores but one."),

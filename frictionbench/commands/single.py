@@ -33,7 +33,7 @@ from frictionbench.solvers.plugins import installed
 
 SPATIAL = 3  # dimensions
 FIRST = ("nsgs", "hybrid")  # run first: one compiles within seconds, the other solves nearly every problem
-PATIENCE = 5.0  # seconds after which the first answer is announced before the table
+ANNOUNCED_AFTER = 5.0  # seconds after which the first answer is announced before the table
 
 
 def solve_one(
@@ -70,7 +70,7 @@ def solve_one(
         for outcome in progress.follow("solvers", pool, tasks):
             rows.append(row_of(outcome, plugins))
             solved = [row for row in rows if row["verdict"] == Verdict.SOLVED]
-            if waiting and solved and time.monotonic() - begun > PATIENCE and len(rows) < len(tasks):
+            if waiting and solved and time.monotonic() - begun > ANNOUNCED_AFTER and len(rows) < len(tasks):
                 waiting = False
                 first = f"{solved[0]['variant']} solves it {rank_by.words} in {_time(_seconds(solved[0], rank_by))}"
                 progress.tell(f"{first}; the table follows when all have ended, each compiled at its first use")

@@ -22,7 +22,7 @@ from frictionbench.problems import InputError
 # The variables from which OpenMP, OpenBLAS, MKL, numba and Rayon (Rust) read their number of threads.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_CHILD_SUBREAPER, PR_SET_NO_NEW_PRIVS = 1, 4, 36, 38  # linux/prctl.h
-PATIENCE = 10.0  # seconds after which killing processes that keep starting others is given up
+KILL_SECONDS = 10.0  # seconds after which killing processes that keep starting others is given up
 ENDED = "ZX"  # process states in /proc: zombie, dead
 LEAST_MEMORY = 2**27  # bytes: with less, a worker cannot compile a kernel
 libc = ctypes.CDLL(None, use_errno=True)
@@ -239,7 +239,7 @@ def end_children(*, spare: Collection[int]) -> None:
 
 
 def _end(running: Callable[[], list[int]]) -> bool:
-    any_running, deadline = False, monotonic() + PATIENCE
+    any_running, deadline = False, monotonic() + KILL_SECONDS
     while (strays := running()) and monotonic() < deadline:
         for pid in strays:
             any_running = any_running or _state(pid)[0] not in ENDED

@@ -10,7 +10,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 
-LONGEST = 500  # characters kept of a solver's own message: a few lines in a table
+LONGEST_MESSAGE = 500  # characters kept of a solver's own message: a few lines in a table
 
 
 class Status(Enum):
@@ -87,7 +87,7 @@ def checked_copy(returned: Any) -> Answer:
         status=returned.status,
         work=_counts(returned.work, claimed),
         z=None if returned.z is None else _numbers("z", returned.z, claimed),
-        detail=str(returned.detail)[:LONGEST],
+        detail=str(returned.detail)[:LONGEST_MESSAGE],
         clock=returned.clock if isinstance(returned.clock, float) and 0 <= returned.clock < math.inf else None,
         softness=None if returned.softness is None else _numbers("softness", returned.softness, claimed),
     )
@@ -131,7 +131,7 @@ def _counts(work: Any, claimed: bool) -> dict[str, int]:
     counts = {}
     for name, count in work.items():
         try:
-            counts[str(name)[:LONGEST]] = operator.index(count)
+            counts[str(name)[:LONGEST_MESSAGE]] = operator.index(count)
         except TypeError:
             raise AnswerError(f"work[{name!r}] is {_kind(count)}, not a whole number", claimed) from None
     return counts

@@ -21,7 +21,7 @@ from frictionbench.problems import check, sizes
 from frictionbench.problems.check import Array, counted, require
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.balance import delassus_parts
-from frictionbench.problems.forms.definite import DIGITS, LARGEST, require_semidefinite
+from frictionbench.problems.forms.definite import FILE_ROUNDING, LARGEST_INPUT, require_semidefinite
 from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands, lowered, spread
 from frictionbench.problems.forms.joints import require_consistent
 from frictionbench.problems.forms.lcp import LCP, content_hash, friction_rows, tangent_basis
@@ -165,7 +165,7 @@ class FrictionProblem(Mechanics):
         size = [f"{counted(self.contacts, 'contact')} in {'the plane' if self.dimension == 2 else 'space'}"]
         if not self.mechanical:
             off = self.asymmetry
-            return f"{size[0]}, known by W" + (f", unsymmetric by {off:.1g}" if off > DIGITS else "")
+            return f"{size[0]}, known by W" + (f", unsymmetric by {off:.1g}" if off > FILE_ROUNDING else "")
         if len(self.joint_bias):
             size.append(counted(len(self.joint_bias), "joint equation"))
         return ", ".join([*size, counted(len(self.free_velocity), "velocity")])
@@ -268,7 +268,7 @@ def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:
     bias = check.vector("friction_bias", np.zeros(len(mu)) if friction_bias is None else friction_bias, len(mu))
     for name, values in (("friction", mu), ("friction_bias", bias)):
         require(not (values < 0).any(), name, "must not be negative")
-        require(not (values >= LARGEST).any(), name, f"must be below {LARGEST:g}")
+        require(not (values >= LARGEST_INPUT).any(), name, f"must be below {LARGEST_INPUT:g}")
     return mu, bias
 
 

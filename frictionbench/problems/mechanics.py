@@ -24,8 +24,8 @@ from frictionbench.problems.forms.joints import FEW_EQUATIONS, FewJoints, JointE
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_row
 
 NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))  # a matrix without rows
-NOTHING = np.zeros(0)
-check.set_read_only((NO_ROWS, NOTHING))
+NO_SHIFT = np.zeros(0)
+check.set_read_only((NO_ROWS, NO_SHIFT))
 Measures = tuple[Array, Array, float, Array, float]  # q, scale, velocity_scale, units and their spread
 
 
@@ -199,7 +199,7 @@ class Mechanics(ReadOnly):
 
     @cached_property
     def _measures(self) -> Measures:
-        return self._measured(NOTHING)
+        return self._measured(NO_SHIFT)
 
     @cached_property
     def _relaxed_measures(self) -> Measures:

@@ -11,9 +11,9 @@ Contacts are judged one by one, each in its own unit and with its own floor (pro
 the rounding errors of one part excuse another. A contact is unjudgeable in two cases: if its floor is above the tolerance and
 its residual is within the floor; and if its residual is within the tolerance but above LEAST_GAIN times that of zero impulses
 in its island, because such a residual says little. If the other contacts are not solved, theirs is the verdict; otherwise it is
-`unjudgeable`. So is a false claim whose residual is below NEAR times W's asymmetry, if rounding in a file can cause that
-asymmetry (DIGITS). For a solver of the relaxation, a verdict `relaxed` uses the floor of the relaxation; any other verdict uses
-the larger of the floors of both laws.
+`unjudgeable`. So is a false claim whose residual is below NEAR_MISS times W's asymmetry, if rounding in a file can cause that
+asymmetry (FILE_ROUNDING). For a solver of the relaxation, a verdict `relaxed` uses the floor of the relaxation; any other
+verdict uses the larger of the floors of both laws.
 
 tol bounds the residual of the solver's own model, the maximum over contacts. A solver with another stopping test must ask for
 less (solvers.interface): then none does more work than its measure needs, and none gains time by stopping early.
@@ -29,7 +29,7 @@ import numpy as np
 
 from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.check import Array
-from frictionbench.problems.forms.definite import DIGITS
+from frictionbench.problems.forms.definite import FILE_ROUNDING
 from frictionbench.problems.forms.islands import NOISE
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
@@ -37,7 +37,7 @@ from frictionbench.problems.residual import contact_floors, contact_residuals, f
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 
-NEAR = 10.0  # times the tolerance: a smaller residual may be due to another norm in the solver's own stopping test
+NEAR_MISS = 10.0  # times the tolerance: a smaller residual may be due to another norm in the solver's own stopping test
 LEAST_GAIN = 0.01  # times the residual of zero impulses: a larger residual hardly differs from that of no answer
 SOFTEST = 1e-6  # times s: softness allowed at any tolerance, because regularised methods cannot solve rigid contacts
 
@@ -98,7 +98,8 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
         larger = np.maximum(parts[2], contact_floors(problem, impulse))
         verdict, why = _verdict([*parts[:2], larger, of_island], claimed, reported, tol)
         floor = largest(larger)
-    if verdict in (Verdict.NEAR_MISS, Verdict.WRONG) and min(exact, of_model) < NEAR * problem.asymmetry <= NEAR * DIGITS:
+    of_asymmetry = min(exact, of_model) < NEAR_MISS * problem.asymmetry <= NEAR_MISS * FILE_ROUNDING
+    if of_asymmetry and verdict in (Verdict.NEAR_MISS, Verdict.WRONG):
         verdict, why = Verdict.UNJUDGEABLE, f"{why}, but W is unsymmetric by {problem.asymmetry:.1g}"
     accepted = claimed and verdict in ACCEPTED
     with np.errstate(over="ignore", invalid="ignore"):
@@ -172,4 +173,4 @@ def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> t
     if nearest < 1.05 * tol:  # rounded to two digits, the residual would equal tol
         above = f"above it by {100 * (nearest / tol - 1):.1g} %"
     why = f"claimed solved within {tol:g}; the residual{of} is {above}"
-    return Verdict.NEAR_MISS if nearest < NEAR * tol else Verdict.WRONG, why
+    return Verdict.NEAR_MISS if nearest < NEAR_MISS * tol else Verdict.WRONG, why

@@ -14,8 +14,8 @@ from frictionbench.results.files import write_text
 from frictionbench.results.motion import Array, Motion, Outline, plain
 
 MOST_NUMBERS = 250_000  # numbers on a page, which is then about 2 MB
-DIGITS = 5  # significant digits of each number, finer than a pixel
-MARGIN = 0.1  # around the motion, relative to its size
+DRAWN_DIGITS = 5  # significant digits of each number, finer than a pixel
+VIEW_MARGIN = 0.1  # around the motion, relative to its size
 
 
 def write_animation(motion: Motion, path: Path) -> Path:
@@ -49,7 +49,7 @@ def _data(motion: Motion) -> dict[str, Any]:
         "view": _view(motion),
         "size": _size(motion),
     }
-    return plain(data, DIGITS)
+    return plain(data, DRAWN_DIGITS)
 
 
 def _size(motion: Motion) -> float:
@@ -68,12 +68,12 @@ def _view(motion: Motion) -> Array:
     is a square about their centre that holds them for every viewing direction."""
     if motion.dimension == 3:
         reach = _reach(motion) + float(np.linalg.norm(motion.poses[..., :3] - _centre(motion), axis=2).max(initial=0.0))
-        return (1 + MARGIN) * reach * np.array([-1.0, -1.0, 1.0, 1.0])
+        return (1 + VIEW_MARGIN) * reach * np.array([-1.0, -1.0, 1.0, 1.0])
     if not _moving(motion):
         return np.array([-1.0, -1.0, 1.0, 1.0])
     places, reach = motion.poses[..., :2], _reach(motion)
     low, high = places.min(axis=(0, 1)) - reach, places.max(axis=(0, 1)) + reach
-    margin = MARGIN * max(float((high - low).max()), 1e-9)
+    margin = VIEW_MARGIN * max(float((high - low).max()), 1e-9)
     return np.concatenate([low - margin, high + margin])
 
 

@@ -18,7 +18,7 @@ from frictionbench.reports import accuracy
 from frictionbench.reports.drawing.text import percent, power, ratio, seconds
 from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.conventions import COLD, WARM, RankBy, count, law
-from frictionbench.results.hardness import ILL
+from frictionbench.results.hardness import HIGH_CONDITION
 
 SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
 DRAWS = 1000  # bootstrap samples: 25 of them lie beyond each end of an interval
@@ -114,7 +114,7 @@ def _kinds(run: Run) -> list[tuple[str, set[int], set[str], bool]]:
             f"up to {SMALL} contacts": contacts <= SMALL,
             f"{SMALL + 1} to {MEDIUM} contacts": (contacts > SMALL) & (contacts <= MEDIUM),
             f"more than {MEDIUM} contacts": contacts > MEDIUM,
-            f"ill-conditioned, above {ILL:.0e}".replace("e+0", "e"): problems_there["condition"] > ILL,
+            f"ill-conditioned, above {HIGH_CONDITION:.0e}".replace("e+0", "e"): problems_there["condition"] > HIGH_CONDITION,
         }
         kinds.append((where, set(problems_there.index), cold, True))
         kinds.append((f"{where}, warm starts", set(problems_there.index) & started, warm, True))

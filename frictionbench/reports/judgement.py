@@ -21,7 +21,7 @@ from frictionbench.results.files import write_text
 from frictionbench.results.judgement import CHOSEN_FROM, LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
 
 MOST_STEPS = 12  # worst steps in the table
-ROUNDING = 1e-9  # relative to the largest component of a net impulse: smaller ones are shown as 0
+SHOWN_AS_ZERO = 1e-9  # relative to the largest component of a net impulse: smaller ones are shown as 0
 MOST_VELOCITIES = 12  # velocities whose net impulses are shown: as many as two free bodies in space have
 MOST_DRAWN = 6  # worst steps with a picture of their forces
 LEAST_DRAWN = 1e-14  # m/s: smaller violations are drawn here, where the axis says 0
@@ -60,7 +60,7 @@ def _shown(net: list[float]) -> dict[str, object]:
     contacts, known, alone, difference, *values = net
     engine, exact = (values[k : k + len(values) // 2][:MOST_VELOCITIES] for k in (0, len(values) // 2))
     which = "single contacts too" if alone else "the sum alone (hyperstatic)" if known else "no"
-    rounding = ROUNDING * max(map(abs, values), default=0.0)
+    rounding = SHOWN_AS_ZERO * max(map(abs, values), default=0.0)
     numbers = [", ".join(number(value if abs(value) > rounding else 0.0) for value in part) for part in (engine, exact)]
     return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], "difference": difference, "determined": which}
 

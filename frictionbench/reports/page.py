@@ -33,7 +33,7 @@ DISTINGUISHABLE = 8  # curves that can be distinguished in one figure
 CURVES = ["times", "energies", "penetrations"]  # columns that no table shows
 MUCH_FORM = 0.2  # share of form in the time above which this suite's formulation may determine the rank
 MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent ones
-LONGEST = 6000  # characters of a description, three times the longest in this package; a plug-in's may be of any length
+LONGEST_DESCRIPTION = 6000  # characters: three times the longest in this package; a plug-in's may be of any length
 
 Values = dict[str, Any]
 Records = list[dict[str, Any]]
@@ -196,7 +196,7 @@ def _sheets(run: Run) -> Records:
             "label": label,
             "variant": variant,
             "facts": {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
-            "description": [_flowing(part) for part in str(text)[:LONGEST].split("\n\n") if part.strip()],
+            "description": [_flowing(part) for part in str(text)[:LONGEST_DESCRIPTION].split("\n\n") if part.strip()],
             "results": results[results["label"] == label].to_dict("records"),
             "failures": failed[failed["label"] == label].head(MOST_FAILURES).to_dict("records"),
         })  # fmt: skip

@@ -19,7 +19,7 @@ from matplotlib.artist import Artist
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.files import NOTHING, legend_size, save_sheet
+from frictionbench.reports.drawing.files import NO_HANDLES, legend_size, save_sheet
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import ESCAPED, bibliography, escaped
@@ -28,7 +28,7 @@ from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.reports.tables import setting
 from frictionbench.results.files import ResultsError, read_text, subfolder, write_text
 
-LARGEST = 2**20  # bytes of a file of captions: room for about a thousand
+LARGEST_CAPTIONS = 2**20  # bytes of a file of captions: room for about a thousand
 FONT = 7  # points, in figures: the smallest size that journals accept
 ASPECT, TALLEST = 0.75, 5.6  # height of a panel over its width; inches of panels and legend, on a page of 7.6 with a caption
 SHRUNK = 0.3  # if this share of a panel's height is lacking for one more row, all rows are made lower, by less than a quarter
@@ -72,7 +72,7 @@ def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) ->
     """Save the figures of a chart, one with all panels or one for each map. Return the captions by the files' names."""
     drawings, caption = chart.panels(run), _caption(chart, run)
     panels = [one for one in drawings if isinstance(one, Panel)]
-    captions = _save(chart.name, caption, panels, NOTHING, run, paper, width, font)
+    captions = _save(chart.name, caption, panels, NO_HANDLES, run, paper, width, font)
     for one in drawings:
         if isinstance(one, Drawing):
             text = f"{one.title.rstrip('.')}. {caption} {one.note}".rstrip()
@@ -157,7 +157,7 @@ def booktabs(table: Table) -> str:
 def captions_file(captions: Mapping[str, str], setting: str, paper: Path) -> str:
     """Return captions.tex: the captions by table and figure, the setting, and earlier captions if they contain no commands."""
     file, line = paper / "captions.tex", rf"^(\\expandafter\\def\\csname benchcaption@(\w+)\\endcsname\{{{ESCAPED}\}})$"
-    earlier = read_text(file, LARGEST) if file.exists() else ""
+    earlier = read_text(file, LARGEST_CAPTIONS) if file.exists() else ""
     named = {name: line for line, name in re.findall(line, earlier, re.MULTILINE)}
     lines = [
         r"% \input{captions}, then \caption{\benchcaption{times}} and, where and on what it was made, \benchsetting",

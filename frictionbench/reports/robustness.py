@@ -12,7 +12,7 @@ from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.run import Run
 from frictionbench.results.maps import Map, at_grid_points, maps_of
 
-EXACT = ("coulomb", "lcp")  # models
+EXACT_MODELS = ("coulomb", "lcp")  # models
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def failures(maps: list[MapCells]) -> pd.DataFrame:
     if not parts:
         return pd.DataFrame(columns=["map", "label", "key"])
     rows = pd.concat([part.sort_values(["contacts", "i", "j"], kind="stable") for part in parts])
-    return rows[rows["known"] & rows["model"].isin(EXACT) & ~rows["verdict"].isin([Verdict.SOLVED, Verdict.SKIPPED])]
+    return rows[rows["known"] & rows["model"].isin(EXACT_MODELS) & ~rows["verdict"].isin([Verdict.SOLVED, Verdict.SKIPPED])]
 
 
 def smallest(failed: pd.DataFrame) -> pd.DataFrame:

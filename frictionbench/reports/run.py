@@ -32,7 +32,7 @@ from frictionbench.problems.verdicts import SINGLE, Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.commands import sources
-from frictionbench.results.conventions import APART, COLD, RankBy, json_object
+from frictionbench.results.conventions import ANOTHER_OUTCOME, COLD, RankBy, json_object
 from frictionbench.results.histories import ConvergenceHistory, read_histories
 from frictionbench.results.maps import GridPoint, maps_of, read_thresholds
 from frictionbench.results.store import read_manifest, read_table
@@ -181,11 +181,11 @@ def outcomes(rows: pd.DataFrame) -> "pd.Series[float]":
     """Return for each row a lower bound on the problem's number of outcomes, from the answers of the run and the reference, or
     from enumeration if no answer has a distance from the reference (column outcome_distance, problems.analysis.outcomes).
 
-    Velocities whose distances differ by more than APART differ by at least as much; those at one distance may also differ.
+    Velocities whose distances differ by more than ANOTHER_OUTCOME differ by as much; those at one distance may differ too.
     """
     distances = rows[rows["outcome_distance"].notna()].groupby("problem")["outcome_distance"]
     # One for the reference, at distance 0, and one for each gap.
-    known = distances.agg(lambda own: 1 + (np.diff(np.sort(own.to_numpy(float)), prepend=0.0) > APART).sum())
+    known = distances.agg(lambda own: 1 + (np.diff(np.sort(own.to_numpy(float)), prepend=0.0) > ANOTHER_OUTCOME).sum())
     return rows["problem"].map(known).fillna(rows["outcomes"]).astype(float)
 
 

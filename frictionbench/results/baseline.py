@@ -21,7 +21,7 @@ FACTS = ("schema", "suite", "tolerances", "code", "made", "cells")
 LOADED = "loaded by "  # followed by a plug-in's variant, whose value lists what it loaded as `NAME HASH`
 HASH = "sha256"
 AGAIN = "delete it and create it again with `frictionbench compare --accept`"
-LARGEST = 64 * 2**20  # bytes, a hundred times the baseline of the largest suite
+LARGEST_BASELINE = 64 * 2**20  # bytes, a hundred times the baseline of the largest suite
 
 
 def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]]) -> None:
@@ -37,7 +37,7 @@ def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]])
 
 def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
     """Read the facts, and for each cell the key and the values of COLUMNS. Errors: ResultsError naming the file and line."""
-    lines = cleaned(read_text(path, LARGEST)).removesuffix("\n").split("\n")
+    lines = cleaned(read_text(path, LARGEST_BASELINE)).removesuffix("\n").split("\n")
     head = list(takewhile(lambda line: line.startswith("#"), lines))
     facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(":") for line in head)}
     table = [(i, line.split("\t")) for i, line in enumerate(lines[len(head) :], len(head) + 1) if line]

@@ -21,7 +21,7 @@ from frictionbench.results.cells import FAILURES, parse_counts
 
 GONE, NEW = "gone", "new"  # shown instead of the verdict for a cell that one of the runs lacks
 GROWTH = 1.05  # largest ratio of sums of work that is no regression: rounding may change work by as much
-MARGIN = 2.0  # a time within this factor of the limit may exceed it on another day by noise alone
+TIME_NOISE = 2.0  # a time within this factor of the limit may exceed it on another day by noise alone
 PACE = 10.0  # largest ratio of speeds that is attributed to the machines
 
 
@@ -152,7 +152,7 @@ def _flip(before: pd.Series | None, after: pd.Series | None) -> Flip:
 def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -> pd.Series:
     """Return for each cell whether the machine's speed may explain that it became a timeout, or that it improved from one.
 
-    It may if the time in the other run, scaled to the speed of this one, is within a factor MARGIN of the larger of the two
+    It may if the time in the other run, scaled to the speed of this one, is within a factor TIME_NOISE of the larger of the two
     limits, and not if that time is unknown. Between different machines the ratio of speeds is estimated from all cells with two
     times, and is at most PACE; between equal machines (alike) it is one. The tables have the same cells.
     """
@@ -162,7 +162,7 @@ def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -
     slower = 1.0 if alike or ratio.empty else float(np.clip(ratio.quantile(0.9), 1.0, PACE))
     faster = 1.0 if alike or ratio.empty else float(np.clip(1 / ratio.quantile(0.1), 1.0, PACE))
     taken = (slower * before["seconds"]).where(late, faster * after["seconds"])
-    return (late | early) & (MARGIN * taken >= np.maximum(before["limit"], after["limit"]))
+    return (late | early) & (TIME_NOISE * taken >= np.maximum(before["limit"], after["limit"]))
 
 
 def work(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:

@@ -29,7 +29,7 @@ OTHER_CONTENT = (
 )
 MOST_NAMES = 5  # names in a note
 LIMIT_ROUNDING = 1e-5  # relative: limits in a baseline have six digits
-HALF, FLAKY = 0.5, 0.25  # shares of the repeats above which a change is confirmed; FLAKY for verdicts independent of load
+MAJORITY, FLAKY = 0.5, 0.25  # shares of the repeats above which a change is confirmed; FLAKY for verdicts independent of load
 
 
 class Limits(NamedTuple):
@@ -184,7 +184,7 @@ def confirm(
     """Return the comparison with only the alerts that remain after their cells were run again.
 
     pairs: for each of the alternating runs, the cells of the baseline's code and of the current code. If the baseline's code is
-    not available, `both` is false and its recorded cells are used. An alert remains if it occurs in more than HALF of the
+    not available, `both` is false and its recorded cells are used. An alert remains if it occurs in more than MAJORITY of the
     pairs, or if its solver was not run again or is in `others` (other_loads). For a verdict other than a timeout, the share of
     pairs in which it is worse, minus the share in which it is better, must exceed FLAKY instead. A verdict that becomes worse
     as often is an alert even if the first two runs did not show it. Times are judged by their confidence intervals.
@@ -227,7 +227,7 @@ def confirm(
 
 def _threshold(change: Change) -> float:
     """Return the share of repeats above which a change is confirmed."""
-    return FLAKY if isinstance(change, Flip) and change.after != Verdict.TIMEOUT else HALF
+    return FLAKY if isinstance(change, Flip) and change.after != Verdict.TIMEOUT else MAJORITY
 
 
 def _name(change: Change) -> tuple[str, str]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # the command line imports this file for its options
 
 DEFAULT_SCHEME = "anitescu_potra"  # the default time-stepping scheme
 COLD, WARM, SHUFFLED = "cold", "warm", "shuffled"  # starts: zero; previous impulses; impulses drawn from the whole motion
-APART = 1e-3  # relative to the change by contact: velocities whose distances from the reference differ by more are different
+ANOTHER_OUTCOME = 1e-3  # relative to the change by contact: velocities are different whose distances differ by more
 
 DRAWN = {"push": (0.2, 2.0), "friction": (0.2, 0.8), "mass_ratio": (1.0, 10.0)}  # bounds of what is drawn for a batch
 NEARBY = 0.02  # relative reduction of the push in the problems whose answers are a batch's warm start

@@ -7,7 +7,7 @@ import pandas as pd
 
 from frictionbench.results.schema import cut
 
-ILL = 1e8  # condition number of W on its range at which a factorisation loses half of the digits of double precision
+HIGH_CONDITION = 1e8  # condition number of W on its range at which a factorisation loses half of the digits of double precision
 
 # One entry per label: its name, the condition on the columns, and its meaning with the reason for the threshold.
 _LABELS = """
@@ -17,7 +17,7 @@ non-P0            p0_margin < 0                Painlevé's case: the LCP of some
 near p = 0        abs(p0_margin) <= 0.01       p0_margin is within 0.01 of 0: sliding allows almost any normal impulse
 jam               pointedness > 1e-9           contacts can press on one another with nothing moving: impulses are unbounded
 hyperstatic       dependent >= rows / 4 > 0    a quarter or more of W's rows are dependent: impulses are far from unique
-ill-conditioned   condition >= @ILL            the condition of W on its range is 1e8 or more: half of the digits
+ill-conditioned   condition >= @HIGH_CONDITION            the condition of W on its range is 1e8 or more: half of the digits
 sensitive         sensitivity >= 1e4           the velocities change 1e4 times as much as the data or more
 several outcomes  outcomes >= 2                the solutions have two or more distinct velocities
 unlike islands    island_ratio >= 1e3          the largest closing speeds of two islands differ by 1e3 or more

@@ -38,7 +38,7 @@ NO_CREEP = 1e-6  # relative to the free velocity: less is rounding
 # larger. MuJoCo's boxes on a slope have 0.2 or more with a converged solver, 0.01 to 0.03 after 3 iterations of PGS or 2 of CG.
 SOFT = 0.1
 CHOSEN_FROM = 2  # a table's steps are chosen from this many times as many with the largest residuals
-NEAR = 0.01  # relative difference of net impulses below which they count as the same
+SAME_NET_IMPULSE = 0.01  # relative difference of net impulses below which they count as the same
 SYMPTOM = "See 'An object at rest creeps' on the documentation's page 'What users of engines ask'."
 HARDER = (
     "It is the likely cause: make contacts harder, in MuJoCo by solimp nearer 1, a larger impratio or noslip_iterations, in "
@@ -182,11 +182,11 @@ class Judged:
         text = f"{len(nets) - len(determined)} of {len(nets)} net impulses between bodies are not determined by the motion. "
         text = text if len(determined) < len(nets) else ""
         if determined:
-            near, half = sum(net[0] <= NEAR for net in determined), sorted(determined)[len(determined) // 2][0]
+            near, half = sum(net[0] <= SAME_NET_IMPULSE for net in determined), sorted(determined)[len(determined) // 2][0]
             farthest, velocities, file = max(determined, key=lambda net: net[0])
-            text += f"{near} of {len(determined)} net impulses between bodies are within {rough_percent(NEAR)} of the exact "
-            text += f"answer's. The difference is {rough_percent(half)} in the median; the largest, {rough_percent(farthest)}, "
-            text += f"is on the velocities {velocities} in {file}. "
+            text += f"{near} of {len(determined)} net impulses between bodies are within {rough_percent(SAME_NET_IMPULSE)} of "
+            text += f"the exact answer's. The difference is {rough_percent(half)} in the median; the largest, "
+            text += f"{rough_percent(farthest)}, is on the velocities {velocities} in {file}. "
         if hyperstatic := sum(not each_known for _, _, (_, _, each_known, *_) in nets):
             text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
         return text.strip()

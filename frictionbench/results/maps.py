@@ -39,7 +39,7 @@ UNITS = {
 }
 MOST_LEVELS, MOST_POINTS = 8, 10**6  # bounds on the refined grid, far above those of any suite
 THEORY = ("gaps", "pointed")  # proofs of existence that also hold for the same problem with fewer contacts
-DIGITS = 6  # significant digits of a parameter's value: few enough to be equal on all machines and short in a table
+VALUE_DIGITS = 6  # significant digits of a parameter's value: few enough to be equal on all machines and short in a table
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,11 @@ class Axis:
             raise ValueError(f"the axis {self.parameter} has no values")
 
     def value(self, position: float) -> float:
-        """Return the parameter at a position: exact for powers of two, else rounded to DIGITS; an int if the axis is whole."""
+        """Return the parameter at a position: exact for powers of two, else to VALUE_DIGITS; an int if the axis is whole."""
         exact = self._value(position)
         power = round(math.log2(abs(exact))) if exact else 0
         is_power = math.isclose(abs(exact), 2.0**power, rel_tol=1e-12)  # scaling by a power of two changes no digit
-        value = math.copysign(2.0**power, exact) if is_power else float(f"{exact:.{DIGITS}g}")
+        value = math.copysign(2.0**power, exact) if is_power else float(f"{exact:.{VALUE_DIGITS}g}")
         return round(value) if self.whole else value
 
     @property

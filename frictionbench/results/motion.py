@@ -22,8 +22,8 @@ from frictionbench.results.files import parsed
 Array = Annotated[NDArray[np.float64], BeforeValidator(lambda values: np.array(values, dtype=float))]
 ARRAYS = ConfigDict(arbitrary_types_allowed=True)
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
-SHOWN = 3  # digits of a parameter in a title
-DIGITS = 12  # significant digits of encoded numbers: a defect is a small difference of large energies
+TITLE_DIGITS = 3  # digits of a parameter in a title
+STORED_DIGITS = 12  # significant digits of encoded numbers: a defect is a small difference of large energies
 
 
 @dataclass(frozen=True, eq=False, config=ARRAYS)
@@ -102,7 +102,7 @@ class Motion:
     @property
     def title(self) -> str:
         """The scene with its changed parameters to three digits."""
-        return scene_title(self.scene, json.dumps(plain(self.changed, SHOWN)))
+        return scene_title(self.scene, json.dumps(plain(self.changed, TITLE_DIGITS)))
 
     @property
     def defect(self) -> Array:
@@ -112,7 +112,7 @@ class Motion:
 
 def encoded(motion: Motion) -> dict[str, Any]:
     """Return the motion in types of JSON."""
-    return {name: plain(value, DIGITS) for name, value in asdict(motion).items()}
+    return {name: plain(value, STORED_DIGITS) for name, value in asdict(motion).items()}
 
 
 def plain(value: Any, digits: int) -> Any:

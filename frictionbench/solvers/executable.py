@@ -30,7 +30,7 @@ from frictionbench.solvers.interface import Answer, Status, solver
 PREFIX = "exec:"
 FILES = ("{problem}", "{answer}")
 ENDED = {"solved": Status.SOLVED, "limit": Status.WORK_LIMIT, "stalled": Status.STALLED, "failed": Status.FAILED}
-LONGEST = 2**26  # bytes of an answer
+LARGEST_ANSWER = 2**26  # bytes of an answer
 
 
 def is_command(source: str) -> bool:
@@ -140,9 +140,9 @@ def _run(command: tuple[str, ...], text: str, contacts: tuple[int, int]) -> Answ
         if not answer.is_file():
             raise ValueError("answer: the executable wrote no file")
         with answer.open("rb") as read:
-            content = read.read(LONGEST + 1)
-    if len(content) > LONGEST:
-        raise ValueError(f"answer: longer than {LONGEST} bytes")
+            content = read.read(LARGEST_ANSWER + 1)
+    if len(content) > LARGEST_ANSWER:
+        raise ValueError(f"answer: longer than {LARGEST_ANSWER} bytes")
     return parse_answer(content.decode("utf-8", "replace"), contacts)
 
 

@@ -34,16 +34,16 @@ from frictionbench.solvers.interior_point import first_phase_of
 PLANAR = "lemke", "interior_point", "staggered"
 SPATIAL = "nsgs", "interior_point", "proximal_newton", "apgd_coulomb"
 NEWTON = "Newton's method on dense rows"  # solvers.dense, which is not a registered solver
-SHARE = 0.9  # of the remaining time limit, for each member except the last: nearly all problems are solved by the first
+TIME_SHARE = 0.9  # of the remaining time limit, for each member except the last: nearly all problems are solved by the first
 STORAGE = 2**32  # bytes of dense matrices above which a further member is skipped: its pivots would take hours
-CLOSE = 0.01  # the largest residual at which the impulses of one member are a better start for the next than zeros
+USABLE_START = 0.01  # the largest residual at which the impulses of one member are a better start for the next than zeros
 SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
 SWEPT = 6, 60  # contacts up to which nsgs is the fastest on W, and from which on its sweeps save more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only, as W is singular
 ALWAYS, CHAINS = 36, 64  # contacts up to which pivots are faster, in general and in chains
 LINKS = 4  # the largest number of contacts of a body in a chain: two with each neighbour
 STICKING = 0.75  # the least share of sticking contacts in a chain
-AT_REST = 1e-6  # slower contacts, relative to the fastest, count as sticking
+STICKING_SPEED = 1e-6  # slower contacts, relative to the fastest, count as sticking
 
 # The problem, its members in order, and the form or setup of the first one, or its largest number of Newton steps.
 Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
@@ -101,8 +101,8 @@ class Hybrid:
                 stage = member.prepare(problem)
             tried += 1
             own_limit = min(SWEEPS, limit or SWEEPS) if name == "nsgs" else limit
-            guess = (impulse if least <= CLOSE and not rounded else start) if info.warm_start else None
-            with TimeLimit(left() if name == members[-1] else SHARE * left()):
+            guess = (impulse if least <= USABLE_START and not rounded else start) if info.warm_start else None
+            with TimeLimit(left() if name == members[-1] else TIME_SHARE * left()):
                 answer = member.solve(stage, tol, own_limit, guess)
             work |= {f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             error, floor = residual_with_floor(problem, answer.impulse)
@@ -136,7 +136,7 @@ class Hybrid:
         solved, members = least <= tol, np.ones(len(nc), np.int64)
         tried = ~solved & (few | (swept.status != Status.SOLVED))  # claims that are not confirmed are left to solve
         if tried.any():
-            close = least <= CLOSE
+            close = least <= USABLE_START
             guess = impulse if start is None else np.where(np.repeat(close, nc)[:, None], impulse, start)
             after = first_phase_of(_only(packed, tried), tol, limit, guess, tried & (close | (start is not None)))
             work |= {f"interior_point {unit}": counts for unit, counts in after.work.items()}
@@ -179,5 +179,5 @@ def _sticking_chain(column: Index32, q: Array) -> bool:
 
     column: the velocities that act at the contacts, contact by contact.
     """
-    slipping = np.abs(q[1::2]) > AT_REST * np.abs(q).max()
+    slipping = np.abs(q[1::2]) > STICKING_SPEED * np.abs(q).max()
     return bool(np.bincount(column).max(initial=0) <= LINKS and slipping.mean() <= 1 - STICKING)

@@ -46,7 +46,7 @@ from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.forms.definite import DIGITS
+from frictionbench.problems.forms.definite import FILE_ROUNDING
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.residual import residual, residual_with_floor
 from frictionbench.problems.rows import Index64
@@ -60,7 +60,7 @@ __all__ = ["Answer", "Solved", "Solver", "SolverInfo", "Status", "available", "f
 
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
 Precision = Literal["double", "single"]
-FINEST = {"double": 0.0, "single": 1e-6}  # the tightest target: float32 has a rounding error of 6e-8 in every operation
+FINEST_TOL = {"double": 0.0, "single": 1e-6}  # the tightest target: float32 has a rounding error of 6e-8 in every operation
 LACKS = ("friction_bias", "joints", "asymmetry")  # properties of a problem that a solver may declare as not supported
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
 RELAXATION = {"cvxpy", "clarabel", "osqp", "proxsuite", "qpsolvers"}  # distributions of the package's extra of this name
@@ -110,13 +110,13 @@ class SolverInfo:
     in an attribute `dense_matrices`; the harness skips problems for which they exceed the memory.
     needs: required distributions, in the syntax of solvers.needs.
     lacks: what is not supported: friction_bias, joints, or asymmetry (of W, by methods that work in velocities: the Jacobian of
-    an unsymmetric W is that of its symmetric part). Problems in which it is not zero are refused, asymmetry only above DIGITS.
+    an unsymmetric W is that of its symmetric part). Problems that have it are refused, asymmetry only above FILE_ROUNDING.
     remote: whether this package runs the library in another process; it is then timed by its own clock (Answer.clock).
     variants: settings that count as separate solvers, as in `ccp[backend=highs]`, empty for the defaults; a solver of this
     package accepts settings of type text in these combinations only. A variant with another model, dimension, needs, lacks or
     precision has an attribute of that name.
     members: the solvers that a portfolio may run.
-    precision: of its arithmetic. A single-precision solver is run and ranked at tolerances and targets not below FINEST.
+    precision: of its arithmetic. A single-precision solver is run and ranked at tolerances and targets not below FINEST_TOL.
     make: the class, a frozen dataclass whose fields are the settings.
     """
 
@@ -186,7 +186,7 @@ class SolverInfo:
 
     def too_tight(self, tol: float) -> str | None:
         """The reason why this solver is not asked for a tolerance, or None."""
-        finest = FINEST[self.precision]
+        finest = FINEST_TOL[self.precision]
         return f"{SINGLE}: not asked for less than {finest:g}" if tol < 0.999 * finest else None
 
     def refuses(self, problem: FrictionProblem | LCP) -> str | None:
@@ -195,7 +195,7 @@ class SolverInfo:
             return None if self.model == "lcp" else f"{self.name} solves friction problems, not bare LCPs"
         if problem.dimension not in self.dimension:
             return f"{self.name} does not take contacts of dimension {problem.dimension}"
-        digits = {"asymmetry": DIGITS}
+        digits = {"asymmetry": FILE_ROUNDING}
         present = [field for field in self.lacks if np.sum(abs(getattr(problem, field))) > digits.get(field, 0.0)]
         return f"{self.name} does not support {', '.join(present)}" if present else None
 

@@ -24,6 +24,7 @@ shortest path in all problems. Therefore all first receive a short share of the 
   boundary is their residual: a bad start does little harm.
 """
 
+from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -60,12 +61,12 @@ RELAXED_STARTS = ((3.0, 10.0), (3.0, 3.0), (1.0, 10.0), (3.0, 30.0))  # the swep
 SWEEPS = 1000  # of nsgs, whose result is a start: they take the time of ten or twenty factorisations
 LEAST_DISTANCE = 1e-10  # of a start of the predictor-corrector from the boundary, as a residual: less is lost in rounding
 PATH_DISTANCE, LONG_DISTANCES = 0.3, (3.0, 10.0)  # the same for paths in the plane, which are shorter from well inside
-CLOSE = 0.01  # the largest residual of the relaxation's solution from which the predictor-corrector is tried
+NEARLY_SOLVED = 0.01  # the largest residual of the relaxation's solution from which the predictor-corrector is tried
 GIANT = 0.9  # share of contacts in one part above which parts are not solved separately: it would take as long as the whole
 LIMIT = 16000  # factorisations in all: enough for the shares of all starts in problems of a few hundred contacts
 NEWTON_SHARE = 100  # factorisations of one run of semismooth Newton: 95 % of the runs that converge within 150 take fewer
-SHARE = 250  # factorisations of each phase other than long paths: in the plane few that converge take more
-# Factorisations of long paths, as multiples of the contacts or, if larger, of 2 SHARE. In space every round adds PATH of these.
+PHASE_SHARE = 250  # factorisations of each phase other than long paths: in the plane few that converge take more
+# Factorisations of long paths, in multiples of the contacts or, if larger, of 2 PHASE_SHARE. In space every round adds PATH.
 PATH, SHORT_PATH, LOADED_PATH = 3, 0.4, 2
 POLISHING = 60  # factorisations of Newton's methods near a solution: a vanishing pair stops a path at a residual of 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
@@ -90,14 +91,14 @@ class InteriorPoint(Phased):
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the factorisations."""
         problem, system = prepared
-        spent: dict[str, int] = {}
+        spent: Counter[str] = Counter()
 
         def polish(impulse: Array) -> Array:
             if problem.dimension == 3:
                 return _nested(problem, "proximal_newton", spent, tol=tol, limit=POLISHING, start=impulse)
             newton = fischer_burmeister, _around(problem, system, impulse, LEAST_DISTANCE), POLISHING
             refined = run(prepared, [newton], tol, POLISHING, PATIENCE, residual)
-            _add(spent, "polishing", refined)
+            spent.update(_named("polishing", refined))
             return refined.impulse
 
         phases, most = self._phases(*prepared, start, spent), LIMIT if limit is None else limit
@@ -121,7 +122,7 @@ class InteriorPoint(Phased):
         The status is that of the first part that is not solved. work: the sum over the whole problem and the parts;
         history: that of the whole problem, then those of the parts.
         """
-        impulse, work, history = whole.impulse.copy(), dict(whole.work), whole.history
+        impulse, work, history = whole.impulse.copy(), Counter(whole.work), whole.history
         by_contact, unsolved = contact_residuals(problem, impulse), None
         for contacts, part in separate(problem):
             had = by_contact[contacts].max()
@@ -131,21 +132,21 @@ class InteriorPoint(Phased):
                 unsolved = unsolved or Status.TIME_LIMIT
                 break
             answer = self.solve(self.setup(self.form(part)), tol, limit, None if start is None else start[contacts])
-            for unit, count in answer.work.items():
-                work[unit] = work.get(unit, 0) + count
+            work.update(answer.work)
             history += answer.history
             if answer.status is not Status.SOLVED:
                 unsolved = unsolved or answer.status
             if not had <= residual(part, answer.impulse):
                 impulse[contacts] = answer.impulse
-        return Answer(impulse, unsolved or Status.SOLVED, work, history)
+        return Answer(impulse, unsolved or Status.SOLVED, dict(work), history)
 
-    def _phases(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
+    def _phases(self, problem: FrictionProblem, system: System, start: Array | None, spent: Counter[str]) -> Iterator[Phase]:
         """The methods in turn, with their starting points; only the first if the problem has parts. spent: see _nested."""
         if start is not None:
-            yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
+            guess = impulses(start, system.offset.shape)
+            yield predictor_corrector, _around(problem, system, guess, LEAST_DISTANCE), PHASE_SHARE
         trapped = first_point(system)
-        yield predictor_corrector, trapped, SHARE
+        yield predictor_corrector, trapped, PHASE_SHARE
         if _has_parts(problem):
             return
 
@@ -154,8 +155,8 @@ class InteriorPoint(Phased):
             return _nested(problem, "relaxation_ip", spent)
 
         space, large = problem.dimension == 3, problem.contacts >= LARGE
-        if (space or large) and residual(problem, relaxed()) <= CLOSE:
-            yield predictor_corrector, _around(problem, system, relaxed(), LEAST_DISTANCE), SHARE
+        if (space or large) and residual(problem, relaxed()) <= NEARLY_SOLVED:
+            yield predictor_corrector, _around(problem, system, relaxed(), LEAST_DISTANCE), PHASE_SHARE
         if space:
             yield from self._spatial(problem, system, relaxed(), start, spent)
             return
@@ -164,19 +165,19 @@ class InteriorPoint(Phased):
                 yield fischer_burmeister, start_point(system, impulse, speed), NEWTON_SHARE
             yield fischer_burmeister, trapped, NEWTON_SHARE
         swept = _guess(problem, start, spent)
-        yield trace, new_path(_around(problem, system, swept, PATH_DISTANCE)), SHARE
+        yield trace, new_path(_around(problem, system, swept, PATH_DISTANCE)), PHASE_SHARE
         for impulse, speed in PLANAR_STARTS:
-            yield trace, new_path(start_point(system, impulse, speed)), SHARE
-        share = PATH * max(2 * SHARE, problem.contacts)
+            yield trace, new_path(start_point(system, impulse, speed)), PHASE_SHARE
+        share = PATH * max(2 * PHASE_SHARE, problem.contacts)
         for distance in LONG_DISTANCES:
             yield trace, new_path(_around(problem, system, swept, distance)), share
         yield trace, new_path(_around(problem, system, relaxed(), LONG_DISTANCES[-1])), share
 
     def _spatial(
-        self, problem: FrictionProblem, system: System, relaxed: Array, start: Array | None, spent: dict[str, int]
+        self, problem: FrictionProblem, system: System, relaxed: Array, start: Array | None, spent: Counter[str]
     ) -> Iterator[Phase]:
         """Paths in space; relaxed: the impulses of the relaxation's solution."""
-        share = max(2 * SHARE, problem.contacts)
+        share = max(2 * PHASE_SHARE, problem.contacts)
         loaded = []
         if system.weight.max(initial=0) > UNLIKE * system.weight.min(initial=np.inf):
             loaded = [new_path(_loaded(system, exponent)) for exponent in LOAD_STARTS]
@@ -207,22 +208,21 @@ def first_phase_of(packed: Packed, tol: float, limit: int | None, guess: Array, 
     distance = np.full(packed.size, NO_GUESS)
     if guessed.any():
         distance[guessed] = np.maximum(residuals(packed, guess)[guessed, 0], LEAST_DISTANCE)
-    return first_phase(packed, guess, distance, tol, SHARE if limit is None else min(SHARE, limit), PATIENCE)
+    return first_phase(packed, guess, distance, tol, PHASE_SHARE if limit is None else min(PHASE_SHARE, limit), PATIENCE)
 
 
-def _nested(problem: FrictionProblem, spec: str, spent: dict[str, int], **options: Any) -> Array:
+def _nested(problem: FrictionProblem, spec: str, spent: Counter[str], **options: Any) -> Array:
     """The impulses (nc, d) that another solver finds; its work is added to spent, under its name."""
     answer = solve(problem, spec, **options)
-    _add(spent, spec, answer)
+    spent.update(_named(spec, answer))
     return answer.impulse
 
 
-def _add(spent: dict[str, int], name: str, answer: Answer) -> None:
-    for unit, count in answer.work.items():
-        spent[f"{name} {unit}"] = spent.get(f"{name} {unit}", 0) + count
+def _named(name: str, answer: Answer) -> dict[str, int]:
+    return {f"{name} {unit}": count for unit, count in answer.work.items()}
 
 
-def _guess(problem: FrictionProblem, start: Array | None, spent: dict[str, int]) -> Array:
+def _guess(problem: FrictionProblem, start: Array | None, spent: Counter[str]) -> Array:
     """The impulses (nc, d) that Gauss-Seidel finds, or the given ones if their residual is smaller."""
     swept = _nested(problem, "nsgs", spent, limit=SWEEPS)
     return start if start is not None and residual(problem, start) < residual(problem, swept) else swept

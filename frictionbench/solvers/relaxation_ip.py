@@ -16,7 +16,7 @@ from frictionbench.solvers.interior.point import start_point
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 
 STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: (impulse, speed), with other ratios than in the first
-SHARE = 250  # factorisations from each start: above the default limit, so that only larger limits are divided
+START_SHARE = 250  # factorisations from each start: above the default limit, so that only larger limits are divided
 PATIENCE = 60  # iterations without progress: a heavy body on a light one needs impulses a million times the first ones
 
 
@@ -30,5 +30,5 @@ class RelaxationInteriorPoint(Phased):
         """limit bounds the factorisations, 200 by default."""
         _, system = prepared
         points = chain([first_point(system)], (start_point(system, *at) for at in STARTS))
-        phases = ((predictor_corrector, point, SHARE) for point in points)
+        phases = ((predictor_corrector, point, START_SHARE) for point in points)
         return run(prepared, phases, tol, 200 if limit is None else limit, PATIENCE, relaxation_residual)

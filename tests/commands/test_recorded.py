@@ -150,7 +150,7 @@ def test_unusable_data(tmp_path, suite, scenes, complaint) -> None:
 
 
 def test_first_answer_is_told_before_the_table(capsys, monkeypatch) -> None:
-    monkeypatch.setattr(single, "PATIENCE", 0.0)
+    monkeypatch.setattr(single, "ANNOUNCED_AFTER", 0.0)
     solve_one("stack[blocks=1]", ["lemke", "nsgs"], 1e-6, 10.0, 1)
     told = capsys.readouterr().err.splitlines()
     assert [line.split(" solves it")[0] for line in told if "the table follows" in line] == ["nsgs"]

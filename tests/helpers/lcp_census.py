@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionbench.problems import LCP
-from frictionbench.problems.analysis.census import WRONG, Census, Choice, enumerate_solutions
+from frictionbench.problems.analysis.census import WRONG_RESIDUAL, Census, Choice, enumerate_solutions
 
 
 def lcp_census(lcp: LCP) -> Census:
@@ -13,4 +13,4 @@ def lcp_census(lcp: LCP) -> Census:
     z, w = np.eye(n + 1), np.column_stack([lcp.dense, lcp.q / free])
     choices = [[Choice("z", ((w[i], True),)), Choice("w", ((z[i], True), (w[i], False)))] for i in range(n)]
     unit = np.full(n, free)
-    return enumerate_solutions(z, [], choices, w, unit, unit, lambda x: lcp.residual(x) <= WRONG)
+    return enumerate_solutions(z, [], choices, w, unit, unit, lambda x: lcp.residual(x) <= WRONG_RESIDUAL)

@@ -9,7 +9,7 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.problems.subproblems import side_by_side
-from frictionbench.problems.verify import NEAR, verify
+from frictionbench.problems.verify import NEAR_MISS, verify
 from frictionbench.solvers import Answer, Status, solve
 from tests.helpers.friction_problems import block, contacts_of, known_by_W, spatial
 
@@ -56,7 +56,7 @@ def test_relaxation_verdict_uses_model_residual():
     problem = random_problem(3, contacts=4, friction=1.0)
     moved = solve(problem, "relaxation_ip", tol=1e-12).impulse * (1 + 2e-5)
     tol = relaxation_residual(problem, moved) / 3
-    assert NEAR * tol < residual(problem, moved)
+    assert NEAR_MISS * tol < residual(problem, moved)
     finding = verify(problem, claim(moved), RELAXATION, tol)
     assert finding.verdict == "near_miss"
     assert "of its model" in finding.reason

@@ -37,10 +37,10 @@ from frictionbench.results.conventions import RankBy, scene_title
 from frictionbench.results.files import ResultsError, read_json, write_text
 
 FORMAT = 1
-LARGEST = 4 * 2**20  # bytes of a summary
+LARGEST_SUMMARY = 4 * 2**20  # bytes of a summary
 Summary = dict[str, Any]
 MACHINE = ("processor", "cores", "memory", "system", "python")
-DIGITS = 6  # significant digits of times: pages show three, which rounding to four before could change
+TIME_DIGITS = 6  # significant digits of times: pages show three, which rounding to four before could change
 SHORT = 12  # characters of a problem's hash: enough to distinguish thousands of problems
 
 
@@ -109,7 +109,7 @@ def write(summary: Summary, folder: Path) -> Path:
 
 def read(path: Path) -> Summary:
     """Read the summary in a file. Errors: ResultsError naming the file and the field that is missing or cannot be used."""
-    content = read_json(path, LARGEST)
+    content = read_json(path, LARGEST_SUMMARY)
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise ResultsError(f"{path}: not a published summary of format {FORMAT}")
     kinds = FIELDS | ({"classes": list[str]} if "classes" in content else {})  # older runs lack it
@@ -226,7 +226,7 @@ def _plain(row: dict[str, Any]) -> dict[str, Any]:
 def _short(value: float) -> float | None:
     if not np.isfinite(value):
         return None
-    return int(value) if value == int(value) else float(f"{value:.{DIGITS}g}")
+    return int(value) if value == int(value) else float(f"{value:.{TIME_DIGITS}g}")
 
 
 def _scenes(run: Run, maps: list[MapCells]) -> list[dict[str, Any]]:

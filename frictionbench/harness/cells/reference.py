@@ -21,7 +21,7 @@ TOL = 1e-10  # the tolerance given to solvers
 LARGEST_RESIDUAL = 1e-8  # of an accepted answer: the tightest target of most suites
 # In the order tried: an exact method first, then methods of other kinds, which fail on other problems.
 SMALL_PLANAR = ("lemke", "path_search", "interior_point")
-OTHERS = ("hybrid", "nsgs", "interior_point")
+GENERAL = ("hybrid", "nsgs", "interior_point")
 LARGE_PLANAR = ("interior_point", "nsgs")
 DENSE = 100  # contacts of a planar problem above which dense bases take longer than a sparse method
 DENSEST = 400  # contacts of a planar problem above which dense bases take minutes, in hybrid too
@@ -73,5 +73,5 @@ def reference_answer(problem: FrictionProblem) -> Array | None:
 def _names(problem: FrictionProblem) -> tuple[str, ...]:
     """Return the solvers to try in turn."""
     if problem.dimension == 3 or DENSE < problem.contacts <= DENSEST:
-        return OTHERS
+        return GENERAL
     return SMALL_PLANAR if problem.contacts <= DENSE else LARGE_PLANAR

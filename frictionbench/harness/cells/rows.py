@@ -16,7 +16,7 @@ from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.check import Array
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import Finding, verify
-from frictionbench.results.conventions import APART, COLD
+from frictionbench.results.conventions import ANOTHER_OUTCOME, COLD
 from frictionbench.results.schema import PROBLEM_FACTS
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, SolverInfo, Status, find
@@ -58,7 +58,7 @@ def solver_facts(variant: str) -> Row:
 
 
 MOST_IN_MODE = 24  # contacts up to which a row states the mode, one letter per contact in a column that is read by eye
-CLOSE = 1e-4  # residual below which an answer is refined to determine its outcome: the coarsest tolerance of the suites
+REFINED_FROM = 1e-4  # residual below which an answer is refined to determine its outcome: the coarsest tolerance of the suites
 NOTICEABLE = 1e-3  # seconds: a first call longer than this and than SLOW_FIRST times the repeats gets a remark
 
 
@@ -138,9 +138,9 @@ def _velocity_columns(problem: FrictionProblem, finding: Finding, answer: Answer
     if reference is None:
         return {}
     error = velocity_distance(problem, answer.impulse, reference)
-    if error is None or not finding.residual <= CLOSE:
+    if error is None or not finding.residual <= REFINED_FROM:
         return {"velocity_error": error}
-    finest = answer.impulse if error <= APART else refined(problem, answer.impulse)
+    finest = answer.impulse if error <= ANOTHER_OUTCOME else refined(problem, answer.impulse)
     return {
         "velocity_error": error,
         "outcome_distance": None if finest is None else velocity_distance(problem, finest, reference),

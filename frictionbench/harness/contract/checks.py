@@ -29,8 +29,8 @@ from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.solvers import Status
 
 FAST = 1e6  # ratio of two islands' speeds: a test relative to the fastest contact accepts any answer in the slow island
-TIGHT = 1e-8  # tolerance of the solves compared, so that differences above NEAR are not due to it
-NEAR = 1e-4  # relative to the largest free contact velocity; each of these problems has a unique velocity
+TIGHT = 1e-8  # tolerance of the solves compared, so that differences above SAME_VELOCITY are not due to it
+SAME_VELOCITY = 1e-4  # relative to the largest free contact velocity; each of these problems has a unique velocity
 
 
 @check("Answer the first call of a process, and the first on a problem, like later ones: fill tables before they are read.")
@@ -250,5 +250,5 @@ def _same(
             continue
         off = np.abs(problem.velocity(answer.impulse) - other.velocity(again.impulse) / times).max(initial=0.0)
         gap = off / (problem.velocity_scale or 1.0)
-        if gap > NEAR:
+        if gap > SAME_VELOCITY:
             yield f"{problem.summary}: velocities differ by {gap:.1e}"

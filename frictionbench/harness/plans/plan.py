@@ -15,7 +15,7 @@ from frictionbench.problems.check import require
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, WARM
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
-from frictionbench.solvers.interface import FINEST
+from frictionbench.solvers.interface import FINEST_TOL
 
 NO_SETTINGS = ("expects", "options", "map_sources", "map_simulations")
 MEMORY_LIMIT = 4 * 2**30  # bytes that a worker may allocate: more than the suites need, less than machines have per core
@@ -183,7 +183,7 @@ class Plan:
 
     def _tolerances(self, variant: str) -> list[float]:
         """Return the tolerances, loosest first. A tolerance too tight for single precision adds the tightest that it allows."""
-        finest = 0.0 if self.owner(variant) else FINEST[find(variant)[0].precision]
+        finest = 0.0 if self.owner(variant) else FINEST_TOL[find(variant)[0].precision]
         return sorted({*self.tolerances, *(finest for tol in self.tolerances if tol < finest)}, reverse=True)
 
     def simulation_cells(self) -> list[SimulationCell]:

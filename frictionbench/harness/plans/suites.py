@@ -17,15 +17,15 @@ from frictionbench.problems.catalogue import instances, scenes
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.conventions import COLD, SHUFFLED, WARM
 
-# EXACT: methods for Coulomb's law that every suite compares. RELAXED: one of each kind for the relaxation. OTHERS: further
-# methods for both. SPATIAL: one of each kind in space, where the pivoting method has a polygonal cone.
-EXACT = ("hybrid", "lemke", "path_search", "interior_point", "nsgs")
-RELAXED = ("clarabel[settings=default]", "osqp", "proxsuite[matrices=sparse,settings=tuned]")
-OTHERS = (
+# COULOMB: methods for Coulomb's law that every suite compares. RELAXATION: one of each kind for the relaxation. FURTHER: more
+# methods for both. IN_SPACE: one of each kind in space, where the pivoting method has a polygonal cone.
+COULOMB = ("hybrid", "lemke", "path_search", "interior_point", "nsgs")
+RELAXATION = ("clarabel[settings=default]", "osqp", "proxsuite[matrices=sparse,settings=tuned]")
+FURTHER = (
     *("fischer_newton", "minmap_newton", "dantzig", "murty"),
     *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
 )
-SPATIAL = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "lemke[facets=16]", RELAXED[0])
+IN_SPACE = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "lemke[facets=16]", RELAXATION[0])
 # Solvers of outside libraries that solve the most in the suite `peers`, or are the fastest of their library, in double
 # precision: for Coulomb's law in the plane and in space, and for the LCP in the plane, where it is equivalent.
 OUTSIDE = (
@@ -42,8 +42,8 @@ CUBES = {4: 100, 12: 30, 40: 10}
 BATCHED = ("nsgs", "interior_point", "hybrid")
 ONE_BY_ONE = ("osqp", "daqp", "mujoco[method=newton,settings=tuned]")  # these accept no batches of given problems
 # Methods for Coulomb's law; apgd and admm solve the relaxation.
-MAPPED = (*EXACT, *(name for name in OTHERS if name not in ("apgd", "admm")))
-MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED)
+MAPPED = (*COULOMB, *(name for name in FURTHER if name not in ("apgd", "admm")))
+MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXATION)
 FAILING = (  # simulations in which some methods fail to solve steps
     Source("stack", {"blocks": 5, "mass_ratio": 1e3, "push": 1.0}, steps=60),
     Source("three_blocks", {}, steps=200),
@@ -74,11 +74,11 @@ def smoke() -> Plan:
             Source("cubes", {"boxes": 2, "push": 0.1, "twist": 1.0, "fall": 1.0}),
             Source("random_bodies", {"contacts": 20}),
         ),
-        solvers=(*EXACT, *RELAXED),
-        spatial_solvers=SPATIAL,
+        solvers=(*COULOMB, *RELAXATION),
+        spatial_solvers=IN_SPACE,
         tolerances=(1e-4, 1e-8),
         simulations=(Source("two_blocks", {"friction": 0.1}, steps=100),),
-        simulation_solvers=(*EXACT, RELAXED[0]),
+        simulation_solvers=(*COULOMB, RELAXATION[0]),
         time_limit=2.0,
         simulation_limit=20.0,
         expects="half a minute",
@@ -92,18 +92,18 @@ def standard() -> Plan:
     return Plan(
         suite="standard",
         sources=(*STEPS, *families.sources(*families.PLANE, *families.SPACE), *of_robots.one_of_each()),
-        solvers=(*EXACT, *RELAXED, *outside, *planar),
-        spatial_solvers=(*SPATIAL, *outside),
+        solvers=(*COULOMB, *RELAXATION, *outside, *planar),
+        spatial_solvers=(*IN_SPACE, *outside),
         tolerances=LADDER,
         simulations=STEPS,
-        simulation_solvers=(*EXACT, *RELAXED),
+        simulation_solvers=(*COULOMB, *RELAXATION),
         time_limit=2.0,
         expects="up to eight minutes" if outside or planar else "four minutes",
     )
 
 
 SPREAD = 1.25  # largest factor by which drawn settings are changed
-DIGITS = 3  # significant digits of drawn settings, so that names of problems can be read
+SETTING_DIGITS = 3  # significant digits of drawn settings, so that names of problems can be read
 
 
 def sealed() -> Plan:
@@ -135,14 +135,14 @@ def _drawn(source: Source, name: str) -> dict[str, Any]:
 
 
 def _scaled(value: float, factor: float) -> float:
-    return max(1, round(value * factor)) if isinstance(value, int) else float(f"{value * factor:.{DIGITS}g}")
+    return max(1, round(value * factor)) if isinstance(value, int) else float(f"{value * factor:.{SETTING_DIGITS}g}")
 
 
 def seeds() -> Plan:
     """The seven examples, the rod and the jam, with main and further solvers and every applicable time-stepping scheme."""
     steps = (*(Source(name, pick=4) for name in EXAMPLES), Source("painleve_rod", pick=4))
     jam = Source("jam", {"sideways": 0.1}, pick=4)  # the disc hits a wall: otherwise zero impulses would be a solution
-    solvers = (*EXACT, *RELAXED, *OTHERS)
+    solvers = (*COULOMB, *RELAXATION, *FURTHER)
     return Plan(
         suite="seeds",
         sources=(*steps, jam),
@@ -162,7 +162,7 @@ def replay() -> Plan:
     return Plan(
         suite="replay",
         sources=tuple(Source(name, pick=20, steps=150) for name in EXAMPLES),
-        solvers=(*EXACT, *OTHERS),
+        solvers=(*COULOMB, *FURTHER),
         tolerances=(1e-6, 1e-8),
         starts=(COLD, WARM, SHUFFLED),
         time_limit=2.0,
@@ -194,8 +194,8 @@ def scaling() -> Plan:
     return Plan(
         suite="scaling",
         sources=tuple(sources),
-        solvers=(*EXACT, "apgd_coulomb", RELAXED[0]),
-        spatial_solvers=SPATIAL,
+        solvers=(*COULOMB, "apgd_coulomb", RELAXATION[0]),
+        spatial_solvers=IN_SPACE,
         tolerances=(1e-4, 1e-8),
         expects="twenty minutes",
     )
@@ -239,7 +239,7 @@ def robots() -> Plan:
     return Plan(
         suite="robots",
         sources=of_robots.steps(),
-        solvers=SPATIAL,
+        solvers=IN_SPACE,
         tolerances=LADDER,
         starts=(COLD, WARM),
         time_limit=2.0,

@@ -202,7 +202,7 @@ class _Slot:
         """Tell the supervisor to end, and wait until it and all its descendants have ended."""
         with suppress(OSError, EOFError):
             self.connection.send(None)
-            while self.connection.poll(2 * process.PATIENCE):
+            while self.connection.poll(2 * process.KILL_SECONDS):
                 self.connection.recv_bytes()
         self.connection.close()
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionbench.problems.analysis.polyhedra import (
-    SAME,
+    SAME_POINT,
     Cone,
     Polyhedron,
     Shape,
@@ -41,7 +41,7 @@ from frictionbench.problems.residual import residual
 
 MODES = 4**8  # the largest number of modes that is enumerated, in some seconds
 TIES = (1e-12, 1e-11, 1e-10, 1e-9)  # relative to the largest free velocity: smaller ones count as zero; the first that suffices
-WRONG = 1e-7  # a point with a larger residual is not a solution but an effect of rounding
+WRONG_RESIDUAL = 1e-7  # a point with a larger residual is not a solution but an effect of rounding
 
 
 Cut = tuple[Array, bool]  # row'(x, 1) >= 0, or = 0 if the flag is set
@@ -118,7 +118,7 @@ def census(problem: FrictionProblem) -> Census:
         choices.append(closed + (opened or [Choice("o", ((r_n, True), (u_n, False)))]))
 
     def is_solution(r: Array) -> bool:
-        return residual(problem, r.reshape(nc, 2)) <= WRONG
+        return residual(problem, r.reshape(nc, 2)) <= WRONG_RESIDUAL
 
     return enumerate_solutions(np.array(facets), cuts, choices, velocity, free / root, free * root, is_solution)
 
@@ -187,7 +187,7 @@ def enumerate_solutions(
 def _image(piece: Polyhedron, y: Array) -> Polyhedron:
     """The image of the piece under x -> y @ (x, 1); different impulses may have the same velocity."""
     vertices, rays = piece.vertices @ y[:, :-1].T + y[:, -1], piece.rays @ y[:, :-1].T
-    return Polyhedron(distinct(vertices), rays[np.abs(rays).max(axis=1, initial=0.0) > SAME], piece.mode)
+    return Polyhedron(distinct(vertices), rays[np.abs(rays).max(axis=1, initial=0.0) > SAME_POINT], piece.mode)
 
 
 def _scaled(piece: Polyhedron, unit: Array) -> Polyhedron:

@@ -24,10 +24,10 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.forms.joints import CONTRADICTION, ROUNDING
+from frictionbench.problems.forms.joints import CONTRADICTION, DEFECT_ROUNDING
 from frictionbench.problems.friction import FrictionProblem
 
-LEAST = 1e-9  # relative to the largest weight: smaller ones are set to zero
+LEAST_WEIGHT = 1e-9  # relative to the largest weight: smaller ones are set to zero
 FAR = 1e6  # times the problem's own velocities: a proof must exclude all velocities up to this
 
 
@@ -89,7 +89,7 @@ def contradiction(problem: FrictionProblem) -> Contradiction | None:
         return None
     weight = _polished(rows, np.asarray(proposed.x), nc)
     defect, gain = _sums(rows, right, weight)
-    gain -= float(np.abs(weight[nc:]) @ np.maximum(CONTRADICTION * np.abs(right[nc:]), ROUNDING * size))
+    gain -= float(np.abs(weight[nc:]) @ np.maximum(CONTRADICTION * np.abs(right[nc:]), DEFECT_ROUNDING * size))
     if gain <= 0 or (weight[:nc] < 0).any() or not weight[:nc].any():
         return None  # joint equations hold to rounding, and a problem whose equations contradict each other by more is refused
     beyond = gain / (size * defect) if defect > 0 else np.inf
@@ -121,13 +121,13 @@ def _power_of_two(size: Array) -> Array:
 
 def _polished(rows: sparse.csr_array, weight: Array, nc: int) -> Array:
     """The weights without negligible ones, corrected by least squares so that the defect is only rounding."""
-    taken = np.abs(weight) > LEAST * np.abs(weight).max()
+    taken = np.abs(weight) > LEAST_WEIGHT * np.abs(weight).max()
     taken[nc:] = True
     part = rows[taken].toarray()
     polished = np.zeros_like(weight)
     own = weight[taken]
     polished[taken] = own - np.linalg.lstsq(part.T, part.T @ own, rcond=None)[0]
-    polished[np.abs(polished) <= LEAST * np.abs(polished).max()] = 0.0
+    polished[np.abs(polished) <= LEAST_WEIGHT * np.abs(polished).max()] = 0.0
     return polished
 
 

@@ -19,20 +19,20 @@ from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.problems.subproblems import keep_contacts
 
 # A frictionless answer up to this residual satisfies Coulomb's law. It is the tightest tolerance of most suites.
-WITHIN = 1e-8
+IDLE_RESIDUAL = 1e-8
 
 Solve = Callable[[FrictionProblem], Array]
 
 
 def idle(problem: FrictionProblem, solve: Solve) -> bool:
-    """Whether a frictionless answer satisfies Coulomb's law, to WITHIN or to the rounding floor of the residual.
+    """Whether a frictionless answer satisfies Coulomb's law, to IDLE_RESIDUAL or to the rounding floor of the residual.
 
     solve returns the impulses (nc, d) of a problem, and its errors are passed on. If the first frictionless answer violates the
     law, a second one is tried, without impulses at sliding contacts with friction. Since the frictionless velocities are
     unique, it satisfies the law if any answer does.
     """
     r = frictionless_answer(problem, solve)
-    within = max(WITHIN, residual_floor(problem, r))
+    within = max(IDLE_RESIDUAL, residual_floor(problem, r))
     if residual(problem, r) <= within:
         return True
     # With a large normal impulse alone, the residual of a contact is at least |u_t| sqrt(1 + mu^2) over its unit.
@@ -44,7 +44,7 @@ def idle(problem: FrictionProblem, solve: Solve) -> bool:
     second = np.zeros_like(r)
     if len(others):
         second[others] = frictionless_answer(keep_contacts(problem, others.tolist()), solve)
-    return residual(problem, second) <= max(WITHIN, residual_floor(problem, second))
+    return residual(problem, second) <= max(IDLE_RESIDUAL, residual_floor(problem, second))
 
 
 def frictionless_answer(problem: FrictionProblem, solve: Solve) -> Array:

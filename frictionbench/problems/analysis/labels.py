@@ -19,9 +19,9 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.subproblems import keep_contacts
 
 DENSE_ROWS = 600  # the most rows of W for dense decompositions; beyond, they cost more than solving the problem
-NOTHING = 1e-12  # r = 0 is an answer if its residual is up to this
+ZERO_RESIDUAL = 1e-12  # r = 0 is an answer if its residual is up to this
 POINTED = 1e-9  # the pointedness up to which it counts as 0, because of rounding
-NOISE = 1e3  # times the rounding error of a matrix product: smaller singular values count as zero
+RANK_ROUNDING = 1e3  # times the rounding error of a matrix product: smaller singular values count as zero
 FACETS = 8  # of the polygon in space, the default of FrictionProblem.lcp
 
 
@@ -114,9 +114,9 @@ def _trivial(problem: FrictionProblem) -> str:
         return "no contact"
     if not problem.friction.any() and not problem.friction_bias.any():
         return "no friction"
-    if residual(problem, np.zeros((problem.contacts, problem.dimension))) > NOTHING:
+    if residual(problem, np.zeros((problem.contacts, problem.dimension))) > ZERO_RESIDUAL:
         return ""
-    closed = problem.q[:: problem.dimension] <= NOTHING * problem.units
+    closed = problem.q[:: problem.dimension] <= ZERO_RESIDUAL * problem.units
     squeezed = pointedness(keep_contacts(problem, np.flatnonzero(closed).tolist()))
     return "" if squeezed > POINTED else "no impulse"
 
@@ -147,7 +147,7 @@ def _rank_condition(problem: FrictionProblem) -> tuple[int, float | None]:
 
 def _rank(A: Array) -> int:
     """The rank of A, whose rows have norms of about 1 unless they have cancelled."""
-    return int(np.sum(svdvals(A) > NOISE * max(A.shape) * np.finfo(float).eps))
+    return int(np.sum(svdvals(A) > RANK_ROUNDING * max(A.shape) * np.finfo(float).eps))
 
 
 def pointedness(problem: FrictionProblem) -> float:

@@ -30,7 +30,7 @@ from frictionbench.problems.forms.islands import NOISE
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual, residual_floor
 
-FINEST = 1e-12  # the residual of a refined answer, unless its rounding floor is larger
+REFINED_RESIDUAL = 1e-12  # the residual of a refined answer, unless its rounding floor is larger
 DAMPING = 1e-13  # relative to squares of singular values: those below 3e-7 count as zero
 STEPS = 12  # most of them are needed if the damped part converges linearly
 HALVINGS = 4
@@ -56,7 +56,7 @@ def _norm(problem: FrictionProblem, one: Array, other: Array) -> float:
 
 
 def refined(problem: FrictionProblem, impulse: Array) -> Array | None:
-    """The answer (nc, d) refined until its residual is FINEST or within its floor; None if this is not reached.
+    """The answer (nc, d) refined until its residual is REFINED_RESIDUAL or within its floor; None if this is not reached.
 
     Errors: InputError naming impulse if it is not an array of numbers.
     """
@@ -68,7 +68,7 @@ def refined(problem: FrictionProblem, impulse: Array) -> Array | None:
     W = sparse.diags_array(np.repeat(1 / problem.units, problem.dimension)) @ problem.W
     W = sparse.csr_array(W @ sparse.diags_array(np.repeat(1 / sizes, problem.dimension)))
     for _ in range(STEPS):
-        if least <= FINEST / 100:
+        if least <= REFINED_RESIDUAL / 100:
             break
         step = _step(problem, sizes[:, None] * r, W) / sizes[:, None]
         share, error = 1.0, np.inf
@@ -79,7 +79,7 @@ def refined(problem: FrictionProblem, impulse: Array) -> Array | None:
         if not error < least:
             break
         r, least = r + share * step, error
-    return r if least <= max(FINEST, residual_floor(problem, r)) else None
+    return r if least <= max(REFINED_RESIDUAL, residual_floor(problem, r)) else None
 
 
 def _step(problem: FrictionProblem, x: Array, W: sparse.csr_array) -> Array:

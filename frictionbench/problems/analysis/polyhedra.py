@@ -17,7 +17,7 @@ from scipy.optimize import linprog
 
 from frictionbench.problems.check import Array
 
-SAME = 1e-7  # points at most this far apart, relative to 1 plus their size, count as equal
+SAME_POINT = 1e-7  # points at most this far apart, relative to 1 plus their size, count as equal
 
 
 class Cone(NamedTuple):
@@ -46,7 +46,7 @@ class Polyhedron(NamedTuple):
         """0 for a point, 1 for a segment or ray, ..."""
         spread = np.vstack([self.vertices[1:] - self.vertices[0], self.rays])
         size = 1.0 + np.abs(self.vertices).max(initial=0.0)
-        return int(np.linalg.matrix_rank(spread, tol=SAME * size)) if spread.size else 0
+        return int(np.linalg.matrix_rank(spread, tol=SAME_POINT * size)) if spread.size else 0
 
 
 class Shape(Enum):
@@ -122,8 +122,8 @@ def is_subset(piece: Polyhedron, other: Polyhedron) -> bool:
 
 
 def contains(piece: Polyhedron, x: Array) -> bool:
-    """Whether x lies in the polyhedron: its distance in the maximum norm, by linear programming, is up to SAME (1 + |x|)."""
-    size = SAME * (1.0 + np.abs(x).max())
+    """Whether x is in the polyhedron: its distance in the maximum norm, by a linear program, is up to SAME_POINT (1 + |x|)."""
+    size = SAME_POINT * (1.0 + np.abs(x).max())
     if len(piece.vertices) == 1 and not len(piece.rays):
         return bool(np.abs(piece.vertices[0] - x).max() <= size)
     (k, n), j = piece.vertices.shape, len(piece.rays)
@@ -169,7 +169,7 @@ def _among(points: Array, others: Array) -> bool:
     if not len(others):
         return False
     apart = np.abs(points[:, None] - others[None]).max(axis=2, initial=0.0)
-    return bool(np.all(apart.min(axis=1) <= SAME * (1.0 + np.abs(points).max(axis=1, initial=0.0))))
+    return bool(np.all(apart.min(axis=1) <= SAME_POINT * (1.0 + np.abs(points).max(axis=1, initial=0.0))))
 
 
 def _unit(rows: Array) -> Array:

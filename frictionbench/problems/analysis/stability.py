@@ -14,7 +14,7 @@ from frictionbench.problems.forms.cone import project_cone
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 
-EPSILON = 8 * np.finfo(float).eps  # the rounding error of a norm and of a product, with a margin
+NORM_ROUNDING = 8 * np.finfo(float).eps  # the rounding error of a norm and of a product, with a margin
 ROUND_OFF = 1e-13  # relative to a contact's unit: impulses that change the contact's velocity by less are neglected
 
 
@@ -46,7 +46,7 @@ def _least_change(problem: FrictionProblem, impulse: Array, scale: Array) -> flo
     size, widest = np.linalg.norm(t, axis=1), problem.friction * n
     limit = widest + problem.friction_bias
     normal = np.where(n > 0, np.abs(u[:, 0]), np.maximum(-u[:, 0], 0.0))
-    at_limit = np.abs(size - limit) <= EPSILON * limit
+    at_limit = np.abs(size - limit) <= NORM_ROUNDING * limit
     onto = np.where(at_limit, 0.0, np.where(widest > 0, np.abs(size - limit) / np.where(widest > 0, widest, 1.0), np.inf))
     against = np.where(size[:, None] > 0, -t / np.where(size > 0, size, 1.0)[:, None], 0.0)
     along = np.maximum(np.sum(u[:, 1:] * against, axis=1), 0.0)

@@ -18,16 +18,16 @@ import numpy as np
 from frictionbench.problems.analysis.labels import POINTED, p0_margin, pointedness
 from frictionbench.problems.friction import FrictionProblem
 
-LARGEST = 12  # the unknowns of the largest LCP whose principal minors are all computed: 4095 determinants
+MOST_UNKNOWNS = 12  # the unknowns of the largest LCP whose principal minors are all computed: 4095 determinants
 
 
 def is_p0(problem: FrictionProblem) -> bool:
     """Whether no principal minor of the friction LCP's matrix is negative, after scaling to a unit diagonal.
 
-    Beyond LARGEST unknowns only the blocks of single contacts are examined.
+    Beyond MOST_UNKNOWNS unknowns only the blocks of single contacts are examined.
     """
     lcp = problem.lcp()
-    if lcp.size > LARGEST:
+    if lcp.size > MOST_UNKNOWNS:
         return p0_margin(problem) >= 0
     Q = lcp.dense
     root = np.sqrt(np.where(np.diag(Q) > 0, np.diag(Q), 1.0))

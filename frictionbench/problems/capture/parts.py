@@ -21,11 +21,11 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.native import EngineStep
 
-FAITHFUL = 1e-9  # relative to the velocities: the allowed error of a captured step's velocity
-REST = "other forces, the integrator, the solver's tolerance"  # such as adhesion and unsymmetric implicit terms
-NOISE = 1e-9  # smaller shares are rounding errors
-ROUNDING = 1e-13  # relative to the momentum: smaller impulses are rounding errors
-ZERO = 1e-14  # relative to sqrt(M_ii M_jj): smaller entries of M are rounding errors of the engine
+VELOCITY_ERROR = 1e-9  # relative to the velocities: the allowed error of a captured step's velocity
+UNEXPLAINED = "other forces, the integrator, the solver's tolerance"  # such as adhesion and unsymmetric implicit terms
+LEAST_SHARE = 1e-9  # smaller shares are rounding errors
+LEAST_IMPULSE = 1e-13  # relative to the momentum: smaller impulses are rounding errors
+LEAST_ENTRY = 1e-14  # relative to sqrt(M_ii M_jj): smaller entries of M are rounding errors of the engine
 
 
 class Contacts(NamedTuple):
@@ -85,23 +85,23 @@ def captured(step: Step) -> EngineStep:
     whole = mass @ (step.velocity - step.free)
     held = whole - pushed - sum(step.others.values(), np.zeros(len(mass)))
     by_equations, rest = _by_equations(F, inverse, held)
-    others = {**step.others, REST: rest}
+    others = {**step.others, UNEXPLAINED: rest}
     sizes = {name: _size(inverse, impulse) for name, impulse in others.items()}
     total = _size(inverse, pushed) + _size(inverse, by_equations) + sum(sizes.values())
-    least = max(NOISE * total, ROUNDING * _size(inverse, mass @ (np.abs(step.velocity) + np.abs(step.free))))
+    least = max(LEAST_SHARE * total, LEAST_IMPULSE * _size(inverse, mass @ (np.abs(step.velocity) + np.abs(step.free))))
     notes = {name: size / total for name, size in sizes.items() if size > least}
     free = step.free + inverse @ sum(others.values())
     problem = posed(mass, free, contacts, contacts.gap / step.length, F, -F @ step.velocity)
     miss = float(np.abs(problem.velocity(contacts.impulse) - step.velocity).max(initial=0))
     scale = max(1.0, float(np.abs(step.velocity).max(initial=0)), float(np.abs(step.free).max(initial=0)))
-    require(miss <= FAITHFUL * scale, "step", f"the captured problem misses the engine's next velocity by {miss:.1e}")
-    notes |= {name: share for name, share in step.softness.items() if share > NOISE}
+    require(miss <= VELOCITY_ERROR * scale, "step", f"the captured problem misses the engine's next velocity by {miss:.1e}")
+    notes |= {name: share for name, share in step.softness.items() if share > LEAST_SHARE}
     return EngineStep(problem, contacts.impulse, notes, step.length)
 
 
 def posed(mass: Array, free: Array, contacts: Contacts, bias: Array, F: Array, joint_bias: Array) -> FrictionProblem:
     """The problem with these contacts and joint equations F v + joint_bias = 0."""
-    J, F = (np.where(np.abs(rows) > ZERO * np.abs(rows).max(initial=0.0), rows, 0.0) for rows in (contacts.rows, F))
+    J, F = (np.where(np.abs(rows) > LEAST_ENTRY * np.abs(rows).max(initial=0.0), rows, 0.0) for rows in (contacts.rows, F))
     rows = J.reshape(-1, 3, len(mass))
     return FrictionProblem(
         mass=mass,
@@ -148,4 +148,4 @@ def without_noise(mass: Array) -> Array:
     """The symmetric part of the mass matrix without entries that are rounding errors, so that separate bodies stay separate."""
     symmetric = (mass + mass.T) / 2
     size: Array = np.sqrt(np.abs(np.diag(symmetric)))
-    return np.where(np.abs(symmetric) > ZERO * np.outer(size, size), symmetric, 0.0)
+    return np.where(np.abs(symmetric) > LEAST_ENTRY * np.outer(size, size), symmetric, 0.0)

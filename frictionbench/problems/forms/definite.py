@@ -11,20 +11,22 @@ from scipy import sparse
 
 from frictionbench.problems.check import Array, InputError, require
 
-LARGEST = 1e150  # for an entry of W in 1/kg, and for friction: the squares of larger ones overflow
-DIGITS = 1e-6  # relative to the largest entry: an asymmetry up to this counts as rounding in a file
+LARGEST_INPUT = 1e150  # for an entry of W in 1/kg, and for friction: the squares of larger ones overflow
+FILE_ROUNDING = 1e-6  # relative to the largest entry: an asymmetry up to this counts as rounding in a file
 INDEFINITE = 1e-6  # relative to the largest eigenvalue: W may be indefinite by this, because files round its digits
 STEPS = 60  # products with the matrix; with at most this number of rows the values are exact
 
 
 def require_semidefinite(field: str, W: sparse.csr_array) -> None:
-    """Errors: InputError naming the field if W's (n, n) largest entry is not 0 or from 1/LARGEST to LARGEST; if only one of its
-    triangles has entries and they exceed rounding, because the other triangle was probably not stored; or if its symmetric part
-    has an eigenvalue below -INDEFINITE times the largest, as estimated by spectrum_ends."""
-    require(not W.nnz or 1 / LARGEST <= abs(W).max() < LARGEST, field, "its largest entry must be 0 or from 1e-150 to 1e150")
+    """Errors: InputError naming the field if W's (n, n) largest entry is not 0 or from 1/LARGEST_INPUT to LARGEST_INPUT; if
+    only one of its triangles has entries and they exceed rounding, because the other triangle was probably not stored; or if
+    its symmetric part has an eigenvalue below -INDEFINITE times the largest, as estimated by spectrum_ends."""
+    least, most = 1 / LARGEST_INPUT, LARGEST_INPUT
+    inside = not W.nnz or least <= abs(W).max() < most
+    require(inside, field, f"its largest entry must be 0 or from {least:g} to {most:g}")
     sides = sparse.tril(W, -1, format="coo"), sparse.triu(W, 1, format="coo")
     for side, other in (sides, sides[::-1]):
-        if side.nnz and not other.nnz and abs(side.data).max() > DIGITS * abs(W).max():
+        if side.nnz and not other.nnz and abs(side.data).max() > FILE_ROUNDING * abs(W).max():
             most = abs(side.data).argmax()
             i, j = side.row[most], side.col[most]
             raise InputError(f"{field}: holds one triangle: entry ({i}, {j}) is {side.data[most]:.3g}, but ({j}, {i}) is 0")

@@ -26,7 +26,7 @@ FEW_EQUATIONS = 100  # the number of equations up to which a dense inverse is as
 # Relative to a joint's bias: a larger defect is a contradiction. The value is the tightest tolerance of the suites.
 CONTRADICTION = 1e-8
 # Relative to the largest terms of any joint equation, with each equation in its own unit: a defect that rounding may leave.
-ROUNDING = 1000 * held.EPSILON
+DEFECT_ROUNDING = 1000 * held.EPSILON
 # Samples of random signs of the rounding errors, and the standard deviations that a sum of independent errors seldom exceeds.
 PROBES, DEVIATIONS = 8, 2.0
 
@@ -181,7 +181,7 @@ def require_consistent(held: JointEquations, F: sparse.csr_array, bias: Array, i
         left = np.abs(F @ v + bias)
         terms = (abs(F) @ (np.abs(v) + np.abs(free)) + np.abs(bias)) / unit
         moving = (np.abs(free) / np.sqrt(inverse_mass)).max(initial=0.0)  # v* is known to its rounding alone
-        satisfied = bool((left / unit <= max(CONTRADICTION * terms.max(), ROUNDING * moving)).all())
+        satisfied = bool((left / unit <= max(CONTRADICTION * terms.max(), DEFECT_ROUNDING * moving)).all())
         reason = f"rows are so nearly dependent that rounding leaves them unsatisfied by up to {left.max():.2g} m/s"
         check.require(satisfied, "joints", f"{reason}; remove those that follow from others")
 
@@ -197,7 +197,7 @@ def _require_solution(held: JointEquations, F: sparse.csr_array, bias: Array, un
     v = held.solution()
     terms = abs(F) @ (np.abs(v) + np.abs(free)) / unit + np.abs(scaled_bias)
     defect = np.abs(F @ v / unit + scaled_bias)
-    bad = np.flatnonzero(~(defect <= np.maximum(CONTRADICTION * np.abs(scaled_bias), ROUNDING * terms.max())))
+    bad = np.flatnonzero(~(defect <= np.maximum(CONTRADICTION * np.abs(scaled_bias), DEFECT_ROUNDING * terms.max())))
     listed = ", ".join(map(str, bad[:6].tolist())) + ", ..." * (len(bad) > 6)
     missed = f"rows {listed} are missed by up to {(defect * unit)[bad].max(initial=0.0):.2g} m/s"
     check.require(not len(bad), "joint_bias", f"the joint equations contradict each other: {missed}")

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from frictionbench.problems.check import require
 from frictionbench.problems.rows import Array, Index64, Rows
 
-ILL = 1e4  # the largest M_ii X_ii, a bound below on the condition number of M scaled to a unit diagonal, of an unrefined X
+UNREFINED = 1e4  # the largest M_ii X_ii of an unrefined X; the condition number of M scaled to a unit diagonal is no less
 
 
 def inverse_mass(mass: Rows) -> Rows:
@@ -57,7 +57,7 @@ def _inverse(block: Array, coordinates: Index64) -> Array:
         inverse = np.full_like(block, np.nan)
     named = coordinates[:6].tolist()
     require(bool(np.isfinite(inverse).all()), "mass", f"not positive definite in the coordinates {named}")
-    if (np.diag(block) * np.diag(inverse)).max() > ILL:
+    if (np.diag(block) * np.diag(inverse)).max() > UNREFINED:
         inverse = _refined(block, inverse)
     return np.asarray((inverse + inverse.T) / 2)
 

@@ -10,7 +10,7 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import GROUND, falling, touching
 from frictionbench.problems.spatial.rotation import frames
 
-HALF = np.array([0.5, 0.25, 0.25])  # m, half the edges of a brick of 1 kg
+HALF_EDGES = np.array([0.5, 0.25, 0.25])  # m, half the edges of a brick of 1 kg
 CORNERS = ((-1, -1), (-1, 1), (1, -1), (1, 1))
 MIDDLES = ((-1, 0), (1, 0), (0, -1), (0, 1))  # of the edges
 Bricks = dict[tuple[int, int], int]  # (row, position in the row): body
@@ -37,7 +37,7 @@ def box_wall(
     require(points in {4, 8}, "points", f"expected 4 or 8, got {points!r}")
     random = np.random.default_rng([count("seed", seed, least=0), rows, bricks, points])
     place = [(k, j) for k in range(rows) for j in range(bricks - k % 2)]
-    centre = np.array([(j + k % 2 / 2, 0.0, (2 * k + 1) * HALF[2]) for k, j in place])
+    centre = np.array([(j + k % 2 / 2, 0.0, (2 * k + 1) * HALF_EDGES[2]) for k, j in place])
     contacts = list(_contacts({at: a for a, at in enumerate(place)}, CORNERS if points == 4 else CORNERS + MIDDLES))
     bodies = np.array([pair for pair, _, _ in contacts])
     point = centre[bodies[:, 0]] + np.array([arm for _, arm, _ in contacts])
@@ -46,7 +46,7 @@ def box_wall(
     velocity = number("noise", noise, least=0) * random.standard_normal((len(centre), 6))
     velocity += falling(len(centre), number("step", step, above=0))
     velocity[:, 0] += number("push", push)
-    square = (2 * HALF) ** 2
+    square = (2 * HALF_EDGES) ** 2
     return touching(
         bodies,
         np.stack([point - centre[bodies[:, 0]], point - centre[bodies[:, 1]]], axis=1),
@@ -67,7 +67,7 @@ def _contacts(bricks: Bricks, face: tuple[tuple[int, int], ...]) -> Iterator[Con
             halves = [(bricks[at], side, 0.5) for side, at in below.items() if at in bricks]
         for b, middle, reach in halves:
             for x, y in face:
-                yield (a, b), HALF * (middle + reach * x, y, -1), (0, 0, 1)
+                yield (a, b), HALF_EDGES * (middle + reach * x, y, -1), (0, 0, 1)
         if j > 0:
             for y, z in CORNERS:
-                yield (a, bricks[k, j - 1]), HALF * (-1, y, z), (1, 0, 0)
+                yield (a, bricks[k, j - 1]), HALF_EDGES * (-1, y, z), (1, 0, 0)

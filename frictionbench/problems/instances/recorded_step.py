@@ -23,7 +23,7 @@ from frictionbench.problems.recorded import native
 
 FOLDER = Path(__file__).parent / "steps"
 ROBOTS = FOLDER / "robots"
-SHOWN = 12  # names in an error
+NAMES_SHOWN = 12  # names in an error
 
 
 def recorded_steps(folder: Path = FOLDER) -> list[str]:
@@ -45,7 +45,7 @@ def robot_step(case: str = "humanoid-hit-064") -> FrictionProblem:
 
 def _kept(folder: Path, case: str) -> FrictionProblem:
     known = recorded_steps(folder)
-    some = ", ".join(known[:SHOWN]) + (f" and {len(known) - SHOWN} more" if len(known) > SHOWN else "")
+    some = ", ".join(known[:NAMES_SHOWN]) + (f" and {len(known) - NAMES_SHOWN} more" if len(known) > NAMES_SHOWN else "")
     require(case in known, "case", f"unknown step {case!r:.100}{near(str(case), known)}; known are {some}")
     problem = native.load(folder / f"{case}.npz")
     assert isinstance(problem, FrictionProblem)

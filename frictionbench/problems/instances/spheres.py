@@ -11,7 +11,7 @@ from frictionbench.problems.instances.bodies import GROUND, falling, touching
 from frictionbench.problems.rows import Index64
 from frictionbench.problems.spatial.rotation import frames
 
-NEAR = 1e-4  # m: the gap up to which spheres, of radii near 0.5 m, count as touching
+TOUCHING_GAP = 1e-4  # m: the gap up to which spheres, of radii near 0.5 m, count as touching
 
 
 @instance()
@@ -109,11 +109,11 @@ def _touching_pairs(centre: Array, radius: Array, side: float) -> tuple[Index64,
     pairs = np.array(sorted(cKDTree(centre).query_pairs(2.1 * radius.max())), dtype=int).reshape(-1, 2)
     between = centre[pairs[:, 0]] - centre[pairs[:, 1]]
     distance = np.linalg.norm(between, axis=1)
-    close = distance - radius[pairs].sum(axis=1) <= NEAR
+    close = distance - radius[pairs].sum(axis=1) <= TOUCHING_GAP
     bodies, normal = [pairs[close]], [between[close] / distance[close][:, None]]
     for axis, sign in ((axis, sign) for axis in range(3) for sign in (1.0, -1.0)):
         gap = (centre[:, axis] if sign > 0 else side - centre[:, axis]) - radius
-        at = np.flatnonzero(gap <= NEAR)
+        at = np.flatnonzero(gap <= TOUCHING_GAP)
         bodies.append(np.column_stack([at, np.full(len(at), GROUND)]))
         normal.append(np.broadcast_to(sign * np.eye(3)[axis], (len(at), 3)))
     return np.vstack(bodies), np.vstack(normal)

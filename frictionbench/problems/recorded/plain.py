@@ -37,7 +37,7 @@ BODIES = {
 }
 DELASSUS = {"W": "W", "q": "q", "friction": "mu", "friction_bias": "fb", "dimension": "d"}
 CONTACTBENCH = {"W": "G", "q": "g", "friction": "mus", "dimension": "d"}
-SAME = 1e-6  # relative to the largest entry: W and q stored with M, N and T may differ by this, because of rounding
+STATED_ROUNDING = 1e-6  # relative to the largest entry: W and q stored with M, N and T may differ by this, because of rounding
 
 
 def kind(arrays: Arrays) -> Callable[[Arrays], FrictionProblem | LCP] | None:
@@ -132,7 +132,8 @@ def _compare(problem: FrictionProblem, arrays: Arrays) -> None:
             require(stated.shape == shape, name, f"expected shape {shape} as of the bodies, got {stated.shape}")
             computed = problem.W.toarray() if name == "W" else problem.q
             off, most = (float(np.abs(part).max(initial=0.0)) for part in (stated - computed, computed))
-            require(off <= SAME * most, name, f"differs from that of the bodies by up to {off:.2g}; give one of the two")
+            reason = f"differs from that of the bodies by up to {off:.2g}; give one of the two"
+            require(off <= STATED_ROUNDING * most, name, reason)
 
 
 def _dimension(arrays: Arrays, default: int = 0) -> int:

@@ -12,9 +12,9 @@ from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.scene import GRAVITY, Scene
 from frictionbench.problems.scenes.one_block import sliding
 from frictionbench.problems.spatial.bodies import HalfSpace, solid_box
-from frictionbench.problems.spatial.rotation import AT_REST
+from frictionbench.problems.spatial.rotation import NO_ROTATION
 
-HALF = 0.1  # m, half an edge of a cube
+HALF_EDGE = 0.1  # m, half an edge of a cube
 FLOOR = HalfSpace(np.array([0.0, 0.0, 1.0]))
 
 
@@ -29,7 +29,7 @@ def sliding_box(
     which is 0.2 m.
     """
     slope, speed, heading = number("slope", slope, least=0, most=1.2), number("speed", speed), number("heading", heading)
-    half, mu = (HALF, HALF, HALF * number("aspect", aspect, above=0)), number("friction", friction, least=0)
+    half, mu = (HALF_EDGE, HALF_EDGE, HALF_EDGE * number("aspect", aspect, above=0)), number("friction", friction, least=0)
     along = np.array([np.cos(heading), np.sin(heading), 0.0])
     down, normal = GRAVITY * np.sin(slope), GRAVITY * np.cos(slope)
     straight = slope == 0 or (heading == 0 and speed >= 0)  # otherwise the path bends or turns back
@@ -37,7 +37,7 @@ def sliding_box(
     return Scene(
         bodies=(solid_box(half),),
         obstacles=(FLOOR,),
-        q0=np.array([0.0, 0.0, half[2], *AT_REST]),
+        q0=np.array([0.0, 0.0, half[2], *NO_ROTATION]),
         v0=np.array([*speed * along, 0.0, 0.0, 0.0]),
         gravity=(down, 0.0, -normal),
         path=partial(sliding, np.array([0, 0, half[2]]), along, speed, down, mu * normal) if straight and upright else None,
@@ -54,13 +54,13 @@ def box_tower(boxes: int = 5, mass_ratio: float = 1.0, slope: float = 0.1, frict
     n = count("boxes", boxes)
     mass = number("mass_ratio", mass_ratio, above=0) ** (np.arange(n) / max(n - 1, 1))
     slope, mu = number("slope", slope, least=0, most=1.2), number("friction", friction, least=0)
-    place = np.array([[0.0, 0.0, HALF * (2 * i + 1)] for i in range(n)])
-    standing = [np.average(place[i:, 2], weights=mass[i:]) - 2 * i * HALF for i in range(n)]  # heights above each face
-    holds = np.tan(slope) <= min(mu, HALF / max(standing))
+    place = np.array([[0.0, 0.0, HALF_EDGE * (2 * i + 1)] for i in range(n)])
+    standing = [np.average(place[i:, 2], weights=mass[i:]) - 2 * i * HALF_EDGE for i in range(n)]  # heights above each face
+    holds = np.tan(slope) <= min(mu, HALF_EDGE / max(standing))
     return Scene(
-        bodies=tuple(solid_box((HALF, HALF, HALF), float(m)) for m in mass),
+        bodies=tuple(solid_box((HALF_EDGE, HALF_EDGE, HALF_EDGE), float(m)) for m in mass),
         obstacles=(FLOOR,),
-        q0=np.hstack([place, np.tile(AT_REST, (n, 1))]),
+        q0=np.hstack([place, np.tile(NO_ROTATION, (n, 1))]),
         gravity=(GRAVITY * np.sin(slope), 0.0, -GRAVITY * np.cos(slope)),
         path=partial(_resting, place) if holds else None,
     )
@@ -78,9 +78,9 @@ def box_in_groove(slope: float = 0.5, friction: float = 0.2) -> Scene:
     """
     slope, mu, side = number("slope", slope, least=0, most=1.2), number("friction", friction, least=0), np.sqrt(0.5)
     down, normal = GRAVITY * np.sin(slope), GRAVITY * np.cos(slope)
-    start = np.array([0.0, 0.0, HALF / side])
+    start = np.array([0.0, 0.0, HALF_EDGE / side])
     return Scene(
-        bodies=(solid_box((HALF, HALF, HALF)),),
+        bodies=(solid_box((HALF_EDGE, HALF_EDGE, HALF_EDGE)),),
         obstacles=tuple(HalfSpace(np.array([0.0, sign * side, side])) for sign in (-1, 1)),
         q0=np.array([*start, np.cos(np.pi / 8), np.sin(np.pi / 8), 0.0, 0.0]),
         gravity=(down, 0.0, -normal),

@@ -35,8 +35,8 @@ from frictionbench.problems.schemes.stepping import Event, NoSolution, Solve, So
 ACCURACY = 1e-10  # relative tolerance of the integrator
 CLOSED = 1e-9  # relative to the largest body: contacts with smaller gaps are closed; far above the error of a located event
 LOW = 1e-9  # relative to the largest body: see above
-AT_REST = 1e-9  # relative to the fastest speed: smaller normal or tangential speeds count as zero
-SURE = 1e-8  # relative to the accelerations without contact forces: smaller ones count as zero; far below events.path.MARGIN
+REST_SPEED = 1e-9  # relative to the fastest speed: smaller normal or tangential speeds count as zero
+SURE = 1e-8  # relative to the accelerations without contact forces: smaller ones count as zero; far below VIOLATION_MARGIN
 MOST_EVENTS = 500  # smooth parts of a step, each ended by an event; touches that do not change the motion count as well
 
 Impact = Callable[[Scene, Array, Array, Contacts, Solve], tuple[list[Solved], Array]]
@@ -56,7 +56,7 @@ def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float =
     smooth, events = [], []
     while True:
         contacts, speed = scene.contacts(q, CLOSED * scene.reach), typical_speed(scene, q, v, time)
-        still = AT_REST * speed
+        still = REST_SPEED * speed
         meeting = contacts.only(contacts.normal @ v <= still)
         if (meeting.normal @ v < -still).any():
             q, _ = project(scene, q, v, Mode(meeting.feature, np.ones(len(meeting), dtype=np.int64)))

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from frictionbench.problems.check import Array
 
-AT_REST = np.array([1.0, 0.0, 0.0, 0.0])  # the quaternion of no rotation
+NO_ROTATION = np.array([1.0, 0.0, 0.0, 0.0])  # the quaternion of no rotation
 ITERATIONS = 8  # of Newton's method: more than a full turn in a step needs, because it converges quadratically
 
 

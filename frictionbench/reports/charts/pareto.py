@@ -19,7 +19,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK, WORST, ZERO, Look, name_axes, residual_axis, time_axis
 from frictionbench.reports.run import Run
 
-HALF = 0.5 + 1e-9  # the upper median: solving half of the problems does not make a solver accurate
+UPPER_MEDIAN = 0.5 + 1e-9  # the upper median: solving half of the problems does not make a solver accurate
 
 
 def panels(run: Run) -> list[Panel]:
@@ -40,7 +40,7 @@ def means(rows: pd.DataFrame) -> pd.DataFrame:
     for (label, tol), group in rows.groupby(["label", "tol"], sort=False):
         if group["ran"].nunique() == rows["problem_id"].nunique():
             weight = weights(group).to_numpy()
-            typical = quantile(group["residual"].to_numpy(), weight, HALF)
+            typical = quantile(group["residual"].to_numpy(), weight, UPPER_MEDIAN)
             points.append((label, tol, shifted_geometric_mean(group["time"], weight), np.clip(typical, ZERO, WORST)))
     return pd.DataFrame(points, columns=["label", "tol", "time", "residual"])
 

@@ -17,7 +17,7 @@ from frictionbench.reports.drawing.style import INK, WORST, ZERO, Look, log_tick
 from frictionbench.reports.run import Run
 
 SENSITIVITY = 1e-2, 1e8  # the range of the axis; values outside are drawn at its ends
-ILL, UNSTABLE = 1e3, 1e-6  # dotted lines: a solution that loses three digits, an error far above rounding
+ILL_POSED, UNSTABLE = 1e3, 1e-6  # dotted lines: a solution that loses three digits, an error far above rounding
 MOST_DOTS = 4000  # more dots are drawn as an image, to keep the page small
 
 
@@ -30,7 +30,7 @@ def panels(run: Run) -> list[Panel]:
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     rasterised = len(rows) > MOST_DOTS
-    ax.axvline(ILL, color=INK, lw=0.6, ls=":")
+    ax.axvline(ILL_POSED, color=INK, lw=0.6, ls=":")
     ax.axhline(UNSTABLE, color=INK, lw=0.6, ls=":")
     for label, of_label in rows.groupby("label"):
         look = looks[str(label)]

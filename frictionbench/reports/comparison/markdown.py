@@ -18,7 +18,7 @@ from frictionbench.results.compare import Comparison
 from frictionbench.results.times import ALPHA
 
 LISTED = 20  # rows of a table; more are counted below it
-LONGEST = 60_000  # characters; a comment on GitHub may have 65 536
+LONGEST_COMMENT = 60_000  # characters; a comment on GitHub may have 65 536
 
 
 def markdown(comparison: Comparison) -> str:
@@ -35,7 +35,7 @@ def markdown(comparison: Comparison) -> str:
     values = {"comparison": comparison, "changes": changes, "times": times, "listed": LISTED, "alpha": ALPHA}
     text = made.get_template("comparison.md").render(values, rerun_command=rerun_command, format_verdicts=format_verdicts)
     parts = re.split(r"\n{2,}", text.strip())
-    whole = list(takewhile(lambda size: size < LONGEST, accumulate(len(part) + 2 for part in parts)))
+    whole = list(takewhile(lambda size: size < LONGEST_COMMENT, accumulate(len(part) + 2 for part in parts)))
     cut = [] if len(whole) == len(parts) else ["Truncated; `--out` writes the complete comparison as data."]
     return "\n\n".join([*parts[: len(whole)], *cut]) + "\n"
 

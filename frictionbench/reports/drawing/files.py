@@ -17,7 +17,7 @@ from frictionbench.results.files import replaced
 FAMILIES = {"serif": ("serif", "STIXGeneral"), "sans": ("sans-serif", "DejaVu Sans")}  # fonts that matplotlib includes
 TITLE, LETTER = 96, 0.008  # longest title of a panel, letters; width of a letter, inches per point of the font
 HANDLE = 9  # width, in letters, of a legend's line or patch with the gaps around it
-NOTHING: Mapping[str, Artist] = {}
+NO_HANDLES: Mapping[str, Artist] = {}
 
 
 def save_sheet(
@@ -30,7 +30,7 @@ def save_sheet(
     family: str = "sans",
     kinds: Sequence[str] = ("svg", "pdf"),
     paper: str = "none",
-    handles: Mapping[str, Artist] = NOTHING,
+    handles: Mapping[str, Artist] = NO_HANDLES,
 ) -> list[str]:
     """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf; return the names in the legend.
 

@@ -20,7 +20,7 @@ from matplotlib.patches import Patch
 from frictionbench.reports.drawing import figures
 from frictionbench.reports.drawing.text import plain
 
-LONGEST = 38  # letters of a title; a longer one is cut
+LONGEST_TITLE = 38  # letters of a title; a longer one is cut
 SEAM = 0.05  # width of a tile's outline, points: it closes gaps that a viewer may show between neighbours
 CORNERS = (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)  # of a unit tile
 DOTS = 3.2, 1.9  # diameters of points on the page, alternating between thresholds, so that coincident points are both visible
@@ -107,7 +107,7 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
         ax.plot(*zip(*points, strict=True), "o", ms=size / 2, mew=0, color=colour)
     for axis, place, name in ((grid.x, ax.set_xticks, ax.set_xlabel), (grid.y, ax.set_yticks, ax.set_ylabel)):
         place([line for line, _ in axis.ticks], [text for _, text in axis.ticks])
-        name(plain(axis.name, LONGEST))
+        name(plain(axis.name, LONGEST_TITLE))
     if field.scale:
         ax.figure.colorbar(ScalarMappable(cmap=ListedColormap(field.scale)), ax=ax, ticks=[])
 

@@ -51,7 +51,7 @@ def environment(*folders: Path) -> Environment:
         "ending": ending,
         "svg": lambda drawn: Markup(swatch(drawn) if isinstance(drawn, Look) else inline_svg(drawn)),
         "paths": tiles.paths,
-        "short": lambda name: plain(name, tiles.LONGEST),
+        "short": lambda name: plain(name, tiles.LONGEST_TITLE),
         "json": as_json,
     }
 

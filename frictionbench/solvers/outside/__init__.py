@@ -8,7 +8,7 @@ separate results.
 The requested tolerance means the same for all. The residual is the largest error of one contact, as a velocity; a library stops
 by its own criterion, a sum, a mean or a norm of scaled rows, primal and dual separately. An answer just meeting it can exceed
 tol by a small factor, a near miss that says nothing about the method. Libraries whose criterion was observed to be weaker are
-asked for tol / MARGIN, interior points, which overshoot, and libraries that test this residual for tol.
+asked for tol / STOPPING_MARGIN, interior points, which overshoot, and libraries that test this residual for tol.
 """
 
-MARGIN = 10  # larger than every factor that was observed
+STOPPING_MARGIN = 10  # larger than every factor that was observed

@@ -31,7 +31,7 @@ from scipy import sparse
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Model, Status, solver
-from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.outside.scaled_delassus import DualProgram, dual_program
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
@@ -80,8 +80,8 @@ class CasADi:
 
     def solve(self, prepared: DualProgram | DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         if isinstance(prepared, DenseLCP):
-            return _by_ipopt(prepared, tol * prepared.share / MARGIN, limit or 3000, self.settings == "tuned")
-        eps = max(tol * prepared.scaled.share / MARGIN, 1e-12)
+            return _by_ipopt(prepared, tol * prepared.share / STOPPING_MARGIN, limit or 3000, self.settings == "tuned")
+        eps = max(tol * prepared.scaled.share / STOPPING_MARGIN, 1e-12)
         library_solver = _quadratic(self.method, len(prepared.g), eps if self.method == "qpoases" else 0.0, limit or 10_000)
         result = library_solver(h=prepared.H, g=prepared.g, lbx=0.0, ubx=np.inf)
         stats = library_solver.stats()

@@ -18,7 +18,7 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
-from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.outside.qp_libraries import LEAST_GAP
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program
 
@@ -92,7 +92,7 @@ class CCP:
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         (scaled, qp), backend = prepared, BACKENDS[self.backend]
         eps, gap = scaled.tolerances(tol, 1e-14)  # the least gap that ECOS reaches
-        accuracy = eps / MARGIN
+        accuracy = eps / STOPPING_MARGIN
         feasible = max(accuracy, 1e-10)
         highs: dict[str, Any] = {"primal_feasibility_tolerance": feasible, "dual_feasibility_tolerance": feasible}
         settings: dict[str, Any] = {

@@ -14,7 +14,7 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
-from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program, stacked
 
 _EQUALITY = 5  # DAQP's sense of a row of A
@@ -44,7 +44,7 @@ class DAQP:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         daqp: Any = import_module("daqp")
         scaled, arguments = prepared
-        accuracy = tol * scaled.share / MARGIN
+        accuracy = tol * scaled.share / STOPPING_MARGIN
         _, _, flag, info = daqp.solve(*arguments, primal_tol=accuracy, dual_tol=accuracy, iter_limit=limit or 10_000)
         clock = float(info["setup_time"] + info["solve_time"])
         return scaled.answer(np.array(info["lam"]), flag > 0, int(info["iterations"]), f"exit flag {flag}", clock)

@@ -33,7 +33,7 @@ from numba.core import event
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, scaled_delassus
 
 _KAMINO = "newton._src.solvers.kamino._src."
@@ -79,7 +79,7 @@ class Kamino:
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, dual, solver = prepared
-        eps, most = max(scaled.share * tol / MARGIN, _LEAST), limit or _LIMITS[self.method]
+        eps, most = max(scaled.share * tol / STOPPING_MARGIN, _LEAST), limit or _LIMITS[self.method]
         if self.method == "padmm":
             options = dict.fromkeys(("primal_tolerance", "dual_tolerance", "compl_tolerance"), eps)
             _set(solver.data.config, options | {"max_iterations": most, "rho_0": 0.1 if self.settings == "tuned" else 1.0})

@@ -14,7 +14,7 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 lcp_library = partial(solver, family="pivoting", model="lcp", dimension=(2, 3))  # registers an adapter
@@ -119,7 +119,7 @@ class Path:
         lower = np.where(np.arange(N) < len(lcp.q), 0.0, -np.inf)
         z.setRecords({"level": np.zeros(N), "lower": lower, "upper": np.full(N, np.inf)})
         log = io.StringIO()
-        options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol * lcp.share / MARGIN}
+        options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol * lcp.share / STOPPING_MARGIN}
         options |= {} if self.settings == "default" else {"crash_method": "none"}
         options |= {"cumulative_iteration_limit": limit} if limit else {}
         try:

@@ -31,10 +31,10 @@ from scipy import sparse
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Model, Status, solver
-from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, entries, scaled_delassus
 
-_MARGINS = {"admm": MARGIN, "pgs": 10 * MARGIN}
+_MARGINS = {"admm": STOPPING_MARGIN, "pgs": 10 * STOPPING_MARGIN}
 # The diagonal of W^. ADMM's mu_prox and its updates of rho depend on units: with 1 it takes 1.4 times as many iterations, the
 # geometric mean of 16 problems of the suites' families, and with 30 three more of them are not solved. Sweeps do not depend.
 _SIZES = {"admm": 4.0, "pgs": 1.0}

@@ -14,7 +14,7 @@ from scipy import sparse
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
-from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program, stacked
 
 Prepared = tuple[ScaledProgram, Any]  # and what the library is given: its arguments, after setup its object
@@ -24,7 +24,7 @@ LEAST_GAP = {
     "proxsuite": 1e-14,
     "piqp": 1e-15,  # with 3e-16 it takes five times as many iterations on pyramids, with 1e-14 errors of 1e-7 remain on stacks
 }
-_ROUNDING = 4.4e-16  # of a gap's terms: without, PIQP accepts no iterate on some chains, and takes twice as many elsewhere
+_GAP_ROUNDING = 4.4e-16  # of a gap's terms: without, PIQP accepts no iterate on some chains, and takes twice as many elsewhere
 _CLARABEL_TUNED = {
     "equilibrate_enable": False,
     "static_regularization_constant": 1e-12,
@@ -125,7 +125,7 @@ class OSQP:
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, workspace = prepared
-        workspace.update_settings(eps_abs=tol * scaled.share / MARGIN, max_iter=limit or 100_000)
+        workspace.update_settings(eps_abs=tol * scaled.share / STOPPING_MARGIN, max_iter=limit or 100_000)
         x, y = np.zeros(len(scaled.q)), np.zeros(len(scaled.h) + len(scaled.b))
         if start is not None:
             y[: len(scaled.h)] = scaled.multipliers(start)
@@ -180,8 +180,8 @@ class ProxSuite:
         proxqp: Any = import_module("proxsuite").proxqp
         scaled, qp = prepared
         (eps, gap), settings = scaled.tolerances(tol, LEAST_GAP["proxsuite"]), qp.settings
-        settings.eps_abs, settings.eps_rel, settings.max_iter = eps / MARGIN**2, 0.0, limit or 10_000
-        settings.check_duality_gap, settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = True, gap, _ROUNDING
+        settings.eps_abs, settings.eps_rel, settings.max_iter = eps / STOPPING_MARGIN**2, 0.0, limit or 10_000
+        settings.check_duality_gap, settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = True, gap, _GAP_ROUNDING
         if self.settings == "tuned":
             settings.eps_primal_inf = settings.eps_dual_inf = 1e-14
             if self.matrices == "sparse":
@@ -230,7 +230,7 @@ class PIQP:
         scaled, library_solver = prepared
         (eps, gap), settings = scaled.tolerances(tol, LEAST_GAP["piqp"]), library_solver.settings
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 500
-        settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = gap, _ROUNDING
+        settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = gap, _GAP_ROUNDING
         status, result = library_solver.solve(), library_solver.result
         clock, solved = float(result.info.solve_time), status == piqp.PIQP_SOLVED
         return scaled.answer(np.array(result.z_u), solved, int(result.info.iter), status.name, clock)

@@ -10,7 +10,7 @@ from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.plans.recorded import every
-from frictionbench.harness.plans.suites import EXACT, OUTSIDE, OUTSIDE_LCP, RELAXED, SPATIAL, SUITES
+from frictionbench.harness.plans.suites import COULOMB, IN_SPACE, OUTSIDE, OUTSIDE_LCP, RELAXATION, SUITES
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.catalogue import instances, make_instance, scene, scenes
@@ -131,8 +131,8 @@ def test_standard_takes_in_outside_solvers_that_are_installed(monkeypatch) -> No
     for packages, both, planar in (((), (), ()), (("gamspy",), (), path), (("pin", "drake"), pinocchio, ())):
         monkeypatch.setattr(interface, "installed_version", lambda need, given=packages: "1" if need in given else None)
         for plan in (SUITES["standard"](), SUITES["sealed"]()):
-            assert plan.solvers == (*EXACT, *RELAXED, *both, *planar)
-            assert plan.spatial_solvers == (*SPATIAL, *both)
+            assert plan.solvers == (*COULOMB, *RELAXATION, *both, *planar)
+            assert plan.spatial_solvers == (*IN_SPACE, *both)
             assert (plan.expects == "four minutes") == (not packages)
     assert {find(spec)[0].model for spec in OUTSIDE} == {"coulomb"}
     assert {find(spec)[0].model for spec in OUTSIDE_LCP} == {"lcp"}

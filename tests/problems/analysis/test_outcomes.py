@@ -5,7 +5,7 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.harness.contract.check import permuted
-from frictionbench.problems.analysis.outcomes import FINEST, refined, velocity_distance
+from frictionbench.problems.analysis.outcomes import REFINED_RESIDUAL, refined, velocity_distance
 from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.problems.subproblems import side_by_side
@@ -45,7 +45,7 @@ def test_refined_answers_stay_near_and_reach_rounding(seed) -> None:
     for problem in (*problems, side_by_side(problems[0], problems[3])):
         rough = solve(problem, "interior_point", tol=1e-5).impulse
         finest = refined(problem, rough)
-        assert residual(problem, finest) <= max(FINEST, residual_floor(problem, finest))
+        assert residual(problem, finest) <= max(REFINED_RESIDUAL, residual_floor(problem, finest))
         assert velocity_distance(problem, rough, finest) < 1e-3
 
 

@@ -6,7 +6,7 @@ import pytest
 import frictionbench as fb
 from frictionbench import capture
 from frictionbench.problems.analysis.labels import joint_rows
-from frictionbench.problems.capture.parts import REST
+from frictionbench.problems.capture.parts import UNEXPLAINED
 
 drake = pytest.importorskip("pydrake.all", reason="Drake is not installed: pip install drake")
 
@@ -62,9 +62,9 @@ def test_impulses_reproduce_the_next_velocity(sampled, approximation) -> None:
         assert np.abs(step.problem.velocity(step.impulse) - after).max() < 1e-9
         assert set(np.round(step.problem.friction, 12)) <= {0.4, 0.3}
         most, noted = max(most, step.problem.contacts), noted | step.notes.keys()
-        assert step.notes.get(REST, 0.0) < 1e-4  # Drake's solver stops at a tolerance
+        assert step.notes.get(UNEXPLAINED, 0.0) < 1e-4  # Drake's solver stops at a tolerance
     assert most >= 6
-    assert noted - {REST} == {"softness of contacts"}
+    assert noted - {UNEXPLAINED} == {"softness of contacts"}
 
 
 def test_free_velocity_is_the_engines() -> None:
@@ -99,7 +99,7 @@ def test_limits_are_rows() -> None:
     hinge = plant.GetJointByName("hinge").velocity_start()
     assert step.problem.normal.toarray()[limit].tolist() == [[-float(i == hinge) for i in range(plant.num_velocities())]]
     assert step.impulse[limit, 0] > 0.01  # of 5 N m for 2 ms
-    assert step.notes.get(REST, 0.0) < 1e-4
+    assert step.notes.get(UNEXPLAINED, 0.0) < 1e-4
     simulator.AdvanceTo(11 * STEP)
     after = plant.GetVelocities(plant.GetMyContextFromRoot(simulator.get_context()))
     assert np.abs(step.problem.velocity(step.impulse) - after).max() < 1e-9

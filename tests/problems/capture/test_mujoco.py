@@ -6,7 +6,7 @@ import pytest
 import frictionbench as fb
 from frictionbench import capture
 from frictionbench.problems.analysis.labels import labels
-from frictionbench.problems.capture.parts import REST
+from frictionbench.problems.capture.parts import UNEXPLAINED
 
 mj = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco")
 
@@ -99,7 +99,7 @@ def test_limits_and_dry_friction_are_rows() -> None:
     assert np.allclose(problem.friction_bias, [0, 3 * h])
     assert np.allclose(problem.bias, [-0.001 / h, 1.0])
     assert step.impulse[1, 1] == pytest.approx(-0.9 * 2 * h, rel=1e-9)  # held against 2 N, to MuJoCo's impedance of 0.9
-    assert set(step.notes) <= {REST}
+    assert set(step.notes) <= {UNEXPLAINED}
     exact = fb.solve(problem.replace(bias=[0, 1]), "hybrid", tol=1e-12)
     assert np.allclose(problem.velocity(exact.impulse), 0, atol=1e-12)
     assert np.allclose(exact.impulse, [[2 * 0.5, 0, 0], [0, -2 * h, 0]], atol=1e-12)

@@ -27,7 +27,7 @@ from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes.stepping import NoSolution, Solve, Solved
 
 SWIFT = 1e3  # the belts' speed, relative to the contacts' speeds and to their change by the external force
-RIGHT = 1e-6  # the residual up to which an answer counts as a solution of the scheme's equations
+SOLVED_RESIDUAL = 1e-6  # the residual up to which an answer counts as a solution of the scheme's equations
 NUDGE = 1e-5  # the displacement of finite differences, relative to the largest body: balances rounding and truncation errors
 
 
@@ -81,7 +81,7 @@ def require_moving_belts(problem: FrictionProblem, impulse: Array, belts: Array,
     speed = np.linalg.norm(belts, axis=1)
     left = (problem.contact_velocity(impulse)[:, 1:] * belts).sum(axis=1)
     caught = (speed > 0) & (left < speed**2 / 2)
-    if caught.any() and residual(problem, impulse) <= RIGHT:
+    if caught.any() and residual(problem, impulse) <= SOLVED_RESIDUAL:
         places = ", ".join(f"({', '.join(f'{x:.4g}' for x in point)})" for point in contacts.point[caught])
         raise NoSolution(f"no bounded force prevents penetration of the contact sliding at {places}, at t = {time:.6g} s")
 

@@ -9,8 +9,8 @@ conditions of the mode are evaluated on its dense output, and the first violatio
     singular   det A changes its sign: beyond Painlevé's p = 0 no force is determined
     redundant  forces are not determined, and the friction problem's accelerations differ from the mode's
 
-A force violates its condition when the acceleration that it would have to prevent exceeds MARGIN times the accelerations
-without contact forces, so that the next mode is unambiguous. The impulse until then is of the order of MARGIN squared.
+A force violates its condition when the acceleration that it would have to prevent exceeds VIOLATION_MARGIN times the
+accelerations without contact forces, so the next mode is unambiguous. The impulse until then is proportional to the square.
 """
 
 from collections.abc import Callable
@@ -28,10 +28,10 @@ from frictionbench.problems.schemes.events.mode import Forces, Mode, forces
 from frictionbench.problems.schemes.stepping import NoSolution, Smooth, Solve
 
 SAMPLES = 6  # of the dense output in each step of the integrator, so that a touch and rebound within it are detected
-MARGIN = 1e-6  # see above
+VIOLATION_MARGIN = 1e-6  # see above
 STILL = 1e-11  # relative to the fastest speed or the largest body: how far a speed or a gap may be on the wrong side of zero
 RISES = 40  # halvings of an interval in the search for a time at which a condition holds
-EXACT = 1e-14  # relative accuracy of an event's time
+TIME_ACCURACY = 1e-14  # relative accuracy of an event's time
 KINDS = ("touch", "lost", "singular", "redundant", "lift", "slip", "turn")
 
 
@@ -83,16 +83,16 @@ class _Path:
         if forces.redundant:
             holds = 1.0 if self._holds(time, q, v, contacts) else -1.0
         else:
-            lift = forces.normal * forces.stiffness[:, 0] + MARGIN * self.size
+            lift = forces.normal * forces.stiffness[:, 0] + VIOLATION_MARGIN * self.size
             mu = self.scene.coefficients(contacts)
-            spare = (mu * forces.normal - np.abs(forces.tangential)) * forces.stiffness[:, 1] + MARGIN * self.size
+            spare = (mu * forces.normal - np.abs(forces.tangential)) * forces.stiffness[:, 1] + VIOLATION_MARGIN * self.size
             slip = np.where(self.mode.slip == 0, spare, 1.0)
         return np.concatenate([[touch, 1.0, forces.sign * self.start.sign, holds], lift, slip, turn])
 
     def _holds(self, time: float, q: Array, v: Array, contacts: Contacts) -> bool:
         self.evaluations += 1
         at = accelerations(self.scene, q, v, time, contacts, self.mode.slip, self.solve)
-        return bool((np.abs(at.contacts) <= MARGIN * max(at.size, self.size)).all())
+        return bool((np.abs(at.contacts) <= VIOLATION_MARGIN * max(at.size, self.size)).all())
 
     def tolerance(self) -> Array:
         nc = len(self.mode.slip)
@@ -182,5 +182,5 @@ def _locate(path: _Path, dense: Callable[[float], Array], i: int, before: float,
         before, shift = (before, least) if risen is None else (float(risen), 0.0)
     if value(before, shift) <= 0:
         return after
-    xtol = EXACT * max(abs(after), after - before)
+    xtol = TIME_ACCURACY * max(abs(after), after - before)
     return float(brentq(value, before, after, args=(shift,), xtol=xtol, rtol=4 * np.finfo(float).eps))
