@@ -213,8 +213,8 @@ def summary(tables: Tables) -> Summary:
     interior = tables["interior"]
     require(interior["solved"].all(), "the interior point method solves all problems")
     require((interior[interior["facets"] == 0]["residual"] < 1e-5).all(), "with the cone it solves Coulomb's law")
-    own = interior.pivot_table(index="number", columns="facets", values=["iterations", "seconds"])
-    counts, clocks = (own[name].drop(columns=0).div(own[name][0], axis=0) for name in ("iterations", "seconds"))
+    pivot = interior.pivot_table(index="number", columns="facets", values=["iterations", "seconds"])
+    counts, clocks = (pivot[name].drop(columns=0).div(pivot[name][0], axis=0) for name in ("iterations", "seconds"))
     inner, rounds = clocks.median(), counts.median()
     numbers = {
         "coarse": coarse,
@@ -238,7 +238,7 @@ def summary(tables: Tables) -> Summary:
         "inner_least": f"{inner.min():.2g}",
         "inner_most": f"{inner.max():.2g}",
         "rounds": ", ".join(f"{ratio:.2g} with {count}" for count, ratio in rounds.items()),
-        "cone_rounds": f"{own['iterations'][0].min():.0f} to {own['iterations'][0].max():.0f}",
+        "cone_rounds": f"{pivot['iterations'][0].min():.0f} to {pivot['iterations'][0].max():.0f}",
         "inner_pairs": clocks.size,
         "inner_dearer": int((clocks > 1).to_numpy().sum()),
         "two": len(two),
@@ -263,9 +263,9 @@ def _distances(ax: Axes, bends: pd.DataFrame) -> None:
 
 
 def _errors(ax: Axes, problems: pd.DataFrame) -> None:
-    for k, (_, own) in enumerate(problems.groupby("number")):
-        mean = own.groupby("facets")["error"].mean().clip(lower=KINK)
-        curve(ax, k, mean.index, mean, f"{own['scene'].iloc[0]}, {own['contacts'].iloc[0]}")
+    for k, (_, group) in enumerate(problems.groupby("number")):
+        mean = group.groupby("facets")["error"].mean().clip(lower=KINK)
+        curve(ax, k, mean.index, mean, f"{group['scene'].iloc[0]}, {group['contacts'].iloc[0]}")
     finish(ax, "facets", "error of the velocity", "xy")
 
 

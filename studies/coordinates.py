@@ -87,7 +87,7 @@ def summary(tables: Tables) -> Summary:
 
 
 def _orders(rows: pd.DataFrame) -> str:
-    return ", ".join(f"{scheme} {order(own['step'], own['error'])}" for scheme, own in rows.groupby("scheme"))
+    return ", ".join(f"{scheme} {order(group['step'], group['error'])}" for scheme, group in rows.groupby("scheme"))
 
 
 def _drift(ax: Axes, hinges: pd.DataFrame) -> None:

@@ -105,7 +105,7 @@ def summary(tables: Tables) -> Summary:
     smaller = [row for row in best if row["error"] < row["stepped"]]
     cheaper = [row for row in smaller if row["work"] < row["steps"]]
     stopped = ends[ends["reason"] != ""]
-    slopes = {key: order(own["setting"], own["error"]) for key, own in whole.groupby(["scene", "scheme"])}
+    slopes = {key: order(group["setting"], group["error"]) for key, group in whole.groupby(["scene", "scheme"])}
     low, middle, high = np.quantile([slope.value for key, slope in slopes.items() if key[1] != HIGHER], [0.25, 0.5, 0.75])
     numbers = {
         "smaller": len(smaller),
@@ -139,8 +139,8 @@ def summary(tables: Tables) -> Summary:
 
 def _best(name: str, driven: pd.DataFrame, whole: pd.DataFrame) -> dict[str, Any]:
     """Return the event-driven scheme at its middle accuracy and the most accurate time-stepping motion of a scene."""
-    own = driven[driven["scene"] == name].sort_values("setting")
-    chosen, best = own.iloc[len(own) // 2], whole[whole["scene"] == name].sort_values("error").iloc[0]
+    group = driven[driven["scene"] == name].sort_values("setting")
+    chosen, best = group.iloc[len(group) // 2], whole[whole["scene"] == name].sort_values("error").iloc[0]
     facts = {"scene": name.replace("_", " "), "error": chosen["error"], "work": int(chosen["work"])}
     return facts | {"stepped": best["error"], "steps": int(best["work"]), "scheme": best["scheme"]}
 
@@ -151,8 +151,8 @@ def _settings(parameters: str) -> str:
 
 
 def _work(ax: Axes, errors: pd.DataFrame) -> None:
-    for k, (scheme, own) in enumerate(errors.groupby("scheme")):
-        ordered = own.sort_values("work")
+    for k, (scheme, group) in enumerate(errors.groupby("scheme")):
+        ordered = group.sort_values("work")
         curve(ax, k, ordered["work"], ordered["error"].clip(lower=LEAST_DRAWN), str(scheme))
     finish(ax, "evaluations", "largest error, m or rad", "xy")
 

@@ -176,7 +176,7 @@ def summary(tables: Tables) -> Summary:
         "loosest": listing([f"{task} {way}" for task, way in loosest.items()]),
         "grips": grips.to_dict("records"),
     }
-    panels = [Panel(f"after {time:g} s", partial(_draw, errors=own)) for time, own in errors.groupby("time")]
+    panels = [Panel(f"after {time:g} s", partial(_draw, errors=group)) for time, group in errors.groupby("time")]
     return Summary(numbers, {"paths": panels})
 
 

@@ -66,9 +66,9 @@ def summary(tables: Tables) -> Summary:
     settled = pd.DataFrame(
         [
             {"scene": scene, "solver": solver}
-            | {name: _settles(own[name]) for name in ("net", "velocity", "normal", "variation")}
-            | {"grows": float(own["variation"].iloc[-1] / own["variation"].iloc[0])}
-            for (scene, solver), own in rows.groupby(["scene", "solver"])
+            | {name: _settles(group[name]) for name in ("net", "velocity", "normal", "variation")}
+            | {"grows": float(group["variation"].iloc[-1] / group["variation"].iloc[0])}
+            for (scene, solver), group in rows.groupby(["scene", "solver"])
         ]
     )
     finest = rows[rows["step"] == rows["step"].min()]
@@ -112,10 +112,10 @@ def _settles(values: pd.Series) -> bool:
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, column: str) -> None:
-    for k, (scene, own) in enumerate(rows.groupby("scene")):
-        lemke = own[own["solver"] == "lemke"][column]
+    for k, (scene, group) in enumerate(rows.groupby("scene")):
+        lemke = group[group["solver"] == "lemke"][column]
         unit = (lemke.iloc[-1] if column == "normal" else lemke.iloc[0]) or 1.0
-        for j, (_, curve_of) in enumerate(own.groupby("solver")):
+        for j, (_, curve_of) in enumerate(group.groupby("solver")):
             curve(ax, k, curve_of["step"], curve_of[column] / unit, str(scene) if not j else "", lw=1.2 - 0.4 * j)
     finish(ax, "step, s", "relative", "x")
 

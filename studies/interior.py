@@ -117,9 +117,9 @@ def _with_intervals(ax: Axes, k: int, x: np.ndarray, solved: pd.Series, trials: 
 
 
 def _height(ax: Axes, piles: pd.DataFrame) -> None:
-    for k, (friction, own) in enumerate(piles.groupby("friction")):
-        curve(ax, k, own["blocks"], own["plain_work"], f"mu = {friction:g}, Coulomb", ls="-")
-        curve(ax, k, own["blocks"], own["relaxation_work"], f"mu = {friction:g}, relaxation", ls=":")
+    for k, (friction, group) in enumerate(piles.groupby("friction")):
+        curve(ax, k, group["blocks"], group["plain_work"], f"mu = {friction:g}, Coulomb", ls="-")
+        curve(ax, k, group["blocks"], group["relaxation_work"], f"mu = {friction:g}, relaxation", ls=":")
     finish(ax, "blocks", "factorisations", "x")
 
 

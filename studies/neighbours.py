@@ -122,7 +122,7 @@ def summary(tables: Tables) -> Summary:
     require(not inside["parted"].any(), "neighbours of the rod on the ground stay neighbours")
     parted = pairs[pairs["parted"]]
     silent = pairs[pairs["none"]]
-    told = [f"{case} ({_pairs(own)})" for case, own in parted.groupby("case")]
+    told = [f"{case} ({_pairs(group)})" for case, group in parted.groupby("case")]
     jam = rows[(rows["case"] == JAM) & ~rows["none"]].drop_duplicates(["scheme", "solver"])
     between = jam.groupby("scheme")["velocity"].agg(widest).max()  # between solvers with one scheme
     edge = rows[(rows["case"] == EDGE) & rows["parted"]]
@@ -131,7 +131,7 @@ def summary(tables: Tables) -> Summary:
     small = others[others["after"] < 0.1 * others["closed"]].groupby("scheme")["delay"].max()
     error = abs(events["after"].iloc[0] / events["closed"].iloc[0] - 1)
     require(error < 0.01, "the event-driven spin is that of the closed form")
-    without = [f"{case} ({_pairs(own)})" for case, own in silent.groupby("case")]
+    without = [f"{case} ({_pairs(group)})" for case, group in silent.groupby("case")]
     late = [f"{name} up to {delay:.1g} s" for name, delay in small.items()]
     numbers = {
         "parted": listing(sorted(parted["case"].unique())),
@@ -153,14 +153,14 @@ def summary(tables: Tables) -> Summary:
     return Summary(numbers, figures)
 
 
-def _pairs(own: pd.DataFrame) -> str:
+def _pairs(group: pd.DataFrame) -> str:
     """Return the schemes, each with its solvers."""
-    return ", ".join(f"{scheme} with {listing(list(part['solver']))}" for scheme, part in own.groupby("scheme"))
+    return ", ".join(f"{scheme} with {listing(list(part['solver']))}" for scheme, part in group.groupby("scheme"))
 
 
 def _landings(ax: Axes, landings: pd.DataFrame) -> None:
-    for k, (scheme, own) in enumerate(landings.groupby("scheme")):
-        curve(ax, k, own["delay"], own["after"], str(scheme))
+    for k, (scheme, group) in enumerate(landings.groupby("scheme")):
+        curve(ax, k, group["delay"], group["after"], str(scheme))
     ax.axhline(landings["closed"].iloc[0], color=INK, lw=0.6, ls=":")
     finish(ax, "delay between the hits, s", "spin, rad/s", "x")
 

@@ -103,8 +103,8 @@ def places(scene: Scene, run: list[Step]) -> Array:
 def summary(tables: Tables) -> Summary:
     errors = tables["errors"]
     cases = errors.groupby(["kind", "scheme"])
-    slopes = {key: order(own["step"], own["error"]) for key, own in cases if (own["error"] > ERROR_ROUNDING).all()}
-    drifts = {key: order(own["step"], own["drift"]) for key, own in cases if (own["drift"] > ERROR_ROUNDING).all()}
+    slopes = {key: order(group["step"], group["error"]) for key, group in cases if (group["error"] > ERROR_ROUNDING).all()}
+    drifts = {key: order(group["step"], group["drift"]) for key, group in cases if (group["drift"] > ERROR_ROUNDING).all()}
     kinds = list(dict.fromkeys(errors["kind"]))
     high = {kind: slopes[kind, HIGHER] for kind in kinds if (kind, HIGHER) in slopes}
     drifting = [kind for kind in ("pendulum", "smooth sliding") if kind in kinds]
@@ -126,8 +126,8 @@ def summary(tables: Tables) -> Summary:
     }
     of_kind = {kind: errors[errors["kind"] == kind] for kind in kinds}
     figures = {
-        "orders": tuple(Panel(kind, partial(_draw, own=of_kind[kind], column="error")) for kind in kinds),
-        "drift": tuple(Panel(f"drift, {kind}", partial(_draw, own=of_kind[kind], column="drift")) for kind in drifting),
+        "orders": tuple(Panel(kind, partial(_draw, group=of_kind[kind], column="error")) for kind in kinds),
+        "drift": tuple(Panel(f"drift, {kind}", partial(_draw, group=of_kind[kind], column="drift")) for kind in drifting),
     }
     return Summary(numbers, figures)
 
@@ -140,10 +140,10 @@ def _drift(kind: str, drifts: dict[tuple[str, str], Slope], errors: pd.DataFrame
     return f"{kind}, at the finest step: " + ", ".join(texts)
 
 
-def _draw(ax: Axes, own: pd.DataFrame, column: str) -> None:
-    for k, (scheme, rows) in enumerate(own.groupby("scheme")):
+def _draw(ax: Axes, group: pd.DataFrame, column: str) -> None:
+    for k, (scheme, rows) in enumerate(group.groupby("scheme")):
         curve(ax, k, rows["step"], rows[column].clip(lower=ERROR_ROUNDING), str(scheme))
-    steps, top = np.sort(own["step"].unique()), own[column].max()
+    steps, top = np.sort(group["step"].unique()), group[column].max()
     for power in (1, 2):
         ax.plot(steps, top * (steps / steps[-1]) ** power, color="#20242b", lw=0.6, ls=":")
     finish(ax, "step, s", "m", "xy")

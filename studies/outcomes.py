@@ -116,7 +116,7 @@ def summary(tables: Tables) -> Summary:
     problems = known.groupby(PROBLEM).agg(
         dimension=("dimension", "first"),
         contacts=("contacts", "first"),
-        outcomes=("outcome", lambda own: own.max() + 1),
+        outcomes=("outcome", lambda group: group.max() + 1),
         apart=("distance", "max"),
     )
     several = problems[problems["outcomes"] > 1]
@@ -130,7 +130,7 @@ def summary(tables: Tables) -> Summary:
         "problems": len(problems),
         "several": len(several),
         "by_friction": [
-            (f"{mu:g}", *(f"{(own > 1).sum()} of {own.size}" for _, own in rows.groupby("dimension")["outcomes"]))
+            (f"{mu:g}", *(f"{(group > 1).sum()} of {group.size}" for _, group in rows.groupby("dimension")["outcomes"]))
             for mu, rows in problems.groupby("friction")
         ],
         "most": several["outcomes"].max(),
@@ -143,7 +143,7 @@ def summary(tables: Tables) -> Summary:
         "least": listing([f"{name} from mu = {mu:g}" for name, mu in least.items()]),
         "never": listing(sorted(set(problems.reset_index()["scene"]) - set(least.index))),
         "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
-        "agreements": listing([f"{pair} on {own}" for pair, own in _agreements(cold).items()]),
+        "agreements": listing([f"{pair} on {where}" for pair, where in _agreements(cold).items()]),
         "offered": int(problems.index.isin(ladder["friction"].unique(), level="friction").sum()),
         "agreeing": int((ladder["method"].eq("nsgs") & ladder["tol"].eq(ladder["tol"].max())).sum()),  # nsgs answers each
         "answers": len(measured),
@@ -178,14 +178,14 @@ def _agreements(cold: pd.DataFrame) -> dict[str, str]:
 
 def _draw_digits(ax: Axes, rows: pd.DataFrame) -> None:
     ax.plot([1e-11, 1e-1], [1e-11, 1e-1], color=INK, lw=0.8, ls=":")
-    for k, (name, own) in enumerate(rows.groupby("method")):
-        curve(ax, k, own["residual"], own["error"], str(name), ls="", alpha=0.6)
+    for k, (name, group) in enumerate(rows.groupby("method")):
+        curve(ax, k, group["residual"], group["error"], str(name), ls="", alpha=0.6)
     finish(ax, "residual", "velocity error", "xy")
 
 
 def _draw_apart(ax: Axes, rows: pd.DataFrame) -> None:
-    for k, (name, own) in enumerate(rows.groupby("scene")):
-        curve(ax, k, own["friction"], own["apart"], str(name), ls="")
+    for k, (name, group) in enumerate(rows.groupby("scene")):
+        curve(ax, k, group["friction"], group["apart"], str(name), ls="")
     finish(ax, "friction", "largest distance", "xy")
 
 

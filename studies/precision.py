@@ -82,9 +82,9 @@ def _solved(least: pd.Series, target: float) -> str:
 
 def _curves(ax: Axes, table: pd.DataFrame) -> None:
     for k, precision in enumerate(PRECISIONS):
-        own = table[table["precision"] == precision].groupby("limit")
+        group = table[table["precision"] == precision].groupby("limit")
         for level, ls in ((0.5, "-"), (0.9, ":")):
-            low, time = own["residual"].quantile(level).clip(lower=1e-16), 1e3 * own["seconds"].median()
+            low, time = group["residual"].quantile(level).clip(lower=1e-16), 1e3 * group["seconds"].median()
             curve(ax, k, time, low, f"{precision}, {'median' if level == 0.5 else '9 of 10 below'}", ls=ls)
     finish(ax, "ms", "residual", "xy")
 

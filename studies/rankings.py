@@ -151,7 +151,7 @@ def _full_rank(rows: pd.DataFrame) -> Shown | None:
     if theirs.empty:
         return None
     lost = theirs["redundancy"].fillna(theirs["contacts"] * theirs["dimension"] - theirs["velocities"])  # at least
-    counts = [[int(own["solved"].sum()), int((~own["solved"]).sum())] for own in (theirs[lost > 0], theirs[lost <= 0])]
+    counts = [[int(part["solved"].sum()), int((~part["solved"]).sum())] for part in (theirs[lost > 0], theirs[lost <= 0])]
     (lacking, _), (ranked, _) = counts
     late, missed = theirs["verdict"].eq(Verdict.TIMEOUT).sum(), (~theirs["solved"]).sum()
     p = fisher_exact(counts, "less").pvalue

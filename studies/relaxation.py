@@ -99,8 +99,8 @@ def summary(tables: Tables) -> Summary:
         "least": _percent(smooth_errors[smooth_errors >= ANSWER_ERROR].min()),
         "arrived": arrived.sum(),
         "lost": {
-            name: listing([f"{pile} at mu = {mu:g} ({n})" for (pile, mu), n in cases[~own].value_counts(sort=False).items()])
-            for name, own in arrived.items()
+            name: listing([f"{pile} at mu = {mu:g} ({n})" for (pile, mu), n in cases[~same].value_counts(sort=False).items()])
+            for name, same in arrived.items()
         },
         "cases": len(errors),
         "steps": [f"{step:g}" for step in by_step.index],
@@ -129,9 +129,9 @@ def _percent(error: float) -> str:
 
 
 def _errors(ax: Axes, errors: pd.DataFrame) -> None:
-    for k, (name, own) in enumerate(errors[errors["step"] == 0.001].groupby("scene")):
+    for k, (name, group) in enumerate(errors[errors["step"] == 0.001].groupby("scene")):
         for push, line in ((SUDDEN, "-"), (SMOOTH, ":")):
-            rows = own[own["push"] == push]
+            rows = group[group["push"] == push]
             curve(ax, k, rows["friction"], rows["error"].clip(lower=1e-6), f"{name}, {push}", ls=line)
     finish(ax, "mu", "error of the velocity", "xy")
 

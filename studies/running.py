@@ -114,8 +114,8 @@ def write_page(out: Path) -> Path:
 def text(name: str, summary: Summary) -> dict[str, str]:
     """Return a study's question, answer and text in Markdown, with its numbers filled in."""
 
-    def figure(own: str, caption: str) -> str:
-        return f"![{caption}]({FIGURES}/{name}_{own}.svg)\n\n{caption}"
+    def figure(sheet: str, caption: str) -> str:
+        return f"![{caption}]({FIGURES}/{name}_{sheet}.svg)\n\n{caption}"
 
     numbers = {key: escaped(value) if isinstance(value, str) else value for key, value in summary.numbers.items()}
     module: Any = _environment().get_template(f"{name}.md").make_module({"figure": figure, **numbers})

@@ -92,7 +92,7 @@ def order(x: ArrayLike, y: ArrayLike) -> Slope:
     """Fit y ~ x^slope by least squares to three or more points with positive x and y. A middle point is in both halves."""
     a, b = np.log(np.asarray(x, dtype=float)), np.log(np.asarray(y, dtype=float))
     ranks, half = np.argsort(a), (len(a) + 1) // 2
-    return Slope(*(float(np.polyfit(a[own], b[own], 1)[0]) for own in (ranks, ranks[:half], ranks[-half:])))
+    return Slope(*(float(np.polyfit(a[part], b[part], 1)[0]) for part in (ranks, ranks[:half], ranks[-half:])))
 
 
 def middle(values: ArrayLike) -> str:

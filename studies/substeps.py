@@ -92,19 +92,19 @@ def summary(tables: Tables) -> Summary:
         "close": (second < 1.1 * best["error"]).sum(),
         "cancel": f"{(pairs['error'] < 0.9 * pairs['error_exact']).sum()} of {len(pairs)}",
         "whole": listing([f"{scene} with {budget}" for scene, budget in best.index[~split]]),
-        "each": "; ".join(f"{scene}: {_said(own)}" for scene, own in best.reset_index().groupby("scene", sort=False)),
+        "each": "; ".join(f"{scene}: {_said(part)}" for scene, part in best.reset_index().groupby("scene", sort=False)),
         "exact": ", ".join(f"{scene} {1000 * error:.2g}" for scene, error in coarse.items()),
     }
-    figures = {"errors": tuple(Panel(str(scene), partial(_draw, own=own)) for scene, own in rows.groupby("scene", sort=False))}
-    return Summary(numbers, figures)
+    panels = (Panel(str(scene), partial(_draw, part=part)) for scene, part in rows.groupby("scene", sort=False))
+    return Summary(numbers, {"errors": tuple(panels)})
 
 
-def _said(own: pd.DataFrame) -> str:
-    return ", ".join(f"{row.substeps} of {row.budget // row.substeps} ({1000 * row.error:.2g} mm)" for row in own.itertuples())
+def _said(part: pd.DataFrame) -> str:
+    return ", ".join(f"{row.substeps} of {row.budget // row.substeps} ({1000 * row.error:.2g} mm)" for row in part.itertuples())
 
 
-def _draw(ax: Axes, own: pd.DataFrame) -> None:
-    for k, (budget, rows) in enumerate(own.groupby("budget")):
+def _draw(ax: Axes, part: pd.DataFrame) -> None:
+    for k, (budget, rows) in enumerate(part.groupby("budget")):
         label = f"{budget} sweeps in 10 ms" if budget else "exact"
         curve(ax, k, rows["substeps"], rows["error"], label, **({} if budget else {"color": INK, "ls": ":", "marker": ""}))
     finish(ax, "substeps in 10 ms", "error at the end, m", "xy")

@@ -61,8 +61,8 @@ def summary(tables: Tables) -> Summary:
     motions = counts.groupby(["variant", "scene"]).sum()
     methods = motions.index.unique("variant")
     ratios = {
-        name: {start: _ratio(own, start, len(methods)) for start in (WARM, SHUFFLED)}
-        for name, own in motions.groupby(level="variant")
+        name: {start: _ratio(group, start, len(methods)) for start in (WARM, SHUFFLED)}
+        for name, group in motions.groupby(level="variant")
     }
     names = sorted(ratios, key=lambda name: ratios[name][WARM][0])
     gained = [name for name in names if ratios[name][WARM][2] < 1]
@@ -106,10 +106,10 @@ def _count(variant: str, work: object) -> float:
     return float(json.loads(work).get(COUNTS[variant], np.nan)) if isinstance(work, str) else np.nan
 
 
-def _ratio(own: pd.DataFrame, start: str, methods: int, draws: int = 2000) -> tuple[float, float, float]:
+def _ratio(group: pd.DataFrame, start: str, methods: int, draws: int = 2000) -> tuple[float, float, float]:
     """Return the ratio of the sums, with its 95 % interval for so many methods together, by resampling the motions."""
-    pick = np.random.default_rng(1).integers(len(own), size=(draws, len(own)))
-    above, below = (own[column].to_numpy(float) for column in (start, COLD))
+    pick = np.random.default_rng(1).integers(len(group), size=(draws, len(group)))
+    above, below = (group[column].to_numpy(float) for column in (start, COLD))
     low, high = np.quantile(above[pick].sum(axis=1) / below[pick].sum(axis=1), (0.025 / methods, 1 - 0.025 / methods))
     return float(above.sum() / below.sum()), float(low), float(high)
 
@@ -119,8 +119,8 @@ def _draw(
 ) -> None:
     ax.axvline(1, color=INK, lw=0.6, ls=":")
     for k, name in enumerate(names):
-        own = motions.loc[name]
-        ax.plot(own[start] / own[COLD], np.full(len(own), k), "o", ms=3, alpha=0.6, color="#0077bb")
+        group = motions.loc[name]
+        ax.plot(group[start] / group[COLD], np.full(len(group), k), "o", ms=3, alpha=0.6, color="#0077bb")
         ax.plot([ratios[name][start][0]] * 2, [k - 0.3, k + 0.3], color=INK, lw=1.2)
     ax.set_yticks(range(len(names)), names)
     finish(ax, "work over that from zero", "")

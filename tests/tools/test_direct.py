@@ -11,8 +11,8 @@ from frictionbench.problems.catalogue import problem_of, scene
 from frictionbench.solvers import available, find, solve
 from tests.helpers.paths import ROOT
 from tools.direct.__main__ import BLOCKS, BODIES, FAIR, TOL, charged_tables, recorded_table
+from tools.direct.arrays import arrays
 from tools.direct.calls import CALLS
-from tools.direct.given import arrays
 
 # Within their limits of iterations, by hand or as adapters.
 UNABLE = {(f"siconos[method=friction_{d}d_nsgs]", "sparse") for d in (2, 3)}

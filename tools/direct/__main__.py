@@ -22,8 +22,8 @@ import numpy as np
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
 from frictionbench.solvers import Answer, Status, find
+from tools.direct.arrays import Called, arrays
 from tools.direct.calls import CALLS
-from tools.direct.given import Called, arrays
 from tools.direct.page import facts
 
 BLOCKS, BODIES = (1, 10, 50, 150), (20, 100, 300)  # blocks in planar stacks, with two contacts each; contacts in space
@@ -135,15 +135,15 @@ def chosen(solvers: list[str]) -> list[str]:
 def charged(spec: str, problem: FrictionProblem) -> Charged:
     """Time a call by hand and the adapter alternately."""
     _, solver = find(spec)
-    given, by_hand, adapter, clock = arrays(problem), float("inf"), float("inf"), None
+    by_arrays, by_hand, adapter, clock = arrays(problem), float("inf"), float("inf"), None
     for asked in (TOL, TOL / 10, TOL / 100):  # the first calls include loading and compiling
-        if _verdict(spec, problem, CALLS[spec].function(given, asked)) != "near_miss":
+        if _verdict(spec, problem, CALLS[spec].function(by_arrays, asked)) != "near_miss":
             break
     solver.solve(solver.prepare(problem.fresh()), TOL, None)
     until = perf_counter() + SECONDS
     for _ in range(REPEATS):
         begun = perf_counter()
-        called = CALLS[spec].function(given, asked)
+        called = CALLS[spec].function(by_arrays, asked)
         by_hand = min(by_hand, perf_counter() - begun if called.clock is None else called.clock)
         for _ in range(1 if called.clock is None else CHILDS_CALLS):
             fresh = problem.fresh()

@@ -1,7 +1,7 @@
 """Calls of outside libraries as a user would write them by hand, with which the adapters of frictionbench are compared.
 
 They do not use the adapters. Each forms its library's input with numpy and scipy from a problem's arrays, without scaling, and
-returns the contact impulses and whether the library reports success (tools.direct.given).
+returns the contact impulses and whether the library reports success (tools.direct.arrays).
 """
 
 import json
@@ -16,50 +16,50 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import sparse
 
-from tools.direct.given import Arrays, Called, delassus, dense, lcp, of_lcp, of_multipliers, program, with_joints
+from tools.direct.arrays import Arrays, Called, delassus, dense, lcp, of_lcp, of_multipliers, program, with_joints
 
 
-def clarabel(given: Arrays, tol: float) -> Called:
+def clarabel(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("clarabel")
-    P, q, G, h = program(given)
-    (C, c, joints), settings, n = with_joints(given, G, h), library.DefaultSettings(), len(h)
+    P, q, G, h = program(problem)
+    (C, c, joints), settings, n = with_joints(problem, G, h), library.DefaultSettings(), len(h)
     settings.verbose, settings.tol_feas, settings.tol_gap_abs, settings.tol_gap_rel = False, tol, 1e-15, 1e-15
-    cones = [library.NonnegativeConeT(n)] if given.d == 2 else [library.SecondOrderConeT(3)] * (n // 3)
+    cones = [library.NonnegativeConeT(n)] if problem.d == 2 else [library.SecondOrderConeT(3)] * (n // 3)
     cones = [*cones, library.ZeroConeT(joints)] if joints else cones
     found = library.DefaultSolver(_upper(P), q, sparse.csc_matrix(C), c, cones, settings).solve()
-    return Called(of_multipliers(given, np.array(found.z)), found.status == library.SolverStatus.Solved)
+    return Called(of_multipliers(problem, np.array(found.z)), found.status == library.SolverStatus.Solved)
 
 
-def scs(given: Arrays, tol: float, **chosen: float) -> Called:
+def scs(problem: Arrays, tol: float, **chosen: float) -> Called:
     library: Any = import_module("scs")
-    P, q, G, h = program(given)
-    C, c, joints = with_joints(given, G, h, first=True)
-    cone = {"z": joints} | ({"l": len(h)} if given.d == 2 else {"q": [3] * (len(h) // 3)})
+    P, q, G, h = program(problem)
+    C, c, joints = with_joints(problem, G, h, first=True)
+    cone = {"z": joints} | ({"l": len(h)} if problem.d == 2 else {"q": [3] * (len(h) // 3)})
     data = {"P": _upper(P), "A": sparse.csc_matrix(C), "b": c, "c": q}
     found = library.SCS(data, cone, verbose=False, eps_abs=tol / 10, eps_rel=0.0, max_iters=100_000, **chosen).solve()
-    return Called(of_multipliers(given, found["y"][joints:]), found["info"]["status_val"] == 1)
+    return Called(of_multipliers(problem, found["y"][joints:]), found["info"]["status_val"] == 1)
 
 
-def osqp(given: Arrays, tol: float) -> Called:
+def osqp(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("osqp")
-    P, q, G, h = program(given)
+    P, q, G, h = program(problem)
     made = library.OSQP()
-    (C, c, _), settings = with_joints(given, G, h), {"verbose": False, "max_iter": 100_000}
+    (C, c, _), settings = with_joints(problem, G, h), {"verbose": False, "max_iter": 100_000}
     lower = np.concatenate([np.full(len(h), -np.inf), c[len(h) :]])
     made.setup(_upper(P), q, sparse.csc_matrix(C), lower, c, eps_abs=tol / 10, eps_rel=0.0, **settings)
     found = made.solve(raise_error=False)
-    return Called(of_multipliers(given, found.y), found.info.status_val == 1)
+    return Called(of_multipliers(problem, found.y), found.info.status_val == 1)
 
 
 def _upper(P: Any) -> Any:
     return sparse.triu(sparse.csc_matrix(P), format="csc")
 
 
-def proxsuite(given: Arrays, tol: float) -> Called:
+def proxsuite(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("proxsuite").proxqp
-    P, q, G, h = program(given)
-    qp = library.sparse.QP(len(q), len(given.f), len(h))
-    joints = (sparse.csc_matrix(given.F), given.f) if len(given.f) else (None, None)
+    P, q, G, h = program(problem)
+    qp = library.sparse.QP(len(q), len(problem.f), len(h))
+    joints = (sparse.csc_matrix(problem.F), problem.f) if len(problem.f) else (None, None)
     settings = qp.settings
     settings.eps_abs, settings.eps_rel, settings.check_duality_gap = tol, 0.0, True
     settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-14, 0.0
@@ -67,77 +67,77 @@ def proxsuite(given: Arrays, tol: float) -> Called:
     qp.init(sparse.csc_matrix(P), q, *joints, sparse.csc_matrix(G), np.full(len(h), -1e20), h)
     qp.solve()
     solved = qp.results.info.status == library.QPSolverOutput.PROXQP_SOLVED
-    return Called(of_multipliers(given, np.array(qp.results.z)), solved)
+    return Called(of_multipliers(problem, np.array(qp.results.z)), solved)
 
 
-def piqp(given: Arrays, tol: float, matrices: str = "sparse") -> Called:
+def piqp(problem: Arrays, tol: float, matrices: str = "sparse") -> Called:
     library: Any = import_module("piqp")
-    P, q, G, h = program(given)
+    P, q, G, h = program(problem)
     made, kept = (library.SparseSolver(), sparse.csc_matrix) if matrices == "sparse" else (library.DenseSolver(), dense)
     settings = made.settings
     settings.eps_abs, settings.eps_rel = tol, 0.0
     settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-15, 0.0
-    joints = (kept(given.F), given.f) if len(given.f) else (None, None)
+    joints = (kept(problem.F), problem.f) if len(problem.f) else (None, None)
     made.setup(kept(P), q, *joints, kept(G), None, h)
     found = made.solve()
-    return Called(of_multipliers(given, np.array(made.result.z_u)), found == library.PIQP_SOLVED)
+    return Called(of_multipliers(problem, np.array(made.result.z_u)), found == library.PIQP_SOLVED)
 
 
-def daqp(given: Arrays, tol: float) -> Called:
+def daqp(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("daqp")
-    P, q, G, h = program(given)
-    C, c, _ = with_joints(given, G, h)
+    P, q, G, h = program(problem)
+    C, c, _ = with_joints(problem, G, h)
     sense, lower = np.zeros(len(c), dtype=np.int32), np.full(len(c), -1e30)
     sense[len(h) :], lower[len(h) :] = 5, c[len(h) :]  # DAQP's mark of an equation
     rows = dense(P), q, dense(C), c, lower, sense
     _, _, flag, info = library.solve(*rows, primal_tol=tol / 10, dual_tol=tol / 10, iter_limit=10_000)
-    return Called(of_multipliers(given, np.array(info["lam"])), flag > 0)
+    return Called(of_multipliers(problem, np.array(info["lam"])), flag > 0)
 
 
-def quadprog(given: Arrays, tol: float) -> Called:
+def quadprog(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("quadprog")
-    P, q, G, h = program(given)
-    C, c, joints = with_joints(given, G, h, first=True)
-    return Called(of_multipliers(given, library.solve_qp(dense(P), -q, -dense(C).T, -c, joints)[4][joints:]), True)
+    P, q, G, h = program(problem)
+    C, c, joints = with_joints(problem, G, h, first=True)
+    return Called(of_multipliers(problem, library.solve_qp(dense(P), -q, -dense(C).T, -c, joints)[4][joints:]), True)
 
 
-def _dual(given: Arrays, definite: float) -> tuple[np.ndarray, np.ndarray]:
+def _dual(problem: Arrays, definite: float) -> tuple[np.ndarray, np.ndarray]:
     """Return H and g of the relaxation's dual min z'Hz/2 + g'z, z >= 0, with an increased diagonal."""
-    _, _, G, h = program(given)
-    inverse, v = given.inverse, given.v
-    if len(given.f):  # on the velocities that the joints leave
-        response = dense(inverse @ given.F.T)
-        held = np.linalg.solve(given.F @ response, np.column_stack([response.T, given.F @ v - given.f]))
+    _, _, G, h = program(problem)
+    inverse, v = problem.inverse, problem.v
+    if len(problem.f):  # on the velocities that the joints leave
+        response = dense(inverse @ problem.F.T)
+        held = np.linalg.solve(problem.F @ response, np.column_stack([response.T, problem.F @ v - problem.f]))
         inverse, v = inverse - response @ held[:, :-1], v - response @ held[:, -1]
     H, g = dense(G @ inverse @ G.T), h - G @ v
     H[np.diag_indices(len(g))] *= 1 + definite
     return H, g
 
 
-def mujoco_boxqp(given: Arrays, tol: float) -> Called:
+def mujoco_boxqp(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("mujoco")
-    H, g = _dual(given, 1e-13)
+    H, g = _dual(problem, 1e-13)
     n = len(g)
     z, factor, index = np.zeros((n, 1)), np.zeros((n, n + 7)), np.zeros((n, 1), dtype=np.int32)
     rank = library.mju_boxQP(z, factor, index, H, g[:, None], np.zeros((n, 1)), None)
-    return Called(of_multipliers(given, z.ravel()), rank >= 0)
+    return Called(of_multipliers(problem, z.ravel()), rank >= 0)
 
 
-def highs(given: Arrays, tol: float, **settings: float) -> Called:
+def highs(problem: Arrays, tol: float, **settings: float) -> Called:
     feasible = dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(tol / 10, 1e-10))
     library: Any = import_module("qpsolvers")
-    P, q, G, h = program(given)
-    joints = (sparse.csc_matrix(given.F), given.f) if len(given.f) else (None, None)
+    P, q, G, h = program(problem)
+    joints = (sparse.csc_matrix(problem.F), problem.f) if len(problem.f) else (None, None)
     asked = library.Problem(sparse.csc_matrix(P), q, sparse.csc_matrix(G), h, *joints)
     found = library.solve_problem(asked, "highs", **feasible, **settings)
-    return Called(of_multipliers(given, np.zeros(len(h)) if found.z is None else found.z), found.found)
+    return Called(of_multipliers(problem, np.zeros(len(h)) if found.z is None else found.z), found.found)
 
 
-def casadi_qrqp(given: Arrays, tol: float) -> Called:
-    H, g = _dual(given, 1e-12)
+def casadi_qrqp(problem: Arrays, tol: float) -> Called:
+    H, g = _dual(problem, 1e-12)
     made = _qrqp(len(g))
     found = made(h=H, g=g, lbx=0.0, ubx=np.inf)
-    return Called(of_multipliers(given, np.array(found["x"]).ravel()), made.stats()["success"])
+    return Called(of_multipliers(problem, np.array(found["x"]).ravel()), made.stats()["success"])
 
 
 @cache
@@ -148,16 +148,16 @@ def _qrqp(n: int) -> Any:
     return library.conic("solver", "qrqp", {"h": library.Sparsity.dense(n, n), "a": library.Sparsity(0, n)}, silent)
 
 
-def quantecon(given: Arrays, tol: float) -> Called:
+def quantecon(problem: Arrays, tol: float) -> Called:
     lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
-    M, q = lcp(given)
+    M, q = lcp(problem)
     found = lemke(M, q)
     return Called(of_lcp(found.z), found.success)
 
 
-def drake(given: Arrays, tol: float) -> Called:
+def drake(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("pydrake.solvers")
-    M, q = lcp(given)
+    M, q = lcp(problem)
     program = library.MathematicalProgram()
     z = program.NewContinuousVariables(len(q))
     program.AddLinearComplementarityConstraint(M, q, z)
@@ -165,11 +165,11 @@ def drake(given: Arrays, tol: float) -> Called:
     return Called(of_lcp(found.GetSolution(z)), found.is_success())
 
 
-def pinocchio(given: Arrays, tol: float, **chosen: float) -> Called:
+def pinocchio(problem: Arrays, tol: float, **chosen: float) -> Called:
     pin: Any = import_module("pinocchio")
-    nc, d = len(given.mu), given.d
+    nc, d = len(problem.mu), problem.d
     own = (3 * np.arange(nc)[:, None] + np.array([2, 0, 1])[:d]).ravel()
-    matrix, vector = delassus(given)
+    matrix, vector = delassus(problem)
     W, g = np.zeros((3 * nc, 3 * nc), order="F"), np.zeros(3 * nc)
     W[np.ix_(own, own)], g[own] = dense(matrix), vector
     if d == 2:  # a second tangent, decoupled
@@ -177,7 +177,7 @@ def pinocchio(given: Arrays, tol: float, **chosen: float) -> Called:
     body = pin.Model()
     body.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
     models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-    for mu in given.mu:
+    for mu in problem.mu:
         point = pin.PointContactConstraintModel(body, 0, pin.SE3.Identity(), 1, pin.SE3.Identity())
         point.setFriction(mu)
         model = pin.ConstraintModel(point)
@@ -193,20 +193,20 @@ def pinocchio(given: Arrays, tol: float, **chosen: float) -> Called:
     return Called(np.array(result.retrieveConstraintImpulses())[own].reshape(nc, d), found)
 
 
-def mujoco(given: Arrays, tol: float) -> Called:
+def mujoco(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("mujoco")
-    nc, nv, d = len(given.mu), len(given.v), given.d
+    nc, nv, d = len(problem.mu), len(problem.v), problem.d
     model, data = _soft_contacts(nv, nc)
-    L, rows, offset = np.linalg.cholesky(dense(given.M)), np.zeros((nc, 3, nv)), np.zeros((nc, 3))
-    rows[:, :d] = np.linalg.solve(L, dense(given.J).T).T.reshape(nc, d, nv)
-    offset[:, :d] = given.b.reshape(nc, d)
+    L, rows, offset = np.linalg.cholesky(dense(problem.M)), np.zeros((nc, 3, nv)), np.zeros((nc, 3))
+    rows[:, :d] = np.linalg.solve(L, dense(problem.J).T).T.reshape(nc, d, nv)
+    offset[:, :d] = problem.b.reshape(nc, d)
     scale = np.square(rows).sum(axis=(1, 2)) / d
     model.opt.iterations, softness = 1000, np.repeat(max(tol, 1e-7) * scale, 3)
     data.efc_J[:], data.efc_aref[:] = rows.ravel(), -offset.ravel()
     data.efc_R[:], data.efc_D[:] = softness, 1 / softness
     data.efc_margin[:] = data.efc_pos[:] = 0
-    data.contact.mu[:], data.contact.friction[:, :2] = given.mu, given.mu[:, None]
-    data.qacc_smooth[:] = data.qfrc_smooth[:] = L.T @ given.v
+    data.contact.mu[:], data.contact.friction[:, :2] = problem.mu, problem.mu[:, None]
+    data.qacc_smooth[:] = data.qfrc_smooth[:] = L.T @ problem.v
     library.mj_fwdConstraint(model, data)
     solved, soft = data.solver_niter[0] < 1000, softness.reshape(nc, 3)[:, :d]
     return Called(data.efc_force.reshape(nc, 3)[:, :d].copy(), solved, softness=soft)
@@ -229,18 +229,18 @@ def _soft_contacts(nv: int, nc: int) -> tuple[Any, Any]:
     return model, data
 
 
-def siconos(given: Arrays, tol: float, method: str) -> Called:
+def siconos(problem: Arrays, tol: float, method: str) -> Called:
     """Call Siconos in a child process with the system's Python, for which Debian builds it."""
     begun = perf_counter()
-    W, q = delassus(given)
+    W, q = delassus(problem)
     forming = perf_counter() - begun
     W = sparse.coo_array(W)
     entries = np.column_stack([W.row, W.col, W.data])
-    asked = {"entries": entries.tolist(), "q": q.tolist(), "mu": given.mu.tolist(), "tol": tol, "method": method}
+    asked = {"entries": entries.tolist(), "q": q.tolist(), "mu": problem.mu.tolist(), "tol": tol, "method": method}
     script = Path(__file__).with_name("siconos_child.py")
     done = subprocess.run(["/usr/bin/python3", script], input=json.dumps(asked), capture_output=True, text=True, check=True)
     found = json.loads(next(line for line in done.stdout.splitlines() if line.startswith("{")))
-    return Called(np.reshape(found["r"], (-1, given.d)), not found["code"], forming + found["clock"])
+    return Called(np.reshape(found["r"], (-1, problem.d)), not found["code"], forming + found["clock"])
 
 
 class Call(NamedTuple):

@@ -63,48 +63,48 @@ def arrays(problem: FrictionProblem) -> Arrays:
     return Arrays(d, problem.friction.copy(), *parts, *motion)
 
 
-def program(given: Arrays) -> tuple[Any, Array, Any, Array]:
+def program(problem: Arrays) -> tuple[Any, Array, Any, Array]:
     """Return the relaxation's P, q, G and h, with h - G v in the cone."""
-    S, nc, d = _edges(given), len(given.mu), given.d
-    h = np.einsum("iab,ib->ia", S, given.b.reshape(nc, d)).ravel()
-    if sparse.issparse(given.J):
-        G = -(sparse.bsr_array((S, np.arange(nc), np.arange(nc + 1))) @ given.J)
+    S, nc, d = _edges(problem), len(problem.mu), problem.d
+    h = np.einsum("iab,ib->ia", S, problem.b.reshape(nc, d)).ravel()
+    if sparse.issparse(problem.J):
+        G = -(sparse.bsr_array((S, np.arange(nc), np.arange(nc + 1))) @ problem.J)
     else:
-        G = -(S @ given.J.reshape(nc, d, -1)).reshape(nc * d, -1)
-    return given.M, -given.M @ given.v, G, h
+        G = -(S @ problem.J.reshape(nc, d, -1)).reshape(nc * d, -1)
+    return problem.M, -problem.M @ problem.v, G, h
 
 
-def with_joints(given: Arrays, G: Any, h: Array, first: bool = False) -> tuple[Any, Array, int]:
+def with_joints(problem: Arrays, G: Any, h: Array, first: bool = False) -> tuple[Any, Array, int]:
     """Return G above F, or F above G, the same of h and f, and the number of joint equations."""
-    if not len(given.f):
+    if not len(problem.f):
         return G, h, 0
-    rows, right = ((given.F, G), (given.f, h)) if first else ((G, given.F), (h, given.f))
+    rows, right = ((problem.F, G), (problem.f, h)) if first else ((G, problem.F), (h, problem.f))
     stacked = sparse.vstack(rows, format="csc") if sparse.issparse(G) else np.vstack(rows)
-    return stacked, np.concatenate(right), len(given.f)
+    return stacked, np.concatenate(right), len(problem.f)
 
 
-def of_multipliers(given: Arrays, z: Array) -> Array:
+def of_multipliers(problem: Arrays, z: Array) -> Array:
     """Return the impulses for the relaxation's multipliers, of which the first belong to G."""
-    return np.einsum("iab,ia->ib", _edges(given), z[: given.d * len(given.mu)].reshape(-1, given.d))
+    return np.einsum("iab,ia->ib", _edges(problem), z[: problem.d * len(problem.mu)].reshape(-1, problem.d))
 
 
-def _edges(given: Arrays) -> Array:
+def _edges(problem: Arrays) -> Array:
     """Return S (nc, d, d)."""
-    mu = given.mu
-    S = np.zeros((len(mu), given.d, given.d))
+    mu = problem.mu
+    S = np.zeros((len(mu), problem.d, problem.d))
     S[:, 0, 0] = 1.0
-    if given.d == 2:
+    if problem.d == 2:
         S[:, 1, 0], S[:, 0, 1], S[:, 1, 1] = 1.0, mu, -mu
     else:
         S[:, 1, 1] = S[:, 2, 2] = mu
     return S
 
 
-def delassus(given: Arrays) -> tuple[Any, Array]:
+def delassus(problem: Arrays) -> tuple[Any, Array]:
     """Return W and q, with a contact's normal row first."""
-    if given.W is not None:
-        return given.W, given.q
-    return given.J @ given.inverse @ given.J.T, given.J @ given.v + given.b
+    if problem.W is not None:
+        return problem.W, problem.q
+    return problem.J @ problem.inverse @ problem.J.T, problem.J @ problem.v + problem.b
 
 
 def dense(matrix: Any) -> Array:
@@ -112,17 +112,17 @@ def dense(matrix: Any) -> Array:
     return matrix.toarray() if sparse.issparse(matrix) else matrix
 
 
-def lcp(given: Arrays) -> tuple[Array, Array]:
+def lcp(problem: Arrays) -> tuple[Array, Array]:
     """Return M and q of the friction LCP in the plane."""
-    W, q = delassus(given)
-    nc = len(given.mu)
+    W, q = delassus(problem)
+    nc = len(problem.mu)
     D = np.zeros((2 * nc, 3 * nc))
     i = np.arange(nc)
     D[2 * i, i], D[2 * i + 1, nc + i], D[2 * i + 1, 2 * nc + i] = 1.0, 1.0, -1.0
     M = np.zeros((4 * nc, 4 * nc))
     M[: 3 * nc, : 3 * nc] = D.T @ (W @ D)
     M[nc + i, 3 * nc + i] = M[2 * nc + i, 3 * nc + i] = 1.0
-    M[3 * nc + i, i], M[3 * nc + i, nc + i], M[3 * nc + i, 2 * nc + i] = given.mu, -1.0, -1.0
+    M[3 * nc + i, i], M[3 * nc + i, nc + i], M[3 * nc + i, 2 * nc + i] = problem.mu, -1.0, -1.0
     return M, np.concatenate([D.T @ q, np.zeros(nc)])
 
 
