@@ -14,13 +14,7 @@ from frictionbench.results.store import read_manifest, read_table
 
 @dataclass(frozen=True, repr=False)
 class Results:
-    """The tables of one results folder, read when they are first used.
-
-    folder       the results folder
-    manifest     dict: settings, machine, versions, seeds and times of the run
-    solves       pandas.DataFrame, a row per cell: one problem, one solver, one tolerance
-    simulations  pandas.DataFrame, a row per scene, scheme and solver run in closed loop
-    batches      pandas.DataFrame, a row per batch of small problems, solver and way to solve them all
+    """The tables of one results folder, each read when it is first used: manifest, solves, simulations and batches.
 
     An interrupted run has the rows that it has written. A number that was not measured is NaN. Errors: ResultsError (a
     ValueError) naming the file and the column that cannot be read. docs/columns.md describes every column.

@@ -25,14 +25,14 @@ def summary(folder: Path) -> str:
     without = len(judged.steps) - len(judged.touching)
     lines = [f"{count(len(judged.touching), 'step')} with contacts judged by Coulomb's law, {without} without contact"]
     for answer in filter(None, (judged.creep, judged.forces, judged.impossible)):
-        lines += paragraph(printable(answer), screen(), "")
+        lines += paragraph(printable(answer), screen())
     most = ", ".join(f"{law} in {count}" for law, count in judged.laws.items())
     lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")
     for one in judged.worst(1):
         lines += [f"worst step: {printable(one.file)}, residual {residual(one.residual, 1)}, {one.law}"]
     if noted := judged.notes:
         means = "; ".join(f"{printable(name)} {rough_percent(mean)} in {count(n, 'step')}" for name, (mean, n) in noted.items())
-        lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")
+        lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen())
     header = ("", "solved", "residual p50", "residual worst", "time p50", "time p99", "time worst")
     digits = partial(residual, decimals=1)
     engine = _shown(judged.percentiles["residual"], ("p50", "worst"), digits)

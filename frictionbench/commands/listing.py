@@ -3,7 +3,7 @@
 from dataclasses import fields
 from typing import Any
 
-from frictionbench.commands.table import paragraph, screen
+from frictionbench.commands.table import say
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems.catalogue import instances, scenes
 from frictionbench.reports.drawing.text import number
@@ -21,7 +21,6 @@ def listed(what: str) -> dict[str, Facts]:
 
 def show(what: str) -> None:
     """Print each name with its short facts in brackets, and below it the summary and the facts that are lists."""
-    width = screen()
     for name, entry in listed(what).items():
         facts = {fact.replace("_", " "): value for fact, value in entry.items() if value and value != [name]}
         texts = [facts.pop("summary")]
@@ -29,7 +28,7 @@ def show(what: str) -> None:
         short = [_short(fact, value) for fact, value in facts.items() if not isinstance(value, dict | list)]
         print(f"{name}  ({'; '.join(short)})" if short else name)
         for text in texts:
-            print("\n".join(paragraph(text, width)))
+            say(text, "    ")
 
 
 def _short(fact: str, value: Any) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionbench.commands.stored_cell import stored_cell, trusted
-from frictionbench.commands.table import columns, paragraph, screen
+from frictionbench.commands.table import columns, say, screen
 from frictionbench.harness.cells import worker
 from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SimulationCell, SolveCell, Source, origin
 from frictionbench.harness.progress import Progress
@@ -64,7 +64,7 @@ def solve_one(
         if not as_json:
             print(printable(f"{problem}: {facts['summary']}"), flush=True)
         if facts["contradiction"] and not as_json:
-            print("\n".join(paragraph(facts["contradiction"], screen(), "")), flush=True)
+            say(facts["contradiction"])
         cells = sorted(plan.solve_cells([record]), key=lambda cell: [cell.variant != name for name in FIRST])
         tasks, rows, waiting = [cell_task(cell, time_limit, plugins, record) for cell in cells], [], True
         for outcome in progress.follow("solvers", pool, tasks):
@@ -88,9 +88,9 @@ def solve_one(
         title = f"LCP of {record['size']} unknowns, {title}"
     _show(title, {str(rank): row for rank, row in enumerate(applicable, start=1)}, rank_by)
     if refused := [row["variant"] for row in rows if row not in applicable]:
-        print("\n".join(paragraph(f"not applicable to this problem: {', '.join(refused)}", screen(), "")))
+        say(f"not applicable to this problem: {', '.join(refused)}")
     for text in (*unusable, advice(rows, rank_by)):
-        print("\n".join(paragraph(text, screen(), "")))
+        say(text)
 
 
 def _data(row: Row) -> Row:
@@ -206,10 +206,10 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
         if row.get("reason"):
             remarks.append(printable(f"{label} {row['variant']}: {row['reason']}"))
     header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")
-    width = screen()
-    print(title, *columns(header, lines, width, ("work", "status", "model residual", "form", "setup", "solve")), sep="\n")
+    spare = ("work", "status", "model residual", "form", "setup", "solve")
+    print(title, *columns(header, lines, screen(), spare), sep="\n")
     for remark in remarks:
-        print("\n".join(paragraph(remark, width, "  ")))
+        say(remark, "  ")
 
 
 def _number(value: float | None) -> str:

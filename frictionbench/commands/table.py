@@ -36,10 +36,15 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], width: int | N
     wide = Console(width=width or 10**4, no_color=True)
     lines = ["".join(part.text for part in line).rstrip() for line in wide.render_lines(table, pad=False)]
     left_out = f"not shown on {width} columns: {', '.join(cut)}; a wider terminal or a file has all"
-    return [*lines, *(paragraph(left_out, width, "") if cut else [])]
+    return [*lines, *(paragraph(left_out, width) if cut else [])]
 
 
-def paragraph(text: str, width: int | None, indent: str = "    ") -> list[str]:
+def say(text: str, indent: str = "") -> None:
+    """Print a text as a paragraph."""
+    print("\n".join(paragraph(text, screen(), indent)), flush=True)
+
+
+def paragraph(text: str, width: int | None, indent: str = "") -> list[str]:
     """Return the text's lines, indented; one line if no width is given."""
     limit = 10**6 if width is None else min(max(width, 40), WIDEST)
     return textwrap.wrap(

@@ -92,7 +92,7 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
     if not problem.mechanical or not problem.contacts:
         return {}
     nc, d = problem.contacts, problem.dimension
-    J = np.concatenate([problem.normal.toarray()[:, None], problem.tangent.toarray().reshape(nc, d - 1, -1)], axis=1)
+    J = problem.jacobian.toarray().reshape(nc, d, -1)
     u = problem.contact_velocity(exact)
     slip = np.linalg.norm(u[:, 1:], axis=1)
     owners, columns = [-1] * problem.joints.shape[0], [problem.joints.toarray()]

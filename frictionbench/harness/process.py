@@ -6,6 +6,7 @@ blocked. A bound abstract socket claims a core; the kernel closes it when the pr
 
 import ctypes
 import os
+import resource
 import signal
 import socket
 import subprocess
@@ -78,8 +79,6 @@ def bound_memory(limit: int) -> int:
     The bound cannot be raised again without privileges. Errors: InputError if the limit that this process was started with
     leaves less than LEAST_MEMORY.
     """
-    import resource
-
     mapped, bound = _memory_bound(limit)
     if bound - mapped < min(limit, LEAST_MEMORY):
         raise InputError(
@@ -99,8 +98,6 @@ def memory_within(limit: int) -> Iterator[None]:
     if sys.platform != "linux":
         yield
         return
-    import resource
-
     before = resource.getrlimit(resource.RLIMIT_AS)
     resource.setrlimit(resource.RLIMIT_AS, (_memory_bound(limit)[1], before[1]))
     try:
@@ -113,8 +110,6 @@ def memory_within(limit: int) -> Iterator[None]:
 
 def _memory_bound(limit: int) -> tuple[int, int]:
     """Return the bytes that this process has mapped and the bytes that it may map: `limit` more, or its own limit if lower."""
-    import resource
-
     mapped = psutil.Process().memory_info().vms
     own_limits = [bound for bound in resource.getrlimit(resource.RLIMIT_AS) if bound != resource.RLIM_INFINITY]
     return mapped, min([mapped + limit, *own_limits])

@@ -158,11 +158,11 @@ def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> t
     unknown = coarse | rounded
     worst, of_model = largest(exact[~unknown]), largest(model[~unknown])
     nearest = min(worst, of_model)
-    if nearest <= tol and rounded.any():
-        why = f"rounding alone may cause a residual of {largest(floor[rounded]):.2g}, above the tolerance {tol:g}"
-        return (Verdict.UNJUDGEABLE, why) if reported else (Verdict.UNSOLVED, "")
-    if nearest <= tol and coarse.any():
-        why = f"no impulses at all have the residual {idle[coarse].min():.2g}, too close to the tolerance {tol:g}"
+    if nearest <= tol and unknown.any():
+        if rounded.any():
+            why = f"rounding alone may cause a residual of {largest(floor[rounded]):.2g}, above the tolerance {tol:g}"
+        else:
+            why = f"no impulses at all have the residual {idle[coarse].min():.2g}, too close to the tolerance {tol:g}"
         return (Verdict.UNJUDGEABLE, why) if reported else (Verdict.UNSOLVED, "")
     if nearest <= tol:
         return Verdict.SOLVED if worst <= tol else Verdict.RELAXED, ""

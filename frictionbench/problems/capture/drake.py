@@ -10,6 +10,7 @@ where D is the damping of the joints and tau the forces of gravity, springs, dam
 Source: pydrake's documentation of MultibodyPlant, sections on discrete time and on contact.
 """
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -56,10 +57,8 @@ def drake(plant: Any, context: Any) -> EngineStep:
 
 def _limits(plant: Any, now: Any, free: Array, h: float) -> tuple[Array, Array]:
     """Rows (n, nv), with one entry of 1 or -1, and gaps (n,) of the limits that joints reach in h at their free velocities."""
-    from pydrake.multibody.tree import JointIndex
-
     q, rows, gaps = plant.GetPositions(now), [np.zeros((0, len(free)))], []
-    for joint in (plant.get_joint(JointIndex(i)) for i in plant.GetJointIndices()):
+    for joint in _joints(plant):
         if joint.num_positions() != 1 or joint.num_velocities() != 1:
             continue
         at, lower, upper = q[joint.position_start()], joint.position_lower_limits()[0], joint.position_upper_limits()[0]
@@ -86,12 +85,14 @@ def _stepped(plant: Any, context: Any) -> tuple[Any, Any, Any]:
     return now, after, port.Eval(now)
 
 
+def _joints(plant: Any) -> Iterator[Any]:
+    return map(plant.get_joint, plant.GetJointIndices())
+
+
 def _damping(plant: Any, now: Any) -> Array:
     """The damping of the joints (nv,), which the plant integrates implicitly."""
-    from pydrake.multibody.tree import JointIndex
-
     result = np.zeros(plant.num_velocities())
-    for joint in (plant.get_joint(JointIndex(i)) for i in plant.GetJointIndices()):
+    for joint in _joints(plant):
         damping = joint.GetDampingVector(now)
         result[joint.velocity_start() : joint.velocity_start() + len(damping)] = damping
     return result

@@ -1,7 +1,7 @@
-"""The friction problem of spatial bodies, given by masses, contact points and contact frames.
+"""The friction problem of bodies, given by masses, contact points and contact frames, in the plane by angles of normals.
 
-A body has six velocities, (v, omega) of its centre of mass. Let bodies a and b have a contact at x_a and x_b from their
-centres, whose frame has the rows e = n, t1, t2, with n towards a. Its relative velocity along e is
+A body in space has six velocities, (v, omega) of its centre of mass. Let bodies a and b have a contact at x_a and x_b from
+their centres, whose frame has the rows e = n, t1, t2, with n towards a. Its relative velocity along e is
 
     e.v_a + (x_a x e).omega_a - e.v_b - (x_b x e).omega_b.
 """
@@ -11,7 +11,7 @@ from scipy import sparse
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.rows import Index64, relative
+from frictionbench.problems.rows import Index64, planar_relative, relative
 from frictionbench.problems.scene import GRAVITY
 
 GROUND = -1  # the index of the ground as the second body of a contact
@@ -43,6 +43,25 @@ def touching(
         joints=joints,
         joint_bias=None if joints is None else np.zeros(joints.shape[0]),
         dimension=3,
+    )
+
+
+def touching_in_plane(
+    bodies: Index64, arms: Array, angle: Array, weights: Array, velocity: Array, friction: Array, bias: Array | float = 0.0
+) -> FrictionProblem:
+    """The problem of nc contacts between nb planar bodies, of three velocities each.
+
+    arms: (nc, 2, 2). angle: (nc,), of the normals. bias: m/s. Other arguments: as in touching.
+    """
+    normal = np.column_stack([np.cos(angle), np.sin(angle)])
+    tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
+    return FrictionProblem(
+        mass=sparse.diags_array(weights.ravel()),
+        normal=planar_relative(bodies, arms, normal),
+        tangent=planar_relative(bodies, arms, tangent),
+        friction=friction,
+        free_velocity=velocity,
+        bias=np.broadcast_to(bias, len(bodies)),
     )
 
 

@@ -5,13 +5,13 @@ that every elimination order has much fill.
 """
 
 import numpy as np
-from scipy import sparse
 from scipy.spatial import cKDTree
 
 from frictionbench.problems.catalogue import instance
 from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.rows import Index64, planar_relative
+from frictionbench.problems.instances.bodies import touching_in_plane
+from frictionbench.problems.rows import Index64
 
 REACH = 1.05  # m, the largest distance of the centres of bodies that may touch, with one body per unit area
 PAIRS = 1.6  # contacts per body, as in a disordered packing between isostatic (1.5) and hexagonal (3)
@@ -56,15 +56,7 @@ def random_graph(seed: int = 0, bodies: int = 100) -> FrictionProblem:
 
 def _graph(pair: Index64, arms: Array, angle: Array, mass: Array, random: np.random.Generator) -> FrictionProblem:
     """The problem of bodies with masses (nb,) and contacts of pairs (nc, 2), with arms (nc, 2, 2) and normals at angles."""
-    nb, nc = len(mass), len(pair)
-    normal = np.column_stack([np.cos(angle), np.sin(angle)])
-    tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
     least, most = FRICTION
-    return FrictionProblem(
-        mass=sparse.diags_array((mass[:, None] * [1.0, 1.0, INERTIA]).ravel()),
-        normal=planar_relative(pair, arms, normal),
-        tangent=planar_relative(pair, arms, tangent),
-        friction=least * (most / least) ** random.random(nc),
-        free_velocity=random.standard_normal(3 * nb),
-        bias=np.zeros(nc),
-    )
+    friction = least * (most / least) ** random.random(len(pair))
+    velocity = random.standard_normal(3 * len(mass))
+    return touching_in_plane(pair, arms, angle, mass[:, None] * [1.0, 1.0, INERTIA], velocity, friction)

@@ -12,8 +12,7 @@ from scipy import sparse
 from frictionbench.problems.catalogue import instance
 from frictionbench.problems.check import count, number
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.instances.bodies import touching
-from frictionbench.problems.rows import planar_relative
+from frictionbench.problems.instances.bodies import touching, touching_in_plane
 from frictionbench.problems.subproblems import side_by_side
 
 
@@ -58,20 +57,13 @@ def random_problem(
     second = np.where(random.random(contacts) < 0.5, -1, random.integers(nb, size=contacts))
     second[second == first] = -1  # the ground
     angle = random.uniform(0, 2 * np.pi, contacts)
-    n = np.column_stack([np.cos(angle), np.sin(angle)])
-    t = np.column_stack([-n[:, 1], n[:, 0]])
     pair, arms = np.column_stack([first, second]), np.zeros((contacts, 2, 2))
     arms[pair >= 0] = random.uniform(-1, 1, ((pair >= 0).sum(), 2))
     mu = 10 ** random.uniform(np.log10(0.05), 1) if friction is None else number("friction", friction, least=0)
     spread = random.uniform(0.5, 1, contacts) if friction is None else np.ones(contacts)
-    return FrictionProblem(
-        mass=sparse.diags_array(np.column_stack([mass, mass, inertia]).ravel()),
-        normal=planar_relative(pair, arms, n),
-        tangent=planar_relative(pair, arms, t),
-        friction=mu * spread,
-        free_velocity=random.standard_normal(3 * nb),
-        bias=np.where(random.random(contacts) < 0.3, random.random(contacts), 0.0),
-    )
+    velocity = random.standard_normal(3 * nb)
+    gaps = np.where(random.random(contacts) < 0.3, random.random(contacts), 0.0)
+    return touching_in_plane(pair, arms, angle, np.column_stack([mass, mass, inertia]), velocity, mu * spread, gaps)
 
 
 @instance(dimension=2)

@@ -11,11 +11,10 @@ from frictionbench.problems.catalogue import generator
 from frictionbench.problems.check import Array, count, number
 from frictionbench.problems.scene import GRAVITY, Scene
 from frictionbench.problems.scenes.one_block import sliding
-from frictionbench.problems.spatial.bodies import HalfSpace, solid_box
+from frictionbench.problems.spatial.bodies import LEVEL_GROUND, HalfSpace, solid_box
 from frictionbench.problems.spatial.rotation import NO_ROTATION
 
 HALF_EDGE = 0.1  # m, half an edge of a cube
-FLOOR = HalfSpace(np.array([0.0, 0.0, 1.0]))
 
 
 @generator(dimension=3, duration=0.6)
@@ -36,7 +35,7 @@ def sliding_box(
     upright = max(mu if speed else min(mu, np.tan(slope)), 0.0) * aspect <= 1
     return Scene(
         bodies=(solid_box(half),),
-        obstacles=(FLOOR,),
+        obstacles=(LEVEL_GROUND,),
         q0=np.array([0.0, 0.0, half[2], *NO_ROTATION]),
         v0=np.array([*speed * along, 0.0, 0.0, 0.0]),
         gravity=(down, 0.0, -normal),
@@ -59,7 +58,7 @@ def box_tower(boxes: int = 5, mass_ratio: float = 1.0, slope: float = 0.1, frict
     holds = np.tan(slope) <= min(mu, HALF_EDGE / max(standing))
     return Scene(
         bodies=tuple(solid_box((HALF_EDGE, HALF_EDGE, HALF_EDGE), float(m)) for m in mass),
-        obstacles=(FLOOR,),
+        obstacles=(LEVEL_GROUND,),
         q0=np.hstack([place, np.tile(NO_ROTATION, (n, 1))]),
         gravity=(GRAVITY * np.sin(slope), 0.0, -GRAVITY * np.cos(slope)),
         path=partial(_resting, place) if holds else None,

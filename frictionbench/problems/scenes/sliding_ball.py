@@ -7,11 +7,10 @@ import numpy as np
 from frictionbench.problems.catalogue import generator
 from frictionbench.problems.check import Array, number
 from frictionbench.problems.scene import GRAVITY, Scene
-from frictionbench.problems.spatial.bodies import HalfSpace, solid_sphere
+from frictionbench.problems.spatial.bodies import LEVEL_GROUND, solid_sphere
 from frictionbench.problems.spatial.rotation import NO_ROTATION
 
 RADIUS = 0.1  # m
-TABLE = HalfSpace(np.array([0.0, 0.0, 1.0]))
 
 
 @generator(dimension=3, duration=0.4)
@@ -27,7 +26,7 @@ def sliding_ball(speed: float = 2.0, side_spin: float = 14.0, friction: float = 
     slip = velocity + np.cross(spin, [0.0, 0.0, -RADIUS])
     return Scene(
         bodies=(solid_sphere(RADIUS),),
-        obstacles=(TABLE,),
+        obstacles=(LEVEL_GROUND,),
         q0=np.array([0.0, 0.0, RADIUS, *NO_ROTATION]),
         v0=np.concatenate([velocity, spin]),
         path=partial(_rolling, velocity, slip, number("friction", friction, least=0) * GRAVITY),
@@ -49,7 +48,7 @@ def dropped_ball(height: float = 0.2, restitution: float = 0.0) -> Scene:
     height = number("height", height, least=0)
     return Scene(
         bodies=(solid_sphere(RADIUS),),
-        obstacles=(TABLE,),
+        obstacles=(LEVEL_GROUND,),
         q0=np.array([0.0, 0.0, RADIUS + height, *NO_ROTATION]),
         path=partial(_bouncing, height, number("restitution", restitution, least=0, most=1)),
     )

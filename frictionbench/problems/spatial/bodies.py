@@ -65,6 +65,9 @@ class HalfSpace:
         return HalfSpace(self.normal, self.height * length)
 
 
+LEVEL_GROUND = HalfSpace(np.array([0.0, 0.0, 1.0]))
+
+
 @dataclass(frozen=True, eq=False)
 class Solid:
     """mass: kg. inertia: (3,), kg m^2, the principal moments about the centre of mass, along the shape's axes. roughness:
