@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from frictionbench.commands.table import columns, paragraph, screen
+from frictionbench.commands.table import columns, paragraph
 from frictionbench.reports.drawing.text import residual, seconds
 from frictionbench.results.conventions import count, rough_percent
 from frictionbench.results.files import printable
@@ -25,14 +25,14 @@ def summary(folder: Path) -> str:
     without = len(judged.steps) - len(judged.touching)
     lines = [f"{count(len(judged.touching), 'step')} with contacts judged by Coulomb's law, {without} without contact"]
     for answer in filter(None, (judged.creep, judged.forces, judged.impossible)):
-        lines += paragraph(printable(answer), screen())
+        lines += paragraph(printable(answer))
     most = ", ".join(f"{law} in {count}" for law, count in judged.laws.items())
     lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")
     for one in judged.worst(1):
         lines += [f"worst step: {printable(one.file)}, residual {residual(one.residual, 1)}, {one.law}"]
     if noted := judged.notes:
         means = "; ".join(f"{printable(name)} {rough_percent(mean)} in {count(n, 'step')}" for name, (mean, n) in noted.items())
-        lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen())
+        lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}")
     header = ("", "solved", "residual p50", "residual worst", "time p50", "time p99", "time worst")
     digits = partial(residual, decimals=1)
     engine = _shown(judged.percentiles["residual"], ("p50", "worst"), digits)
@@ -41,7 +41,7 @@ def summary(folder: Path) -> str:
         residuals = _shown(other["residual"], ("p50", "worst"), digits)
         times = _shown(other["time"], ("p50", "p99", "worst"), seconds)
         body.append((other["variant"], f"{other['solved']}/{other['steps']}", *residuals, *times))
-    return "\n".join([*lines, "", *columns(header, body, screen(), ("time p99", "residual p50"))])
+    return "\n".join([*lines, "", *columns(header, body, ("time p99", "residual p50"))])
 
 
 def _shown(values: dict[str, float] | None, which: tuple[str, ...], form: Callable[[float], str]) -> list[str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionbench.commands.stored_cell import stored_cell, trusted
-from frictionbench.commands.table import columns, say, screen
+from frictionbench.commands.table import columns, say
 from frictionbench.harness.cells import worker
 from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SimulationCell, SolveCell, Source, origin
 from frictionbench.harness.progress import Progress
@@ -207,7 +207,7 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
             remarks.append(printable(f"{label} {row['variant']}: {row['reason']}"))
     header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")
     spare = ("work", "status", "model residual", "form", "setup", "solve")
-    print(title, *columns(header, lines, screen(), spare), sep="\n")
+    print(title, *columns(header, lines, spare), sep="\n")
     for remark in remarks:
         say(remark, "  ")
 

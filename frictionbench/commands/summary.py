@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from frictionbench.commands.table import columns, screen
+from frictionbench.commands.table import columns
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems.verdicts import Verdict
@@ -47,7 +47,7 @@ def counted(what: str, rows: pd.DataFrame) -> str:
     counts = pd.crosstab(rows["variant"], np.array(endings(rows))).reindex(columns=list(ENDINGS), fill_value=0)
     counts = counts.sort_values(list(ENDINGS), ascending=False, kind="stable")
     body = [(str(name), *(str(n or "") for n in row)) for name, row in zip(counts.index, counts.to_numpy(), strict=True)]
-    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *ENDINGS), body, screen())])
+    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *ENDINGS), body)])
 
 
 def _reasons(rows: pd.DataFrame) -> str:

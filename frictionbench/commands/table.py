@@ -17,12 +17,13 @@ def screen() -> int | None:
     return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 
-def columns(header: Sequence[str], rows: Sequence[Sequence[str]], width: int | None, spare: Iterable[str] = ()) -> list[str]:
+def columns(header: Sequence[str], rows: Sequence[Sequence[str]], spare: Iterable[str] = ()) -> list[str]:
     """Return the lines of a table without empty columns.
 
-    spare: names of columns to leave out, in this order, while the table is wider than `width`; a line says so. If that does not
-    suffice, the longest cells are continued on further lines.
+    spare: names of columns to leave out, in this order, while the table is wider than the screen; a line says so. If that does
+    not suffice, the longest cells are continued on further lines.
     """
+    width = screen()
     widths = {
         i: max(map(len, (name, *(row[i] for row in rows)))) for i, name in enumerate(header) if any(row[i] for row in rows)
     }
@@ -36,16 +37,17 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], width: int | N
     wide = Console(width=width or 10**4, no_color=True)
     lines = ["".join(part.text for part in line).rstrip() for line in wide.render_lines(table, pad=False)]
     left_out = f"not shown on {width} columns: {', '.join(cut)}; a wider terminal or a file has all"
-    return [*lines, *(paragraph(left_out, width) if cut else [])]
+    return [*lines, *(paragraph(left_out) if cut else [])]
 
 
 def say(text: str, indent: str = "") -> None:
     """Print a text as a paragraph."""
-    print("\n".join(paragraph(text, screen(), indent)), flush=True)
+    print("\n".join(paragraph(text, indent)), flush=True)
 
 
-def paragraph(text: str, width: int | None, indent: str = "") -> list[str]:
-    """Return the text's lines, indented; one line if no width is given."""
+def paragraph(text: str, indent: str = "") -> list[str]:
+    """Return the text's lines, indented; one line if the output is not a terminal."""
+    width = screen()
     limit = 10**6 if width is None else min(max(width, 40), WIDEST)
     return textwrap.wrap(
         text, limit, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False, break_long_words=False

@@ -100,7 +100,7 @@ def test_worst_steps_are_peaks_then_the_next_and_equal_steps_count(folder) -> No
 
 
 def test_summary_and_page(folder, monkeypatch) -> None:
-    monkeypatch.setattr("frictionbench.commands.judge.screen", lambda: 60)
+    monkeypatch.setattr("frictionbench.commands.table.screen", lambda: 60)
     text = summary(folder)
     assert "residual worst  time p50  time worst" in text  # heads are whole words on a narrow terminal
     assert "3 steps with contacts judged by Coulomb's law, 1 without contact" in text

@@ -104,12 +104,9 @@ def accelerations(
     the accelerations with t'd = t.'v.
     """
     rate = rates(scene, q, v, contacts)
-    held = slip == 0
-    d = (
-        np.linalg.lstsq(contacts.tangent_rows.dense(len(v))[held], rate.tangent[held, 0], rcond=None)[0]
-        if held.any()
-        else 0 * v
-    )
+    held, d = slip == 0, np.zeros_like(v)
+    if held.any():
+        d = np.linalg.lstsq(contacts.tangent_rows.dense(len(v))[held], rate.tangent[held, 0], rcond=None)[0]
     problem = scene.friction_problem(
         q,
         scene.accelerate(q, scene.force(q, v, time)) + d,
