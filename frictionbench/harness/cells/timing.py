@@ -67,7 +67,6 @@ class Timing:
     """
 
     remote: bool = False
-
     form: list[float] = field(default_factory=list)
     setup: list[float] = field(default_factory=list)
     solve: list[float] = field(default_factory=list)

@@ -22,8 +22,7 @@ def require_semidefinite(field: str, W: sparse.csr_array) -> None:
     only one of its triangles has entries and they exceed rounding, because the other triangle was probably not stored; or if
     its symmetric part has an eigenvalue below -INDEFINITE times the largest, as estimated by spectrum_ends."""
     least, most = 1 / LARGEST_INPUT, LARGEST_INPUT
-    inside = not W.nnz or least <= abs(W).max() < most
-    require(inside, field, f"its largest entry must be 0 or from {least:g} to {most:g}")
+    require(not W.nnz or least <= abs(W).max() < most, field, f"its largest entry must be 0 or from {least:g} to {most:g}")
     sides = sparse.tril(W, -1, format="coo"), sparse.triu(W, 1, format="coo")
     for side, other in (sides, sides[::-1]):
         if side.nnz and not other.nnz and abs(side.data).max() > FILE_ROUNDING * abs(W).max():
