@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 from typer.core import TyperArgument, TyperCommand
@@ -23,9 +23,6 @@ from frictionbench.commands import options
 from frictionbench.harness.streams import Unwritable, standard_streams
 from frictionbench.results.conventions import DEFAULT_SCHEME, RankBy
 from frictionbench.results.files import printable
-
-if TYPE_CHECKING:
-    from frictionbench.harness.progress import Progress
 
 app = typer.Typer(
     help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",
@@ -128,8 +125,8 @@ def run(
     folder = Path(wanted.out) if wanted.out else folder_for(plan)
     if plan.expects:
         progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores")
-    begin, workers = run_maps if plan.maps else run_plan, _jobs(jobs, progress)
-    with _resumable(folder, progress):
+    begin, workers = run_maps if plan.maps else run_plan, _jobs(jobs)
+    with _resumable(folder):
         if retake:
             drop_disturbed(plan, folder)
         begin(plan, folder, workers, progress, cluster)
@@ -267,9 +264,8 @@ def solve(
     from frictionbench.commands.single import solve_one
     from frictionbench.harness.progress import Progress
 
-    progress = Progress(quiet=quiet)
-    wanted = (problem, solver or [], tol, time_limit, _jobs(jobs, progress))
-    solve_one(*wanted, rank_by=rank_by, progress=progress, as_json=as_json)
+    wanted = (problem, solver or [], tol, time_limit, _jobs(jobs))
+    solve_one(*wanted, rank_by=rank_by, progress=Progress(quiet=quiet), as_json=as_json)
 
 
 @_command()
@@ -298,9 +294,9 @@ def judge(
 
     variants, plugins = load_plugins(against or [])
     progress = Progress(quiet=quiet)
-    workers = _jobs(jobs, progress)
+    workers = _jobs(jobs)
     plan, written = prepared(folder, variants, plugins, tol, time_limit, workers, out, progress)
-    with _resumable(written, progress):
+    with _resumable(written):
         run_plan(plan, written, workers, progress)
     page = write_judgement(written)
     typer.echo(json.dumps(as_data(written), indent=1) if as_json else f"{summary(written)}\nreport: {page}")
@@ -394,8 +390,8 @@ def map_(
     plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
     require_buildable([(spec.scene, spec.at(corner)) for spec in plan.maps for corner in corners(spec)])
     folder, progress = out or folder_for(plan), Progress(quiet=quiet)
-    with _resumable(folder, progress):
-        run_maps(plan, folder, _jobs(jobs, progress), progress)
+    with _resumable(folder):
+        run_maps(plan, folder, _jobs(jobs), progress)
     typer.echo(counted("points of the map", read_table(folder, "simulations" if steps else "solves")))
     typer.echo(f"report: {write_report(folder)}")
 
@@ -414,8 +410,7 @@ def check_solver(
     from frictionbench.harness.contract.examine import examine, format_findings
     from frictionbench.harness.progress import Progress
 
-    progress = Progress()
-    results = examine(solver, _jobs(jobs, progress), progress)
+    results = examine(solver, _jobs(jobs), Progress())
     typer.echo(format_findings(results))
     raise typer.Exit(int(any(one.violations for one in results)))
 
@@ -439,7 +434,7 @@ def rerun(
     typer.echo(f"reduced to {problem.contacts} contacts in {trials} trials: {path}\nsolve it: {command}")
 
 
-def _jobs(jobs: int | None, progress: "Progress") -> int:
+def _jobs(jobs: int | None) -> int:
     """Return the number of workers. By default one core is left to this process and the system, which would disturb timings."""
     from numba.core import config
 
@@ -451,7 +446,8 @@ def _jobs(jobs: int | None, progress: "Progress") -> int:
     if jobs is not None and jobs > most:
         raise InputError(f"jobs: at most {most} on this machine, one per core")
     if not any(Path(config.CACHE_DIR).rglob("*.nbi")):
-        progress.tell("kernels are compiled at their first use, once: a minute for a few solvers, some minutes for all of them")
+        told = "kernels are compiled at their first use, once: a minute for a few solvers, some minutes for all of them"
+        typer.echo(told, err=True)  # with --quiet as well: a first run would say nothing for minutes
     return jobs or max(1, most - 1)
 
 
@@ -480,9 +476,8 @@ def _reworded(error: typer.BadParameter) -> str:
 
 
 @contextmanager
-def _resumable(folder: Path, progress: "Progress") -> Iterator[None]:
-    """Print the run's folder, and if the run is interrupted how to resume it."""
-    progress.tell(f"results are written to {folder}")
+def _resumable(folder: Path) -> Iterator[None]:
+    """Print how to resume the run if it is interrupted."""
     try:
         yield
     except _Stopped as stopped:

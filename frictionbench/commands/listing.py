@@ -34,7 +34,7 @@ def show(what: str) -> None:
 def _short(fact: str, value: Any) -> str:
     if fact == "dimension":
         return SPACES[value]
-    return fact if value is True else f"not available: {value}" if fact == "missing" else str(value)
+    return fact if value is True else f"not available: {value}" if fact == "missing" else f"{fact} {value}"
 
 
 def _words(values: Facts | list[Any]) -> str:

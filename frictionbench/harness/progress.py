@@ -44,7 +44,7 @@ class Progress:
             task = bar.add_task(name, total=total, completed=done)
             for count, item in enumerate(items, done + 1):
                 bar.update(task, completed=count)
-                if not self._console.is_terminal and time.monotonic() - printed > INTERVAL:
+                if count < total and not self._console.is_terminal and time.monotonic() - printed > INTERVAL:
                     printed = time.monotonic()
                     self.tell(f"{name}: {count} of {total}")
                 yield item

@@ -52,8 +52,10 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
     with Cluster(cluster, folder, plan.plugins, plan.memory_limit) if cluster else nullcontext() as distant:
         open_folder(plan, folder)
         rows = {table: store.rows(folder, table) for table in TABLES}
+        known = {name: value for name, value in store.read_manifest(folder).items() if name != "finished"}
+        if "workers" not in known:  # the run has just begun
+            progress.tell(f"results are written to {folder}")
         with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
-            known = {name: value for name, value in store.read_manifest(folder).items() if name != "finished"}
             store.write_manifest(folder, known | {"workers": None if cluster else jobs, "walls": pool.sandbox})
             records = _collect(plan, pool, progress)
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]

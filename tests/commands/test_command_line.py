@@ -28,11 +28,21 @@ def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
     assert "all cores but one" in " ".join(CliRunner().invoke(app, ["run", "--help"]).output.split())
 
 
+def test_compilation_is_announced_where_nothing_is_compiled_yet(monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr("frictionbench.commands.single.solve_one", lambda *_, **__: None)
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
+    assert "compiled at their first use" in CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
+    (tmp_path / "kernel.nbi").touch()
+    assert not CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
+
+
 @pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
 def test_lists_are_json_too(what) -> None:
     listed = json.loads(CliRunner().invoke(app, ["list", what, "--json"]).output)
     assert {"scenes": "cubes", "solvers": "lemke", "suites": "smoke"}[what] in listed
     assert all(facts["summary"].endswith((".", ")")) for facts in listed.values())
+    named = {"scenes": "arch  (planar)", "solvers": "lemke  (family pivoting; model lcp; ", "suites": "smoke  (takes "}[what]
+    assert named in CliRunner().invoke(app, ["list", what]).output
 
 
 def test_default_folder_depends_on_settings() -> None:
@@ -65,7 +75,8 @@ def test_interruption_message(tmp_path, command) -> None:
     assert ended.returncode == 128 + signal.SIGINT
     assert ("SIGINT" in ended.stderr, "Traceback" in ended.stderr) == (True, False)
     if "--out" in command:
-        assert "frictionbench report run" in ended.stderr
+        told = (f"results are written to {tmp_path / 'run'}\n", "frictionbench report run")
+        assert all(text in ended.stderr for text in told)
         assert store.read_manifest(tmp_path / "run")["settings"]["suite"] == "smoke"  # the same command continues it
 
 

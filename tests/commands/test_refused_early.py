@@ -28,6 +28,8 @@ def test_scenes_that_cannot_be_made(tmp_path, monkeypatch) -> None:
         done = frictionbench(*command)
         assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done
         assert ("must be" in done.stderr, out.exists()) == (True, False)
+    done = frictionbench("run", "smoke", "--scene", "stack", "--out", str(tmp_path.parent))  # a folder that holds tmp_path
+    assert done.stderr.startswith(f"frictionbench: {tmp_path.parent}: neither empty nor a results folder"), done.stderr
     monkeypatch.setattr(inputs, "BUILD_SECONDS", 0.5)
     with pytest.raises(InputError, match=r"^scene: stack\[blocks=3000000\] cannot be made \(stopped at its limit of 0.5 s\)"):
         inputs.require_buildable([("stack", {"blocks": 3000000})])

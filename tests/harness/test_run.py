@@ -34,7 +34,7 @@ def test_run_writes_every_row_once_and_resumes(tmp_path, capsys) -> None:
     manifest = store.read_manifest(folder)
     assert manifest["finished"]
     run(small_plan(), folder, 1, Progress())
-    assert "done\n9 cells had been run before, and none is left\n" in capsys.readouterr().err
+    assert capsys.readouterr().err == "sources of problems: all 2 done\n9 cells had been run before, and none is left\n"
     assert set(manifest["problems"]) == set(store.read_table(folder, "solves")["problem"])
 
 
