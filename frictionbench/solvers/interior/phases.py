@@ -26,6 +26,7 @@ from frictionbench.solvers.many import ALONE, impulses_of, is_alone, solved, uns
 POLISHABLE = 1e-5  # residual up to which polishing is tried: from there Newton's method mostly converges
 ROUNDING = 4 * np.finfo(float).eps  # of the residual, relative to the largest impulse: four roundings of a contact's terms
 MARGIN = 0.5  # the share of tol that is requested, as the residual is computed in other units and summed in another order
+SHARPER = 0.01  # its factor after a phase that converged, but not for the exact residual
 Phase = tuple[Callable[..., int], Point | Path, int]  # a method, where it starts, and its largest number of factorisations
 Measure = Callable[[FrictionProblem, Array], float]
 Polish = Callable[[Array], Array]
@@ -88,7 +89,9 @@ def run(
         residuals = np.empty(min(share, limit - len(history)))
         used = method(system, space, point, workspace, reached, MARGIN * sharp, patience, residuals)
         history += residuals[:used].tolist()
-        solved = _is_solved(reached, tol, sharp, system, problem, measure)
+        converged = reached.residual[0] <= MARGIN * sharp
+        reached.residual[0] = measure(problem, reached.impulse * system.impulse)  # joints' defects may be larger at contacts
+        solved = bool(reached.residual[0] <= tol)
         if polish and not solved and reached.residual[0] <= POLISHABLE:
             solved = _is_polished(reached, tol, prepared, measure, polish)
         if reached.residual[0] < best.residual[0]:
@@ -96,6 +99,7 @@ def run(
         if solved:
             status = Status.SOLVED
             break
+        sharp *= SHARPER if converged else 1.0
         if len(history) == limit or is_past(workspace.until):
             status = Status.WORK_LIMIT if len(history) == limit else Status.TIME_LIMIT
             break
@@ -112,14 +116,6 @@ def run(
 def _closing(problem: FrictionProblem, tol: float) -> bool:
     """Whether a contact closes in the free motion, faster than tol permits."""
     return bool((problem.q[:: problem.dimension] < -tol * problem.units).any())
-
-
-def _is_solved(best: Best, tol: float, sharp: float, system: System, problem: FrictionProblem, measure: Measure) -> bool:
-    """Whether the best impulses are a solution. Unless their residual plus rounding is within sharp, the exact one decides."""
-    rounding = ROUNDING * np.max(system.weight * best.impulse[:, 0], initial=0.0)
-    if best.residual[0] + rounding > sharp:
-        best.residual[0] = measure(problem, best.impulse * system.impulse)
-    return bool(best.residual[0] <= tol)
 
 
 def _is_polished(best: Best, tol: float, prepared: Prepared, measure: Measure, polish: Polish) -> bool:
