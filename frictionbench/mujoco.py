@@ -117,8 +117,8 @@ def step(
     before: the previous step, for a warm start by pairs of geoms and by joints.
 
     If the solver fails, `status` says so, and its impulses are used nevertheless, or zero if they are not finite.
-    Errors: InputError naming data where the simulation has diverged, contact where its surface moves, dof_dampingpoly where
-    Euler is given nonlinear damping, integrator where implicit's mass is indefinite, or what `solve` refuses.
+    Errors: InputError naming model without joints, data where the simulation has diverged, contact where its surface moves,
+    dof_dampingpoly where Euler has nonlinear damping, integrator where implicit's mass is indefinite, or what `solve` refuses.
     """
     import mujoco as mj
 
@@ -189,6 +189,7 @@ def _stage(mj: Any, model: Any, data: Any) -> _Stage:
     kinds = engine.kinds_of(mj, data)
     contacts, _ = engine.rows_of(mj, model, data, J, kinds)
     free = data.qvel + model.opt.timestep * np.linalg.solve(full, data.qfrc_smooth)
+    free[(data.tree_asleep >= 0)[model.dof_treeid]] = 0.0  # no force acts on what MuJoCo has put to sleep
     return _Stage(contacts, J, kinds, full, mass, free)
 
 
@@ -233,14 +234,13 @@ def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, veloc
     M = np.zeros_like(stage.mass)
     mj.mj_fullM(model, data, M)
     change, mean = velocity - data.qvel, (velocity + data.qvel) / 2
-    total = stage.full @ (velocity - stage.free)
-    forces = model.opt.timestep * data.qfrc_smooth - (stage.full - M) @ change
+    total = stage.mass @ (velocity - stage.free)
     work = impulse * (stage.contacts.rows @ mean).reshape(-1, 3)
     touching = stage.kinds.touching.sum()
     middle = touching + stage.kinds.limit.sum()
     return {
         "kinetic": float(mean @ M @ change),
-        "forces": float(mean @ forces),
+        "forces": float(mean @ (M @ change - total)),
         "contacts": float(work[:touching, 0].sum()),
         "friction": float(work[:touching, 1:].sum()),
         "limits": float(work[touching:middle].sum()),
@@ -270,7 +270,7 @@ def _correction(model: Any, data: Any, stage: _Stage, velocity: Array) -> Array:
 def _advance(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velocity: Array) -> None:
     """Let MuJoCo integrate activations, velocities and positions with the constraint forces that give this velocity."""
     h = model.opt.timestep
-    data.efc_force[:] = _forces(mj, data, stage, impulse, stage.full @ (velocity - stage.free)) / h
+    data.efc_force[:] = _forces(mj, data, stage, impulse, stage.mass @ (velocity - stage.free)) / h
     data.qfrc_constraint[:] = stage.full @ (velocity - stage.free) / h
     data.qacc[:] = (velocity - data.qvel) / h
     mj.mj_sensorAcc(model, data)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import frictionbench as fb
+from frictionbench import capture
 
 mj = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco")
 
@@ -16,6 +17,8 @@ BLOCK = """
   </worldbody>
   <sensor><touch site="s"/></sensor>
 </mujoco>"""
+BALL = """<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+<body pos="0 0 .09"><freejoint/><geom size=".1"/></body></worldbody></mujoco>"""
 CHAIN = """
 <mujoco>
   <option timestep=".005" integrator="{integrator}"/>
@@ -79,12 +82,25 @@ def test_ledger_adds_up_with_everything_at_work() -> None:
     data.qvel[:] = np.sin(np.arange(model.nv))
     used = dict.fromkeys(("contacts", "friction", "limits", "dry friction", "equalities"), 0.0)
     for result in fb.mujoco.steps(model, data, 250):
-        energy = result.energy
-        parts = [energy[name] for name in ("forces", *used)]
-        assert energy["kinetic"] == pytest.approx(sum(parts), abs=1e-12)
-        used = {name: max(size, abs(energy[name])) for name, size in used.items()}
+        assert result.energy["kinetic"] == pytest.approx(sum(result.energy[name] for name in ("forces", *used)), abs=1e-12)
+        used = {name: max(size, abs(result.energy[name])) for name, size in used.items()}
         assert result.residual <= 1e-8
     assert all(used.values())
+
+
+def test_terms_of_implicit_are_no_work_of_equalities() -> None:
+    loose = EVERYTHING.replace("<connect", '<connect active="false"')
+    model, data = made(loose.replace("<worldbody>", '<option integrator="implicit"/><worldbody>'))
+    data.qvel[:] = 3 * np.sin(np.arange(model.nv))
+    assert all(abs(result.energy["equalities"]) < 1e-10 for result in fb.mujoco.steps(model, data, 20))
+
+
+def test_bodies_asleep_do_not_fall() -> None:
+    xml = BLOCK.format(cone="elliptic", integrator="Euler", mu=0.5)
+    model, data = made(xml.replace("<worldbody>", '<option><flag sleep="enable"/></option><worldbody>'))
+    assert sum(data.ntree_awake for _ in fb.mujoco.steps(model, data, 60)) > 5
+    assert data.ntree_awake == 0
+    assert not any(use(model, data).problem.free_velocity.any() for use in (capture.mujoco, fb.mujoco.step))
 
 
 EVERYTHING = """
@@ -118,8 +134,7 @@ def test_dry_friction_holds_and_a_limit_stops() -> None:
 
 
 def test_penetration_is_taken_away_without_momentum() -> None:
-    ball = '<geom type="plane" size="1 1 1"/><body pos="0 0 .09"><freejoint/><geom size=".1"/></body>'
-    model, data = made(f"<mujoco><worldbody>{ball}</worldbody></mujoco>")
+    model, data = made(BALL)
     for k, result in enumerate(fb.mujoco.steps(model, data, 20)):
         assert result.penetration == pytest.approx(1e-4 + 0.0099 * 0.8**k, rel=1e-3 * (k + 1))  # to .001 of the mean size
         assert np.abs(data.qvel).max() < 1e-10
@@ -127,9 +142,7 @@ def test_penetration_is_taken_away_without_momentum() -> None:
 
 def test_what_cannot_be_is_compromised() -> None:
     """A ball wedged between a floor and a ceiling that are too close: it rests in the middle, and every step is solved."""
-    xml = """<mujoco><worldbody><geom type="plane" size="1 1 1"/><geom type="box" size="1 1 .1" pos="0 0 .26"/>
-    <body pos="0 0 .09"><freejoint/><geom size=".1"/></body></worldbody></mujoco>"""
-    model, data = made(xml)
+    model, data = made(BALL.replace("<body", '<geom type="box" size="1 1 .1" pos="0 0 .26"/><body'))
     for result in fb.mujoco.steps(model, data, 60):
         assert result.residual <= 1e-8
         assert np.abs(data.qvel).max() < 1e-9
@@ -184,12 +197,7 @@ def test_two_coefficients_of_friction_may_be_far_apart() -> None:
 def test_warm_starts_follow_geoms_and_joints(monkeypatch) -> None:
     model, data = made(EVERYTHING)
     starts, solve = [], fb.mujoco.solve
-
-    def spied(problem, solver, tol, start, limit):
-        starts.append(start)
-        return solve(problem, solver, tol=tol, start=start, limit=limit)
-
-    monkeypatch.setattr(fb.mujoco, "solve", spied)
+    monkeypatch.setattr(fb.mujoco, "solve", lambda *problem, **how: starts.append(how["start"]) or solve(*problem, **how))
     before = None
     for _ in range(400):
         result = fb.mujoco.step(model, data, before=before)
@@ -211,6 +219,8 @@ def test_unusable_models_and_states() -> None:
     data.qvel[0] = 1.1e10
     with pytest.raises(fb.InputError, match="data: MuJoCo would reset it: the simulation has diverged"):
         fb.mujoco.step(model, data)
+    with pytest.raises(fb.InputError, match="model: has no joints"):
+        fb.mujoco.step(*made("<mujoco/>"))
     model, data = made(CHAIN.format(integrator="implicit"))
     data.qvel[:] = 1e4
     with pytest.raises(fb.InputError, match="integrator: implicit's mass is not positive definite"):

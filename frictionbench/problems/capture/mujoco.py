@@ -40,8 +40,8 @@ def mujoco(model: Any, data: Any) -> EngineStep:
     Returns an EngineStep. The bias is the gap divided by the step, negative if bodies penetrate. The notes state the shares of
     torsional and rolling friction, of the softness of contacts and equalities, and of everything that no constraint explains,
     such as unsymmetric implicit terms of the integrator.
-    Errors: InputError naming integrator for RK4, whose step has four sets of impulses; contact for moving surfaces and flexes
-    without friction; data if the simulation has diverged; step if the engine's next velocity differs from the problem's.
+    Errors: InputError naming model without joints; integrator for RK4, whose step has four sets of impulses; contact for moving
+    surfaces and flexes without friction; data that has diverged; step if the engine's next velocity differs from the problem's.
     """
     import mujoco as mj
 
@@ -55,6 +55,7 @@ def mujoco(model: Any, data: Any) -> EngineStep:
     mass = mass_of(mj, model, after)
     require_finite(mass, after.qfrc_smooth)
     free = data.qvel + h * np.linalg.solve(mass, after.qfrc_smooth)
+    free[((data.tree_asleep >= 0) & (after.tree_asleep >= 0))[model.dof_treeid]] = 0.0
     J, force, kinds = jacobian(mj, model, after), after.efc_force.copy(), kinds_of(mj, after)
     contacts, others = rows_of(mj, model, after, J, kinds)
     symmetric = (mass + mass.T) / 2
@@ -88,6 +89,7 @@ def known(mj: Any) -> tuple[Any, ...]:
 
 def mass_of(mj: Any, model: Any, data: Any) -> Array:
     """A (nv, nv), the mass matrix with which impulses act in the integrator. data: after the step."""
+    require(model.nv > 0, "model", "has no joints: nothing can move")
     mass, h = np.zeros((model.nv, model.nv)), model.opt.timestep
     mj.mj_fullM(model, data, mass)
     if model.opt.integrator not in known(mj)[1:]:

@@ -22,11 +22,9 @@ def test_steps_of_mujoco(tmp_path, cone) -> None:
     mj = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco")
     model = mj.MjModel.from_xml_string(BLOCK.format(cone=cone))
     data = mj.MjData(model)
-    for _ in range(300):
-        mj.mj_step(model, data)
+    mj.mj_step(model, data, 300)
     model.opt.gravity[0] = 4.0  # less than friction holds
-    for _ in range(20):
-        mj.mj_step(model, data)
+    mj.mj_step(model, data, 20)
     path = capture.mujoco(model, data).save(tmp_path)
     found = judge_file(tmp_path, path)
     assert found.contacts == 12
