@@ -83,7 +83,7 @@ def test_interruption_message(tmp_path, command) -> None:
 @pytest.mark.parametrize(
     ("when", "number", "ends"),
     [
-        ("streams.io.BufferedWriter", signal.SIGINT, -signal.SIGINT),
+        ("streams.io.BufferedWriter", signal.SIGTERM, -signal.SIGTERM),
         ("signal.signal", signal.SIGTERM, -signal.SIGTERM),
         ("cli.app", signal.SIGTERM, 128 + signal.SIGTERM),
         ("cli.app", signal.SIGHUP, 128 + signal.SIGHUP),
@@ -92,7 +92,8 @@ def test_interruption_message(tmp_path, command) -> None:
 def test_a_signal_at_any_time_is_no_regression(when, number, ends) -> None:
     """Exit code 1 would mean a regression: neither a signal before the command begins nor one after its end gives it."""
     module, name = when.rsplit(".", 1)
-    code = "import os, signal, sys; from frictionbench.harness import streams; from frictionbench.commands import cli\n"
+    code = "import os, signal; [signal.signal(n, signal.SIG_DFL) for n in (signal.SIGTERM, signal.SIGHUP)]\n"  # not ignored
+    code += "from frictionbench.harness import streams; from frictionbench.commands import cli\n"
     code += f"before = {when}\n"
     code += f"interrupted = lambda *given, **named: (os.kill(os.getpid(), {int(number)}), before(*given, **named))[1]\n"
     code += f"setattr({module}, {name!r}, interrupted)\n"

@@ -18,7 +18,8 @@ from tests.helpers.friction_problems import block, known_by_W, nothing, own_resi
 
 TOL = 1e-6
 OURS = sorted(spec for info in available().values() if not info.needs for spec in info.specs)
-OUTSIDE = ["clarabel", "osqp", "proxsuite"]  # which every installation for tests has
+# Which every installation for tests has. By default Clarabel ends AlmostSolved on some processors where only W is known.
+OUTSIDE = ["clarabel[settings=tuned]", "osqp", "proxsuite"]
 LIMIT, DRY = 2, 3  # rows of joints, after two ordinary contacts
 
 
