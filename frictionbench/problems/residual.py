@@ -6,11 +6,12 @@ residual is the defect of this equation as a velocity, relative to the change th
 
     max_i max( s_i | r_i - P_K(r_i - g(u_i)/s_i) |, |min(s_i r_n,i, u_n,i)| ) / unit_i
 
-Here s_i is the mean of the positive diagonal entries of contact i's block of W. Without friction biases, unit_i is the largest
-closing speed max(-q_n,j, 0) of the contacts of its island that can carry load (problems.forms.islands). Zero impulses then have
-the residual 1 if impulses are needed, and a residual of 1e-8 means that eight digits of the change are correct. The residual is
-zero exactly at a solution. It is invariant under changes of units, also of a joint's coordinate, of the order of contacts and
-of their tangent frames. That of problems side by side is the largest of theirs. docs/residual.md states what it can hide.
+Here s_i is the mean of the positive diagonal entries of contact i's block of W. Without friction biases, unit_i is the
+largest closing speed max(-q_n,j, 0) of the contacts of its island that can carry load (problems.forms.islands). Zero impulses
+then have the residual 1 if impulses are needed, and a residual of 1e-8 is a defect of 1e-8 of that change. The residual is
+zero exactly at a solution, but does not bound the distance from one. It is invariant under changes of units, also of a
+joint's coordinate, of the order of contacts and of their tangent frames. That of problems side by side is the largest of
+theirs. docs/residual.md states what it can hide.
 
 The second term, the defect of Signorini's law, is implied by the first, but only up to a factor of sqrt(1 + mu^2): for a large
 mu, K is nearly a half-space, so that the first term is small for a contact that penetrates while it slides.
