@@ -80,6 +80,12 @@ def test_interruption_message(tmp_path, command) -> None:
         assert store.read_manifest(tmp_path / "run")["settings"]["suite"] == "smoke"  # the same command continues it
 
 
+def _version(code: str) -> subprocess.CompletedProcess[str]:
+    """Run --version in a process that executes code first."""
+    call = [sys.executable, "-c", f"{code}cli.main()", "--version"]
+    return subprocess.run(call, capture_output=True, text=True, check=False)
+
+
 @pytest.mark.parametrize(
     ("when", "number", "ends"),
     [
@@ -97,9 +103,7 @@ def test_a_signal_at_any_time_is_no_regression(when, number, ends) -> None:
     code += f"before = {when}\n"
     code += f"interrupted = lambda *given, **named: (os.kill(os.getpid(), {int(number)}), before(*given, **named))[1]\n"
     code += f"setattr({module}, {name!r}, interrupted)\n"
-    ended = subprocess.run(
-        [sys.executable, "-c", code + "cli.main()", "--version"], capture_output=True, text=True, check=False
-    )
+    ended = _version(code)
     assert ended.returncode == ends, ended.stderr
 
 
@@ -107,7 +111,5 @@ def test_hangups_are_ignored_under_nohup() -> None:
     code = "import os, signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
     code += "from frictionbench.commands import cli\n"
     code += "app = cli.app; cli.app = lambda: (os.kill(os.getpid(), signal.SIGHUP), app())[1]\n"
-    ended = subprocess.run(
-        [sys.executable, "-c", code + "cli.main()", "--version"], capture_output=True, text=True, check=False
-    )
+    ended = _version(code)
     assert (ended.returncode, ended.stderr) == (0, "")

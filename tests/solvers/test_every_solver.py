@@ -18,8 +18,7 @@ from tests.helpers.friction_problems import block, known_by_W, nothing, own_resi
 
 TOL = 1e-6
 OURS = sorted(spec for info in available().values() if not info.needs for spec in info.specs)
-# Which every installation for tests has. By default Clarabel ends AlmostSolved on some processors where only W is known.
-OUTSIDE = ["clarabel[settings=tuned]", "osqp", "proxsuite"]
+OUTSIDE = ["clarabel", "clarabel[settings=tuned]", "osqp", "proxsuite"]  # which every installation for tests has
 LIMIT, DRY = 2, 3  # rows of joints, after two ordinary contacts
 
 
@@ -96,6 +95,8 @@ def test_a_problem_is_solved(spec, name) -> None:
         answer = solve(form, spec, tol=TOL)
         if spec == "murty" and (problem.dimension == 3 or name == "immovable") and answer.status is Status.STALLED:
             continue  # sure for P-matrices only, which those of polygons are not
+        if spec == "clarabel" and name == "biased and jointed in space" and answer.detail == "AlmostSolved":
+            continue  # at the limit of rounding, on some processors
         assert answer.status is Status.SOLVED, "each of these has a solution, within reach of every method here"
         assert own_residual(spec, form, answer) <= TOL
         dry = problem.friction_bias == 0.02
