@@ -111,8 +111,10 @@ class MeritNewton:
         y = np.maximum(descent.best, 0.0)
         if isinstance(problem, FrictionProblem):  # normal impulses that act on nothing, as those of dry friction in joints
             y[: problem.contacts][(dense.M.diagonal()[: problem.contacts] == 0) & (problem.friction == 0)] = 0.0
-        if (dense.scaled.residual(y) <= tol) != (end == SOLVED):
-            end = STALLED if end == SOLVED else SOLVED
+        if dense.scaled.residual(y) <= tol:
+            end = SOLVED
+        elif end == SOLVED:
+            end = STALLED
         work = dict(zip(UNITS, descent.work.tolist(), strict=True))
         answer = dense.scaled.answer(y, STATUS[end], self.end if end == STALLED else "", **work)
         return replace(answer, history=tuple(descent.history[: iterations + 1].tolist()))
