@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, check, recorded
+from frictionbench.problems.check import require
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.recorded import fclib, native
 from frictionbench.problems.recorded.native import EngineStep
@@ -94,10 +95,8 @@ def save(
 def _save_step(
     problem: FrictionProblem | LCP, path: Path, impulse: Any, notes: Mapping[str, float], step: float | None
 ) -> None:
-    if impulse is None:
-        raise InputError("impulse: is missing; notes and step describe a step whose impulses an engine found")
+    require(impulse is not None, "impulse", "is missing; notes and step describe a step whose impulses an engine found")
     if isinstance(problem, LCP):
         raise InputError("problem: an LCP has no contacts, whose impulses an engine could have found")
-    if path.suffix != ".npz":
-        raise InputError(f"path: {path} must end in .npz, which alone holds the impulses of an engine")
+    require(path.suffix == ".npz", "path", f"{path} must end in .npz, which alone holds the impulses of an engine")
     native.save(EngineStep(problem, impulse, notes, step), path)

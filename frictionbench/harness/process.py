@@ -18,7 +18,7 @@ from time import monotonic, sleep
 
 import psutil
 
-from frictionbench.problems import InputError
+from frictionbench.problems.check import InputError, require
 
 # The variables from which OpenMP, OpenBLAS, MKL, numba and Rayon (Rust) read their number of threads.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
@@ -32,11 +32,8 @@ held_cores: list[socket.socket] = []  # this process's claims on cores; closing 
 
 def require_linux() -> None:
     """Check for the mechanisms that isolation and timing need. Errors: InputError on other systems than Linux."""
-    if sys.platform != "linux":
-        raise InputError(
-            f"platform: {sys.platform} has no parent-death signal, subreaper or core affinity, which isolation needs; "
-            "solvers are run and timed on Linux only"
-        )
+    lacks = f"{sys.platform} has no parent-death signal, subreaper or core affinity, which isolation needs; "
+    require(sys.platform == "linux", "platform", lacks + "solvers are run and timed on Linux only")
 
 
 def pin_threads() -> None:
@@ -80,11 +77,9 @@ def bound_memory(limit: int) -> int:
     leaves less than LEAST_MEMORY.
     """
     mapped, bound = _memory_bound(limit)
-    if bound - mapped < min(limit, LEAST_MEMORY):
-        raise InputError(
-            f"memory: this program was started with a limit on address space (ulimit -v) of {bound / 2**20:.0f} MiB, which "
-            f"leaves a worker {max(bound - mapped, 0) / 2**20:.0f} MiB; it needs {LEAST_MEMORY / 2**20:g} MiB"
-        )
+    leaves = f"leaves a worker {max(bound - mapped, 0) / 2**20:.0f} MiB; it needs {LEAST_MEMORY / 2**20:g} MiB"
+    limited = f"this program was started with a limit on address space (ulimit -v) of {bound / 2**20:.0f} MiB, which {leaves}"
+    require(bound - mapped >= min(limit, LEAST_MEMORY), "memory", limited)
     resource.setrlimit(resource.RLIMIT_AS, (bound, bound))
     return bound - mapped
 

@@ -138,10 +138,8 @@ def _point(name: str) -> EntryPoint:
     """The entry point of this name. Errors: InputError if no distribution, or more than one, declares it."""
     points = {(point.value, distribution(point)): point for point in entry_points(group=GROUP, name=name)}
     require(bool(points), "solver", f"no installed distribution declares an entry point {name} in the group {GROUP}")
-    if len(points) > 1:
-        raise InputError(
-            f"solver: {name} is declared by {' and by '.join(sorted(where for _, where in points))}; uninstall all but one"
-        )
+    declared = " and by ".join(sorted(where for _, where in points))
+    require(len(points) == 1, "solver", f"{name} is declared by {declared}; uninstall all but one")
     (point,) = points.values()
     return point
 

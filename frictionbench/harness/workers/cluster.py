@@ -51,9 +51,8 @@ class Cluster(AbstractContextManager["Cluster"]):
         codes = self._client.run(machine.content)
         if not codes or set(codes.values()) != {machine.content()}:
             self._client.close()
-            raise InputError(
-                f"cluster: {f'its workers run {codes}' if codes else 'it has no workers'}; they must run {machine.content()}"
-            )
+            found = f"its workers run {codes}" if codes else "it has no workers"
+            raise InputError(f"cluster: {found}; they must run {machine.content()}")
 
     def __exit__(self, *_: object) -> None:
         with suppress(Exception):  # the scheduler may not answer
