@@ -14,12 +14,11 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem, refined, velocity_distance
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
-from frictionbench.results.conventions import count
+from frictionbench.results.conventions import ANOTHER_OUTCOME, count
 from frictionbench.solvers import solve
 from studies.motions import problem_of
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require
 
-APART = 1e-3  # relative to the change by contact: velocities further apart are two outcomes
 TOL = 1e-8
 STARTS = 3  # random starts of the methods that take one
 LADDER = tuple(10.0**-k for k in range(1, 13))
@@ -52,7 +51,7 @@ def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STAR
             for method, start, answer in found(problem, starts):
                 finest = None if answer is None else refined(problem, answer)
                 apart = [] if finest is None else [velocity_distance(problem, finest, each) for each in outcomes]
-                near = [k for k, distance in enumerate(apart) if distance is not None and distance <= APART]
+                near = [k for k, distance in enumerate(apart) if distance is not None and distance <= ANOTHER_OUTCOME]
                 if finest is not None and not near:
                     outcomes.append(finest)
                 outcome = near[0] if near else len(outcomes) - 1
@@ -120,12 +119,13 @@ def summary(tables: Tables) -> Summary:
         apart=("distance", "max"),
     )
     several = problems[problems["outcomes"] > 1]
-    require(len(several) and (several["apart"] > APART).all(), "some problems have several outcomes")
+    require(len(several) and (several["apart"] > ANOTHER_OUTCOME).all(), "some problems have several outcomes")
     least = several.reset_index().groupby("scene")["friction"].min()
     cold = known[known["start"] == "zero"].merge(several.reset_index()[PROBLEM])
     measured = ladder[(ladder["residual"] < 0.1) & (ladder["residual"] > 1e-11) & (ladder["error"] > 0)]
     gain = measured["error"] / measured["residual"]
-    other = measured["error"] > np.maximum(100 * measured["residual"], APART)  # far away although the residual is small
+    # far away although the residual is small
+    other = measured["error"] > np.maximum(100 * measured["residual"], ANOTHER_OUTCOME)
     numbers = {
         "problems": len(problems),
         "several": len(several),

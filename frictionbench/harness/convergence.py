@@ -33,11 +33,11 @@ from frictionbench.results.histories import CONVERGENCE, ConvergenceHistory, wri
 from frictionbench.results.store import Row
 from frictionbench.solvers import Solver, Status
 
-BUDGET = 2.0  # seconds after which no larger limit is tried: a history shows early convergence
+HISTORY_BUDGET = 2.0  # seconds after which no larger limit is tried: a history shows early convergence
 LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which is legible with few panels
 MOST_CONTACTS = 64  # contacts: a history takes some twenty-five solves, too long for larger problems
 MOST_FORCES = 12  # contacts of a problem whose impulses are stored: the report draws each as a bar
-LIMIT = 10.0  # seconds for one history: five times BUDGET
+HISTORY_LIMIT = 10.0  # seconds for one history: five times HISTORY_BUDGET
 LARGEST_LIMIT = 20_000  # units of work: a bound for methods that stall; methods that converge well need fewer
 
 
@@ -55,7 +55,7 @@ def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[
             impulse = impulses
             units.append(limit)
             residuals.append(reached)
-        if answer.status is Status.SOLVED or perf_counter() - start_time > BUDGET:
+        if answer.status is Status.SOLVED or perf_counter() - start_time > HISTORY_BUDGET:
             break
     return units, residuals, impulse
 
@@ -70,7 +70,7 @@ def _limits() -> list[int]:
 
 def run_history(name: str, variant: str, tol: float) -> dict[str, Any]:
     """In a worker, compute a solver's history on a stored problem: units of work, verified residuals and the last impulses."""
-    units, residuals, impulse = history(*worker.prepared(name, variant, LIMIT), tol)
+    units, residuals, impulse = history(*worker.prepared(name, variant, HISTORY_LIMIT), tol)
     return {"units": units, "residuals": residuals, "impulse": impulse.tolist()}
 
 
@@ -87,7 +87,7 @@ def record_histories(
         if row.get("tol") == tol and row.get("verdict") in ACCEPTED and not row.get("members")
     }
     tasks = [
-        Task(run_history, (name, variant, tol), LIMIT, plan.owner(variant))
+        Task(run_history, (name, variant, tol), HISTORY_LIMIT, plan.owner(variant))
         for variant in sorted(plan.variants, key=plan.owner)
         for name in problems
         if (name, variant) in solved

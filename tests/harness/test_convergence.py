@@ -20,7 +20,7 @@ from tests.helpers.runs import quiet, small_plan
 @pytest.fixture(autouse=True)
 def _large_budget(monkeypatch) -> None:
     """Raise the time budget of a history, which compilation in a first call may exceed on a busy machine."""
-    monkeypatch.setattr(convergence, "BUDGET", 1e3)
+    monkeypatch.setattr(convergence, "HISTORY_BUDGET", 1e3)
 
 
 def test_history_converges() -> None:
