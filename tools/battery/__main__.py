@@ -1,4 +1,4 @@
-"""Measure the installed engines, and write the tables of docs/battery.md: errors against the closed forms by step size, and the
+"""Measure the installed engines, and write the tables of docs/battery.md: errors against the closed forms by step size, and
 orders of convergence.
 
 python -m tools.battery
@@ -16,8 +16,7 @@ from tools.battery.phenomena import PHENOMENA, Phenomenon
 from tools.battery.world import Make, Unsupported
 
 STEPS = (0.008, 0.004, 0.002, 0.001)  # s
-MOVING = tuple(f"| {name}" for name in ("stopping", "direction", "rebound, e = 0.5", "rebound, e = 1", "sliding", "box in"))
-ERRORS = re.compile(" / ".join([r"(-?[\d.]+e[-+]\d+)(?: ± (\S+))?"] * len(STEPS)))  # in a cell of the table
+ERROR = re.compile(r"(-?[\d.]+e[-+]\d+)(?: ± (\S+))?")
 ENGINES: dict[str, tuple[str, Make]] = {  # by name, the package needed and the engine
     "frictionbench": ("frictionbench", own.Exact),
     "MuJoCo": ("mujoco", mujoco.MuJoCo),
@@ -37,41 +36,45 @@ PAGE = Path(__file__).parents[2] / "docs" / "battery.md"
 TABLE = re.compile(r"(?<=<!-- begin: python -m tools.battery -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 
-def table() -> str:
-    """Return the table in Markdown, and a line for each engine that is not installed."""
-    usable, remarks = {}, []
+def sections() -> str:
+    """Return Markdown: the engines' versions, those that are not installed, and a section for each phenomenon."""
+    usable, versions, remarks = {}, {}, []
     for name, (package, make) in ENGINES.items():
         try:
-            engine, comma, settings = name.partition(",")
-            usable[f"{engine} {version(package)}{comma}{settings}"] = make
+            versions[name.partition(",")[0]] = version(package)
+            usable[name] = make
         except PackageNotFoundError:
             remarks.append(f"\n{name}: skipped, it is not installed (`pip install {package}`).\n")
-    rows = [["phenomenon", "closed form", "", *usable], ["---"] * 3 + ["--:"] * len(usable)]
-    for one in PHENOMENA:
-        closed = f"{one.formula}{f' = {one.exact:.4g}' if not one.formula.endswith('0') else ''}"
-        rows.append([one.name, closed, one.unit, *(_errors(one, make) for make in usable.values())])
-    return "".join([*(f"| {' | '.join(row)} |\n" for row in rows), *remarks])
+    made = [f"Versions: {', '.join(' '.join(one) for one in versions.items())}.\n", *remarks]
+    return "".join([*made, *(section(one, usable) for one in PHENOMENA)])
 
 
-def orders(made: str) -> str:
-    """Return the rows of MOVING in `made` with the least-squares slope of log error over log step, for all steps and for the
-    larger and the smaller half of them; a dash if signs differ, error bars reach 0, or all are below own.TOLERANCE."""
-    kept = [line for line in made.splitlines() if line.startswith(("| phenomenon", "| ---", *MOVING))]
-    return "\n" + "".join(f"{ERRORS.sub(_orders, line)}\n" for line in kept)
+def section(one: Phenomenon, usable: dict[str, Make]) -> str:
+    """Return Markdown: what the phenomenon is, and a table of errors, engines by steps; with orders where a body moves at last,
+    except for tipping, whose slope is bisected."""
+    said = " ".join(str(getattr(one.measure, "func", one.measure).__doc__).split())
+    value = f" = {one.exact:.4g} {one.unit}".rstrip() if one.exact else ""
+    closed = f" Closed form: {one.formula}{value}." if one.formula else ""
+    heading = f"{'error' if one.formula else 'time'}, {one.unit}".strip(", ")
+    order = ["order"] if one.exact and one.unit else []
+    rows = [[heading, *(f"{1000 * step:g} ms" for step in STEPS), *order], ["---"] + ["--:"] * len([*STEPS, *order])]
+    for name, make in usable.items():
+        errors = [_error(one, make, step) for step in STEPS]
+        rows.append([name, *errors, *(order_of(errors) for _ in order)])
+    table = "".join(f"| {' | '.join(row)} |\n" for row in rows)
+    return f"\n### {one.name[0].upper()}{one.name[1:]}\n\n{said}{closed}\n\n{table}"
 
 
-def _orders(cell: re.Match[str]) -> str:
-    means, bars = (np.array(cell.groups("0")[k::2], dtype=float) for k in (0, 1))
-    if abs(np.sign(means).sum()) < len(means) or (abs(means) <= bars).any() or abs(means).max() < own.TOLERANCE:
+def order_of(errors: list[str]) -> str:
+    """Return the least-squares slope of log error over log step, for all steps and for the larger and the smaller half of
+    them; a dash if one is no number, signs differ, error bars reach 0, or all are below own.TOLERANCE."""
+    read = [ERROR.fullmatch(error) for error in errors]
+    means, bars = np.array([one.groups("0") if one else ("nan", "0") for one in read], dtype=float).T
+    if abs(np.sign(means).sum()) != len(means) or (abs(means) <= bars).any() or abs(means).max() < own.TOLERANCE:
         return "–"
     x, y = np.log(STEPS), np.log(abs(means))
-    whole, large, small = (np.polyfit(x[own], y[own], 1)[0].round(1) + 0.0 for own in (slice(None), slice(2), slice(-2, None)))
+    whole, large, small = (np.polyfit(x[at], y[at], 1)[0].round(1) + 0.0 for at in (slice(None), slice(2), slice(-2, None)))
     return f"{whole:.1f} ({large:.1f}, {small:.1f})"
-
-
-def _errors(one: Phenomenon, make: Make) -> str:
-    errors = [_error(one, make, step) for step in STEPS]
-    return "–" if set(errors) == {"–"} else " / ".join(errors)
 
 
 def _error(one: Phenomenon, make: Make, step: float) -> str:
@@ -87,6 +90,5 @@ def _error(one: Phenomenon, make: Make, step: float) -> str:
 
 
 if __name__ == "__main__":
-    made = table()
-    made += orders(made)
+    made = sections()
     PAGE.write_text(TABLE.sub(lambda _: made, PAGE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -19,8 +19,9 @@ TILTING = 0.6  # s: 8 ms between two slopes, a multiple of every step in the tab
 
 
 class Phenomenon(NamedTuple):
-    """exact: the value of the closed form in `unit`. formula: the closed form as text. measure: the function of engine and step
-    that returns the measured number, or one for each of PHASES if it depends on when within a step bodies meet or stop."""
+    """exact: the value of the closed form in `unit`. formula: the closed form as text, empty if a time is measured.
+    measure: the function of engine and step that returns the number, or one for each of PHASES if it depends on when within a
+    step bodies meet or stop."""
 
     name: str
     formula: str
@@ -139,7 +140,7 @@ def tipping(make: Make, step: float) -> float:
 
 
 PHENOMENA = (
-    Phenomenon("creep on a slope", "tan 20° < mu: 0", 0.0, "m/s", creep),
+    Phenomenon("creep on a slope", "0, as tan 20° < mu", 0.0, "m/s", creep),
     Phenomenon("stopping distance", "v²/(2 mu g)", 2.0 / GRAVITY / 0.5, "m", stopping),
     Phenomenon("direction of sliding", "that of the throw", 30.0, "°", direction),
     Phenomenon("1000 kg on 1 kg, sinking", "0", 0.0, "m", heavy_on_light),
@@ -150,5 +151,5 @@ PHENOMENA = (
     Phenomenon("stack of five at rest", "0", 0.0, "m", stack),
     Phenomenon("box in a groove", "g (sin a - √2 mu cos a) t²/2", GROOVE, "m", wedge),
     Phenomenon("tipping, tan of the slope", "width/height", 0.25, "", tipping),
-    Phenomenon("cost of a simulated second", "stack of five, 0", 0.0, "ms", cost),
+    Phenomenon("cost of a simulated second", "", 0.0, "ms", cost),
 )
