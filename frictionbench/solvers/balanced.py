@@ -40,10 +40,11 @@ def with_balance(cls: Any, model: str, outside: bool) -> Any:
 
 def _form(form: Any) -> Any:
     def balanced(self: Any, problem: Any) -> Any:
-        if self.is_outside and not len(problem.q):
+        of_contacts = isinstance(problem, FrictionProblem)  # otherwise a bare LCP
+        if self.is_outside and not (problem.contacts if of_contacts else len(problem.q)):
             z = np.zeros(0) if getattr(self, "model", self.usual_model) == "lcp" else None
             return Answer(np.zeros((0, getattr(problem, "dimension", 0))), Status.SOLVED, z=z)
-        if not isinstance(problem, FrictionProblem):  # a bare LCP
+        if not of_contacts:
             return form(self, problem)
         relaxed = self.usual_model in ("relaxation", "regularised")
         if (spread(problem.relaxation_units) if relaxed else problem.spread) <= UNLIKE:

@@ -2,7 +2,7 @@
 
 Form: the dimensionless QP (solvers.outside.scaled_program), dense, G above A, for quadprog A above G. Setup: none. Solve: one
     call, in which the library sets up and solves.
-Charged: some 20 µs more than a call by hand at 2 contacts, .2 ms with the joints of 40: the units in which tolerances have one
+Charged: some 10 µs more than a call by hand at 2 contacts, .1 ms with the joints of 40: the units in which tolerances have one
     meaning, and what joints hold.
 """
 

@@ -18,7 +18,7 @@ Licence: Apache-2.0.
 Form: dimensionless contact rows, three a contact, on velocities of unit mass, compressed. Setup: MuJoCo's template, once per
     size. Solve: the transfer of the rows into it, and mj_fwdConstraint.
 Clock: around mj_fwdConstraint.
-Charged: some 20 µs more than a call by hand at 2 contacts: the dimensionless form.
+Charged: some 10 µs more than a call by hand at 2 contacts: the dimensionless form.
 Settings: island discovery and warm start off, as above; elliptic cones. The line search's defaults are ls_tolerance = 0.01 and
     ls_iterations = 50; tuned are 1e-8 and 100.
 Tolerance: R as above, and MuJoCo's tolerance 0: it iterates until it makes no progress, and its gradient decides the status.
@@ -74,7 +74,7 @@ class MuJoCo:
 
     def form(self, problem: FrictionProblem) -> Whitened:
         """Of a problem without joints; the third row of a planar contact is zero."""
-        scaled = scaled_delassus(problem, SPACE, matrix=False)
+        scaled = scaled_delassus(problem, SPACE, matrix=False, relaxed=True)
         motion = problem.free_velocity, problem.offset
         return scaled, *_whiten(*problem.contact_rows, *problem.mass_rows, *motion, scaled.E, scaled.theta)
 
@@ -146,7 +146,7 @@ class BoxQP:
     Licence: Apache-2.0.
     Form: that program, dense and dimensionless. Setup: none. Solve: mju_boxQP from z = 0.
     Clock: around mju_boxQP.
-    Charged: some 20 µs more than a call by hand at 2 contacts: the dimensionless form; W with joints, and what they lock.
+    Charged: some 10 µs more than a call by hand at 2 contacts: the dimensionless form; W with joints, and what they lock.
     Settings: mju_boxQP stops after 100 iterations without saying so. default is one call; tuned calls it again from its own
         answer until that no longer changes, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
         'mujoco_boxqp' --solver 'mujoco_boxqp[settings=tuned]'`.

@@ -205,7 +205,7 @@ class PIQP:
 
     Licence: BSD-2-Clause.
     Clock: PIQP's own solve_time.
-    Charged: some 20 µs more than a call by hand at 2 contacts, .2 ms with the joints of 40: the units, and what joints hold.
+    Charged: some 10 µs more than a call by hand at 2 contacts, .1 ms with the joints of 40: the units, and what joints hold.
     Settings: compute_timings on.
     Tolerance: eps_abs = eps, gap eps^2, no less than 1e-15; eps_rel = 0, for the gap 4.4e-16; eps stands for tol.
     Reference: Schwan, Jiang, Kuhn and Jones 2023.

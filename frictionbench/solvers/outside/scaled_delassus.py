@@ -68,15 +68,16 @@ def scaled_delassus(
     *,
     matrix: bool = True,
     size: float = 1.0,
+    relaxed: bool = False,
 ) -> ScaledDelassus:
     """The dimensionless Delassus form of a friction problem, without its friction_bias.
 
     rows: as above, the d components in order by default. matrix: whether W^ is written; (0, 0) otherwise. size: the mean
-    diagonal of W^ at every contact.
+    diagonal of W^ at every contact. relaxed: measured in the units of the convex relaxation.
     """
     nc, d = problem.contacts, problem.dimension
-    places = rows or (PLANE if d == 2 else SPACE)
-    E, q, theta, share = _scaled_vector(problem.scale, problem.friction, problem.q, problem.units, d, places, size)
+    places, units = rows or (PLANE if d == 2 else SPACE), problem.relaxation_units if relaxed else problem.units
+    E, q, theta, share = _scaled_vector(problem.scale, problem.friction, problem.q, units, d, places, size)
     W = _dense(*problem.blocks, E, places) if matrix else _NOT_WRITTEN
     return ScaledDelassus(W, q, problem.friction, E, theta, share, problem.scale, (nc, d), places)
 
@@ -160,8 +161,9 @@ class DualProgram(NamedTuple):
 
 def dual_program(problem: FrictionProblem, definite: float) -> DualProgram:
     """The relaxation's dual in the plane, with `definite` added to the diagonal."""
+    units = problem.relaxation_units  # with them, the scale and q are computed, which are the same for both laws
     scale, mu = problem.scale, problem.friction
-    (E, q, theta, share), H, g = _dual(*problem.blocks, scale, mu, problem.q, problem.units, definite)
+    (E, q, theta, share), H, g = _dual(*problem.blocks, scale, mu, problem.q, units, definite)
     return DualProgram(ScaledDelassus(_NOT_WRITTEN, q, mu, E, theta, share, scale, (len(mu), 2), PLANE), H, g)
 
 

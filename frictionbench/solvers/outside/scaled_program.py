@@ -119,11 +119,11 @@ def scaled_program(problem: FrictionProblem, from_free: bool = False) -> ScaledP
     from_free: x* as above, for libraries that stop by a duality gap; otherwise x* = 0. First-order methods start from x^ = 0
     and regularised ones are drawn to it, and rest is nearer to most answers than free motion.
     """
+    units = problem.relaxation_units  # with them, the scale and q are computed, which are the same for both laws
     law = _SECTIONS[problem.dimension], problem.friction, bias_of_size(problem)
     rows = *problem.contact_rows, *problem.mass_rows, *problem.joint_rows
     motion = problem.free_velocity, problem.offset, problem.joint_bias
-    moving = problem.scale, problem.q, problem.relaxation_units
-    fields: tuple[Any, ...] = _scaled(*rows, *motion, *law, *moving, from_free)
+    fields: tuple[Any, ...] = _scaled(*rows, *motion, *law, problem.scale, problem.q, units, from_free)
     return ScaledProgram(law, *fields)
 
 

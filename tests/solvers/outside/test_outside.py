@@ -154,6 +154,17 @@ def test_whitened_rows_make_the_scaled_delassus_form() -> None:
         assert np.array_equal(counts, np.repeat(counts[::3], 3))
 
 
+@pytest.mark.parametrize("spec", ["daqp", "osqp", "mujoco", "mujoco_boxqp", "nsgs"])
+def test_a_problem_is_measured_for_one_law_only(spec) -> None:
+    """The units of both laws would be a third of the time charged at 2 contacts."""
+    info, solver = find(spec)
+    if info.missing:
+        pytest.skip(info.missing)
+    problem = scene("stack", blocks=1, push=1.0).problem().fresh()
+    solver.form(problem)
+    assert len({"_measures", "_relaxed_measures"} & set(vars(problem))) == 1
+
+
 @pytest.mark.parametrize("spec", ["mujoco", "casadi[method=ipopt]"])
 def test_matrices_are_compressed_before_the_solve(spec) -> None:
     (info, solver), problem = find(spec), EASY["two boxes"]
