@@ -237,6 +237,7 @@ class GivenDelassus(FrictionProblem):
     def _over(self, factor: Array) -> dict[str, Array]:
         return {"q": self.q / np.repeat(factor, self.dimension)}
 
+    @cached_property
     def parts(self) -> Index64:
         labels: Index64 = delassus_parts(*self.blocks[:2])
         return labels

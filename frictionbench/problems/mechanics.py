@@ -261,17 +261,18 @@ class Mechanics(ReadOnly):
         relaxed: scale by the units of the convex relaxation. A method with tolerances relative to the fastest contact solves
         the slow parts of the balanced problem as accurately as the fast ones.
         """
-        factor = factors(self.parts(), self.relaxation_units if relaxed else self.units)
+        factor = factors(self.parts, self.relaxation_units if relaxed else self.units)
         of_contacts = factor[: self.contacts]
         biases = self._over(factor) | {"bias": self.bias / of_contacts, "friction_bias": self.friction_bias / of_contacts}
         check.set_read_only(tuple(biases.values()))
         return self._like(**biases), of_contacts
 
     def _over(self, factor: Array) -> dict[str, Array]:
-        """The fields that are velocities, except the contacts' bias, divided by the factors of the entries of parts()."""
+        """The fields that are velocities, except the contacts' bias, divided by the factors of the entries of parts."""
         of_velocities, of_joints = np.split(factor[self.contacts :], [len(self.free_velocity)])
         return {"free_velocity": self.free_velocity / of_velocities, "joint_bias": self.joint_bias / of_joints}
 
+    @cached_property
     def parts(self) -> Index64:
         """The part of each contact (nc,), numbered from 0. If the problem is mechanical, the parts of the velocities and of the
         joint equations follow, with -1 for those that are not connected to any contact."""

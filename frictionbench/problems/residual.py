@@ -32,11 +32,12 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel, lean_kernel
 from frictionbench.problems.forms.cone import nearest, project_cone
 from frictionbench.problems.forms.delassus import pushed_contact_velocity, velocity_size
-from frictionbench.problems.forms.islands import length
+from frictionbench.problems.forms.islands import EPSILON, length
 from frictionbench.problems.forms.lcp import LCP, by_unknown
 from frictionbench.problems.friction import FrictionProblem
 
-EPSILON = float(np.finfo(float).eps)
+# The share of tol that methods ask of a residual of their own, which has other units or norms or is summed in another order.
+TOL_SHARE = 0.5
 LEAST_UNIT = 1e-250  # smaller units have no reciprocal
 
 

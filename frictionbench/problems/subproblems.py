@@ -30,7 +30,7 @@ def keep_contacts(problem: FrictionProblem, contacts: list[int]) -> FrictionProb
 
 def separate(problem: FrictionProblem) -> Iterator[tuple[Index64, FrictionProblem]]:
     """The parts one by one, each with the numbers of its contacts. If there is only one part, it is the problem itself."""
-    part, nc, nv = problem.parts(), problem.contacts, len(problem.free_velocity)
+    part, nc, nv = problem.parts, problem.contacts, len(problem.free_velocity)
     count = int(part.max(initial=0)) + 1
     if count == 1:
         yield np.arange(nc), problem

@@ -43,7 +43,7 @@ CHECK = 10  # iterations between two checks of the residual, whose cost is then 
 ALPHA = 1.6  # over-relaxation: 1.5 to 1.8 is recommended (Boyd et al. 2011, section 3.4.3)
 RHO = 0.1  # initial penalty, relative to the scales S; adapted afterwards, as OSQP does from the same value
 RETUNE = 2.0  # least change of rho, as a factor, that justifies a factorisation
-PIVOT = 1e-3  # the least pivot, relative to rho S: W has no negative eigenvalue, so that smaller pivots are rounding
+SHIFTED_PIVOT = 1e-3  # the least pivot, relative to rho S: W has no negative eigenvalue, so that smaller pivots are rounding
 
 
 class Factor(NamedTuple):
@@ -169,7 +169,7 @@ def _factorise(factor, block, scale, rho):  # type: ignore[no-untyped-def]
         least = min(least, rho * scale[i])
         for a in range(i * d, i * d + d):
             storage[place_of_entry(fronts, factor.place[a], factor.place[a])] += rho * scale[i]
-    factorise(fronts, storage, swap, PIVOT * least)
+    factorise(fronts, storage, swap, SHIFTED_PIVOT * least)
     return Factor(fronts, factor.place, factor.slot, storage, swap, factor.right)
 
 

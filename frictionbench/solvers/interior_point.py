@@ -41,7 +41,7 @@ from frictionbench.solvers.clock import is_over
 from frictionbench.solvers.interface import Answer, Solved, Status, impulses, solve, solver
 from frictionbench.solvers.interior.central_path import Path, new_path, trace
 from frictionbench.solvers.interior.fischer_burmeister import fischer_burmeister
-from frictionbench.solvers.interior.phases import NO_GUESS, Phase, Phased, Prepared, first_phase, first_point, run
+from frictionbench.solvers.interior.phases import NO_DISTANCE, Phase, Phased, Prepared, first_phase, first_point, run
 from frictionbench.solvers.interior.point import Point, centred_point, start_point
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 from frictionbench.solvers.interior.system import System, space_of
@@ -200,12 +200,12 @@ class InteriorPoint(Phased):
 
 def _has_parts(problem: FrictionProblem) -> bool:
     """Whether the problem has parts that are solved one by one if the whole is not solved at once."""
-    return bool(np.bincount(problem.parts()[: problem.contacts]).max(initial=0) < GIANT * problem.contacts)
+    return bool(np.bincount(problem.parts[: problem.contacts]).max(initial=0) < GIANT * problem.contacts)
 
 
 def first_phase_of(packed: Packed, tol: float, limit: int | None, guess: Array, guessed: NDArray[np.bool_]) -> Solved:
     """The first phase of packed problems, started around the impulses guess (contacts, d) of those that are guessed (N,)."""
-    distance = np.full(packed.size, NO_GUESS)
+    distance = np.full(packed.size, NO_DISTANCE)
     if guessed.any():
         distance[guessed] = np.maximum(residuals(packed, guess)[guessed, 0], LEAST_DISTANCE)
     return first_phase(packed, guess, distance, tol, PHASE_SHARE if limit is None else min(PHASE_SHARE, limit), PATIENCE)

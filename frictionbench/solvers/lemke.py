@@ -37,8 +37,10 @@ from numpy.typing import NDArray
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import inlined, kernel, lean, lean_loop
+from frictionbench.problems.forms.islands import EPSILON
 from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.packed import CONTACT, Packed
+from frictionbench.problems.residual import TOL_SHARE
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, is_past, late
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
@@ -66,8 +68,6 @@ from frictionbench.solvers.pivots.lemke_path import (
 )
 from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
 from frictionbench.solvers.pivots.scaled_lcp import (
-    EPSILON,
-    MARGIN,
     STATUSES,
     ScaledLCP,
     finish,
@@ -80,10 +80,10 @@ from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
 CLEAN = 1e-14  # largest residual at which a solution from the tableau is not refined
 ROUND_OFF = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
-NO_GUESS = np.empty(0, np.int64)  # no guess of the basis
+NO_BASIS = np.empty(0, np.int64)  # no guess of the basis
 NEGLIGIBLE = 1e-9  # impulses of a start below this share of the largest count as zero
 ROUGH = 1e-3  # the largest residual accepted as rounding: where rounding causes more, impulses are far too large
-NOISE = 1e3 * EPSILON  # rounding error of basic variables, relative to the largest; perturbations must exceed it
+BASIC_ROUNDING = 1e3 * EPSILON  # rounding error of basic variables, relative to the largest; perturbations must exceed it
 COARSEST = 1e-3  # the largest perturbation
 
 
@@ -155,7 +155,7 @@ def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple
     while best > goal and work[0] < most and trial <= restarts and not late(until):
         size, precision = PERTURBATION, USUAL
         if trial > 0:
-            size, precision = max(PERTURBATION, min(NOISE * reach, COARSEST)), FULL
+            size, precision = max(PERTURBATION, min(BASIC_ROUNDING * reach, COARSEST)), FULL
         make_slack(basis)
         work[1] += trial < 0
         going = trial >= 0 or invert(basis, guess)
@@ -294,25 +294,25 @@ class Lemke:
 
     def solve(self, scaled: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         M, q, unit = scaled.M, scaled.q, scaled.unit
-        guess, problem = NO_GUESS, scaled.problem
+        guess, problem = NO_BASIS, scaled.problem
         if start is not None and isinstance(problem, FrictionProblem):
             one, law = np.array([0, problem.contacts]), (problem.friction, problem.friction_bias)
             guess, _ = guess_bases(one, impulses(start, scaled.contacts), *law, tangent_basis(problem.dimension, self.facets))
         if is_past(deadline(2.0 * len(guess) ** 3)):  # inverting the guess would take too long; start from z = 0 instead
-            guess = NO_GUESS
-        limits = MARGIN * tol, limit or 100_000 + 100 * len(q), self.restarts, deadline()
+            guess = NO_BASIS
+        limits = TOL_SHARE * tol, limit or 100_000 + 100 * len(q), self.restarts, deadline()
         arguments = M, q, unit, scaled.contacts[0], guess, scaled.basis is not None
         ended, pivots, restarts, inversions, y = lemke(*arguments, *limits)
         return scaled.answer(y, STATUSES[ended], pivots=pivots, restarts=restarts, inversions=inversions)
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         basis = tangent_basis(packed.dimension, self.facets)
-        guess = NO_GUESS, np.zeros(packed.size + 1, np.int64)
+        guess = NO_BASIS, np.zeros(packed.size + 1, np.int64)
         if start is not None:
             contacts = slice(packed.first[0, CONTACT], packed.first[-1, CONTACT])
             guess = guess_bases(packed.contacts, start, packed.friction[contacts], packed.friction_bias[contacts], basis)
         r, ended, work = unsolved(packed, 3)
-        limits = Limits(MARGIN * tol, limit or 0, self.restarts, np.inf)
+        limits = Limits(TOL_SHARE * tol, limit or 0, self.restarts, np.inf)
         lcp, n = lcp_space(packed, basis), int(np.diff(packed.contacts).max(initial=0)) * (len(basis[0]) + 1)
         lemke_loop(packed, basis, *guess, limits, lcp, memory(lcp.matrix, n), r, ended, work)
         return solved(r, ended, STATUSES, work, ("pivots", "restarts", "inversions"))

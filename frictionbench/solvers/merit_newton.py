@@ -34,10 +34,11 @@ from numpy.typing import NDArray
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.residual import TOL_SHARE
 from frictionbench.solvers.clock import SPEED, deadline, late
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
-from frictionbench.solvers.pivots.scaled_lcp import MARGIN, measured
+from frictionbench.solvers.pivots.scaled_lcp import measured
 
 STATUS = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN, Status.TIME_LIMIT)
 SOLVED, STALLED, LIMIT, BREAKDOWN, TIME = range(5)  # how an iteration ends
@@ -106,7 +107,7 @@ class MeritNewton:
         The status is SOLVED if and only if the exact residual of the best iterate is within tol.
         """
         problem = dense.scaled.problem
-        descent = new_descent(dense.scaled.unit, MARGIN * tol, 200 if limit is None else limit, self.memory, self.shortest)
+        descent = new_descent(dense.scaled.unit, TOL_SHARE * tol, 200 if limit is None else limit, self.memory, self.shortest)
         end, iterations = iterate(dense.M, dense.q, np.zeros(len(dense.q)), descent, float(self.regularisation), self.smooth)
         y = np.maximum(descent.best, 0.0)
         if isinstance(problem, FrictionProblem):  # normal impulses that act on nothing, as those of dry friction in joints

@@ -19,9 +19,9 @@ from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
     INACCURATE,
+    LEAST_PIVOT,
     LIMIT,
     LOSS,
-    PIVOT,
     STUCK,
     basic_values,
     entering_column,
@@ -56,12 +56,12 @@ def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int, until: float
             return LIMIT, y, work[0], work[1]
         z_enters = basis.row[r] < 0
         defect, size = entering_column(state, r, z_enters, ACCURACY)
-        if not fresh and (defect > LOSS or not abs(a[r]) > PIVOT * size):
+        if not fresh and (defect > LOSS or not abs(a[r]) > LEAST_PIVOT * size):
             if not renew(state, ACCURACY):
                 return INACCURATE, y, work[0], work[1]
             fresh = True
             continue
-        if not abs(a[r]) > PIVOT * size:
+        if not abs(a[r]) > LEAST_PIVOT * size:
             return STUCK, y, work[0], work[1]
         exchange(state, r, z_enters, r, x[r] / a[r])
         if work[0] % 64 == 0:

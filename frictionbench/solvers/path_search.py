@@ -40,6 +40,7 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.residual import TOL_SHARE
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, is_over
 from frictionbench.solvers.interface import Answer, solver
@@ -67,7 +68,6 @@ from frictionbench.solvers.pivots.newton_path import (
 )
 from frictionbench.solvers.pivots.ordering import in_order
 from frictionbench.solvers.pivots.scaled_lcp import (
-    MARGIN,
     STATUSES,
     ScaledLCP,
     measured,
@@ -79,7 +79,7 @@ from frictionbench.solvers.pivots.vectors import fill, put
 
 SHIFT = 0.3  # size of the residual at a crash point, relative to the largest scaled q: smaller ones cause near ties on the path
 SPREAD = 0.1  # relative randomness of its entries: enough to resolve ties, without making one row the first to block
-DEPENDENT = 1e-9  # a column of a guessed basis is dependent if elimination leaves less than this share of it
+DEPENDENT_GUESS = 1e-9  # a column of a guessed basis is dependent if elimination leaves less than this share of it
 DECREASE = 0.9  # a new residual must be below this share of the last one (Dirkse and Ferris 1995)
 RESTART_CRASH = 3  # crash steps of every second restart
 WELL = 1 / 16  # below this share of its bound of rounding errors, a residual does not justify a further step
@@ -115,7 +115,7 @@ class PathSearch:
 
     def solve(self, prepared: "Prepared", tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, order, columns, basis, q, unit, noise = prepared
-        n, target = len(q), MARGIN * tol
+        n, target = len(q), TOL_SHARE * tol
         limit = 50 * n + 1000 if limit is None else limit
         settings = q, unit, noise, target, limit, deadline(), self.crash
         z, least, end, ray, work = search(columns, basis, *settings)
@@ -251,7 +251,7 @@ def complementary(basis, columns, A, until, work):  # type: ignore[no-untyped-de
     """Factorise the complementary basis of A; return the number of columns left out as dependent."""
     set_complementary_basis(basis, A)
     work[FACTORISATIONS] += 1
-    return factorise_basis(basis, columns, DEPENDENT, until)
+    return factorise_basis(basis, columns, DEPENDENT_GUESS, until)
 
 
 @part

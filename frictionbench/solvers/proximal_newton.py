@@ -44,7 +44,7 @@ from frictionbench.problems.residual import residual
 from frictionbench.solvers.clock import is_past, late
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
 from frictionbench.solvers.interior.newton import (
-    PIVOT,
+    NEWTON_PIVOT,
     Work,
     accelerate,
     add_stiffness,
@@ -216,7 +216,7 @@ def newton_step(system: System, state: State, anchor: Array, rho: float, step: A
         add_stiffness(system, True, i, n, s, t, work.storage)
         push(system.contacts, True, i, _impulse_change(system, i, state, anchor, rho, F, none), dv)
     pull_joints(system, state.drift, work.step.joint, dv)
-    factorise(system.fronts, work.storage, work.swap, PIVOT)
+    factorise(system.fronts, work.storage, work.swap, NEWTON_PIVOT)
     solve_factorised(system.fronts, work.storage, work.swap, dv)
     for i in range(len(step)):
         F = (state.F[i, 0], state.F[i, 1], state.F[i, 2])

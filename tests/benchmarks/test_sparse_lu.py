@@ -26,7 +26,7 @@ from scipy.sparse.linalg import splu
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.instances.spheres import sphere_pyramid
-from frictionbench.solvers.interior.newton import PIVOT, new_work
+from frictionbench.solvers.interior.newton import NEWTON_PIVOT, new_work
 from frictionbench.solvers.interior.point import start_point
 from frictionbench.solvers.interior.predictor_corrector import nothing_yet, predictor_corrector
 from frictionbench.solvers.interior.system import build_system, space_of
@@ -91,7 +91,7 @@ def test_newton_matrix(benchmark, name, method) -> None:
 
         def again():
             storage[:] = assembled
-            return (system.fronts, storage, swap, PIVOT), {}
+            return (system.fronts, storage, swap, NEWTON_PIVOT), {}
 
         benchmark.pedantic(factorise, setup=again, rounds=20, warmup_rounds=1)
         solve_factorised(system.fronts, storage, swap, x)

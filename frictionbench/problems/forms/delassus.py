@@ -10,12 +10,12 @@ from scipy import sparse
 
 from frictionbench.problems.check import set_read_only
 from frictionbench.problems.compiled import kernel, lean
-from frictionbench.problems.forms.islands import length, lowered, mechanical_units, spread
+from frictionbench.problems.forms.islands import EPSILON, length, lowered, mechanical_units, spread
 from frictionbench.problems.rows import Array, Index32, row_of_entry
 
 LOST = 1e-9  # relative to its terms: a smaller diagonal entry of W has cancelled; Mechanics._held_response then computes it
 # Relative to the diagonal entry of W without joints: if the entry with joints is smaller, they lock the direction.
-LOCKED = 1000 * float(np.finfo(float).eps)
+LOCKED = 1000 * EPSILON
 
 
 class Dense(NamedTuple):

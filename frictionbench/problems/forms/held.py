@@ -9,10 +9,10 @@ import numpy as np
 
 from frictionbench.problems.compiled import kernel
 from frictionbench.problems.forms.delassus import joint_response, product
+from frictionbench.problems.forms.islands import EPSILON
 
-EPSILON = float(np.finfo(float).eps)
 # A row depends on earlier ones if its pivot, divided by its diagonal entry of G, is at most this times nj.
-DEPENDENT = 10 * EPSILON
+DEPENDENT_ROW = 10 * EPSILON
 PASSES = 2  # of `hold`: the second removes the defect that rounding of the inverse leaves if rows are nearly dependent
 
 
@@ -40,7 +40,7 @@ def generalised_inverse(G):  # type: ignore[no-untyped-def]
             if left[order[i]] > left[order[best]]:
                 best = i
         p = order[best]
-        if not left[p] > DEPENDENT * nj:
+        if not left[p] > DEPENDENT_ROW * nj:
             break
         order[best], order[rank] = order[rank], p
         pivot, column = np.sqrt(left[p]), L[rank]

@@ -38,6 +38,7 @@ import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
 
+EPSILON = float(np.finfo(float).eps)  # from 1 to the next double: twice the largest relative error of one rounding
 COUPLED = 1e-10  # share of a velocity that is transmitted: islands stay connected for mass ratios of neighbours up to 1e10
 FAR = 10.0  # E_i is less than the energy if contacts share bodies: for equal masses, by the root of their number
 CANCELLED = 1e-6  # so that the rounding floor of contacts at rest on moving bodies is about 1e-9

@@ -20,13 +20,14 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms import banded, delassus, held
+from frictionbench.problems.forms.islands import EPSILON
 from frictionbench.problems.rows import ByContact, Index32, Rows, by_row, row_of_entry
 
 FEW_EQUATIONS = 100  # the number of equations up to which a dense inverse is as fast as a band factorisation
 # Relative to a joint's bias: a larger defect is a contradiction. The value is the tightest tolerance of the suites.
 CONTRADICTION = 1e-8
 # Relative to the largest terms of any joint equation, with each equation in its own unit: a defect that rounding may leave.
-DEFECT_ROUNDING = 1000 * held.EPSILON
+DEFECT_ROUNDING = 1000 * EPSILON
 # Samples of random signs of the rounding errors, and the standard deviations that a sum of independent errors seldom exceeds.
 PROBES, DEVIATIONS = 8, 2.0
 
@@ -63,7 +64,7 @@ class FewJoints:
         unit = np.where(size > 0, size, 1.0)
         F /= unit[:, None]
         check.require(bool(np.isfinite(F).all()), "joints", "F M^-1 F' overflows")
-        v: Array = lstsq(F, -self.bias / unit, cond=np.sqrt(held.DEPENDENT * len(F)), lapack_driver="gelsy")[0]
+        v: Array = lstsq(F, -self.bias / unit, cond=np.sqrt(held.DEPENDENT_ROW * len(F)), lapack_driver="gelsy")[0]
         return v * root
 
     def rounding(self, velocity: Array) -> Array:
@@ -121,7 +122,7 @@ class ManyJoints:
         lower = below >= 0
         self.factor = np.zeros((nj, half + 1))
         self.factor[place[row[lower]], half - below[lower]] = (unit[row] * block[:, 0, 0] * unit[near])[lower]
-        banded.factorise(self.factor, 10 * nj * held.EPSILON)
+        banded.factorise(self.factor, 10 * nj * EPSILON)
 
     def hold(self, velocity: Array, share: float = 1.0) -> Array:
         """As in FewJoints."""
@@ -139,7 +140,7 @@ class ManyJoints:
         """
         settled, (start, column, F) = self.hold(velocity), self.rows
         off = np.abs(self.own_bias) + np.bincount(row_of_entry(start), np.abs(F * settled[column]), len(start) - 1)
-        left = np.abs(self.hold(settled) - settled) / (2 * held.EPSILON)
+        left = np.abs(self.hold(settled) - settled) / (2 * EPSILON)
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (PROBES, len(off)))
         zero = np.zeros(len(velocity))
         spread = np.sqrt(np.mean([self._hold(sign * off, zero) ** 2 for sign in signs], axis=0))

@@ -17,7 +17,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index64
 
-TIE = 1e-7  # relative to an edge: far above the rounding errors of coordinates, far below any relevant gap
+TIE = 1e-7  # of a body's size, or of a cosine: far above the rounding errors of coordinates, far below any relevant gap
 
 
 @kernel

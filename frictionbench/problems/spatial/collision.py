@@ -17,11 +17,11 @@ import numpy as np
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.planar.collision import Contacts
+from frictionbench.problems.planar.narrow_phase import TIE
 from frictionbench.problems.rows import Rows, relative
 from frictionbench.problems.spatial.bodies import Cuboid, SpatialGeometry, Sphere
 from frictionbench.problems.spatial.rotation import frames, matrices
 
-TIE = 1e-7  # relative to a box's size: far above the rounding errors of coordinates, far below any relevant gap
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 Contact = tuple[float, Array, Array, tuple[int, int], tuple[int, int]]  # gap, point, normal, bodies, feature

@@ -16,7 +16,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, loop, part
 from frictionbench.problems.forms.held import hold, hold_rounding, joint_inverse
 from frictionbench.problems.packed import CONTACT, Packed, mechanical, mechanics_of
-from frictionbench.problems.residual import largest_with_floor
+from frictionbench.problems.residual import TOL_SHARE, largest_with_floor
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.dense.newton import measure, new_work, newton_step, past_first_change, sweep
 from frictionbench.solvers.dense.rows import dense_rows
@@ -38,9 +38,8 @@ PATIENCE, BETTER = 16, 0.9  # the number of steps within which the residual must
 FULL_SHIFT, CAREFUL_SHIFT = 1e-3, 0.05  # the shift of full steps and of careful ones, relative to the residual
 SHIFT_GROWTH = 3.0  # the factor of the shift when careful steps stall
 LEAST_SHIFT = 1e-12  # the least shift, for redundant rows when the residual is near rounding
-MARGIN = 0.5  # the share of tol that is requested, as residuals computed from W and from velocities differ by rounding
 
-NO_GUESS = np.zeros((0, 3))
+NO_IMPULSES = np.zeros((0, 3))
 
 
 def few_steps(problem: FrictionProblem) -> int:
@@ -70,7 +69,7 @@ def few_contacts(
     limit: of the steps."""
     answer: tuple[Array, float, float, int, int] = _one(
         *problem.contact_rows, *problem.inverse_rows, *problem.joint_rows, problem.joint_bias, problem.free_velocity,
-        problem.bias, problem.friction, problem.friction_bias, NO_GUESS if start is None else start, tol,
+        problem.bias, problem.friction, problem.friction_bias, NO_IMPULSES if start is None else start, tol,
         steps if limit is None else min(steps, limit),
     )  # fmt: skip
     return answer
@@ -138,7 +137,7 @@ def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[
                 r[i, a] = 0.0
     work, sweeps, steps, worst, floor = new_work(len(rows.V), len(r)), 0, 0, 0.0, 0.0
     for most in (turns - FULL_STEPS if len(joints[3]) and turns > FULL_STEPS else turns, turns):
-        swept, stepped = _iterate(rows, r, work, MARGIN * tol, most - steps)
+        swept, stepped = _iterate(rows, r, work, TOL_SHARE * tol, most - steps)
         sweeps, steps = sweeps + swept, steps + stepped
         worst, floor, u = _residual(bodies, joints, inverse, free, bias, rows, r)
         if worst <= tol or steps == turns:

@@ -31,7 +31,7 @@ from frictionbench.problems.compiled import inlined
 from frictionbench.solvers.interior.point import Point, Vector
 from frictionbench.solvers.interior.system import System
 
-INSIDE = 0.1  # det y / y_0^2 above which a contact clearly sticks, so that a division by det y loses no digits of dlambda
+STICKS = 0.1  # det y / y_0^2 above which a contact clearly sticks, so that a division by det y loses no digits of dlambda
 
 
 @inlined
@@ -130,7 +130,7 @@ def spatial_step(
         z0, z1, z2 = x[i, 3], s[i, 1], s[i, 2]
         t1, t2, t3 = t1 - z0 * r1 - z1 * y, t2 - z0 * r2 - z2 * y, t3 - z0 * y - z1 * r1 - z2 * r2
         det = y0 * y0 - y1 * y1 - y2 * y2
-        if det > INSIDE * y0 * y0:
+        if det > STICKS * y0 * y0:
             slide = (y0 * t3 - y1 * t1 - y2 * t2) / det
         dx[i, 0], dx[i, 1], dx[i, 2], dx[i, 3] = c, r1, r2, slide
         ds[i, 0] = (target[i, 0] - s[i, 0] * c) / x[i, 0]

@@ -34,7 +34,7 @@ MEMORY = 20  # merits with which a step is compared
 SHORTEST = 1e-6  # length at which a step is given up
 FIRST_SOFTNESS, LEAST_SOFTNESS, MOST_SOFTNESS = 0.1, 1e-6, 1.0  # of the first step, the least, and that above which it stops
 ADAPT, SHORT = 3.0, 0.3  # the factor by which softness changes, and the step length below which it grows
-INSIDE = 1e-10  # lower bound of A and B, by which the equations of an interior point divide
+LEAST_SLOPE = 1e-10  # lower bound of A and B, by which the equations of an interior point divide
 
 
 @kernel
@@ -92,8 +92,8 @@ def _equation(system: System, point: Point, partner: Point, target: Array, deriv
             target[i, k] = -phi
             merit += phi * phi / 2
             ratio_a, ratio_b = (a / h, b / h) if h > 0 else (np.sqrt(0.5), np.sqrt(0.5))
-            derivative.s[i, k] = max(1 - ratio_a, INSIDE) * of_x
-            derivative.x[i, k] = max(1 - ratio_b, INSIDE) * of_s
+            derivative.s[i, k] = max(1 - ratio_a, LEAST_SLOPE) * of_x
+            derivative.x[i, k] = max(1 - ratio_b, LEAST_SLOPE) * of_s
     for j in range(len(partner.joint)):
         merit += partner.joint[j, 0] ** 2 / 2
     return merit

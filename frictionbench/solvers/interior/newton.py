@@ -32,7 +32,7 @@ from frictionbench.solvers.interior.point import Point, Vector
 from frictionbench.solvers.interior.system import JOINT_SOFTNESS, SOFTNESS, Elements, Space, System
 from frictionbench.solvers.sparse_lu.multifrontal import factorise, operations, solve_factorised
 
-PIVOT = 1e-14  # the least pivot of A: a hundred units of rounding, since the mass matrix has a unit diagonal
+NEWTON_PIVOT = 1e-14  # the least pivot of A: a hundred units of rounding, since the mass matrix has a unit diagonal
 
 
 class Work(NamedTuple):
@@ -254,7 +254,7 @@ def assemble(system: System, space: Space, point: Point, work: Work) -> None:
 def linearise(system: System, space: Space, point: Point, work: Work) -> None:
     """Assemble and factorise Newton's matrix at a point."""
     assemble(system, space, point, work)
-    factorise(system.fronts, work.storage, work.swap, PIVOT)
+    factorise(system.fronts, work.storage, work.swap, NEWTON_PIVOT)
 
 
 @lean

@@ -12,8 +12,9 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import loop, part
 from frictionbench.problems.forms.delassus import pushed_contact_velocity
+from frictionbench.problems.forms.islands import EPSILON
 from frictionbench.problems.packed import CONTACT, Packed, Q, law_of, mass_of, mechanical, mechanics_of, residuals
-from frictionbench.problems.residual import largest_with_floor, residual
+from frictionbench.problems.residual import TOL_SHARE, largest_with_floor, residual
 from frictionbench.solvers.clock import is_past
 from frictionbench.solvers.interface import Answer, Solved, Status
 from frictionbench.solvers.interior.central_path import Path
@@ -24,16 +25,15 @@ from frictionbench.solvers.interior.system import System, build_system, space_of
 from frictionbench.solvers.many import ALONE, impulses_of, is_alone, solved, unsolved
 
 POLISHABLE = 1e-5  # residual up to which polishing is tried: from there Newton's method mostly converges
-ROUNDING = 4 * np.finfo(float).eps  # of the residual, relative to the largest impulse: four roundings of a contact's terms
-MARGIN = 0.5  # the share of tol that is requested, as the residual is computed in other units and summed in another order
-SHARPER = 0.01  # its factor after a phase that converged, but not for the exact residual
+RESIDUAL_ROUNDING = 4 * EPSILON  # of the residual, relative to the largest impulse: four roundings of a contact's terms
+SHARPER = 0.01  # factor of what is asked for after a phase that converged, but not for the exact residual
 Phase = tuple[Callable[..., int], Point | Path, int]  # a method, where it starts, and its largest number of factorisations
 Measure = Callable[[FrictionProblem, Array], float]
 Polish = Callable[[Array], Array]
 Prepared = tuple[FrictionProblem, System]
 
 SOLVED, NEARLY = range(2)  # how a packed problem ends: solved, or the exact residual must decide
-NO_GUESS = -1.0  # the distance for a packed problem without given impulses
+NO_DISTANCE = -1.0  # the distance for a packed problem without given impulses
 work_of, nothing_of = part(new_work), part(nothing_yet)
 
 
@@ -87,9 +87,9 @@ def run(
     for method, point, share in phases:
         reached = nothing_yet(*nothing.shape)._replace(factorisations=best.factorisations)
         residuals = np.empty(min(share, limit - len(history)))
-        used = method(system, space, point, workspace, reached, MARGIN * sharp, patience, residuals)
+        used = method(system, space, point, workspace, reached, TOL_SHARE * sharp, patience, residuals)
         history += residuals[:used].tolist()
-        converged = reached.residual[0] <= MARGIN * sharp
+        converged = reached.residual[0] <= TOL_SHARE * sharp
         reached.residual[0] = measure(problem, reached.impulse * system.impulse)  # joints' defects may be larger at contacts
         solved = bool(reached.residual[0] <= tol)
         if polish and not solved and reached.residual[0] <= POLISHABLE:
@@ -131,7 +131,7 @@ def _is_polished(best: Best, tol: float, prepared: Prepared, measure: Measure, p
 def first_phase(packed: Packed, guess: Array, distance: Array, tol: float, limit: int, patience: int) -> Solved:
     """The first phase of each packed problem, in at most limit factorisations.
 
-    guess (contacts, d): the impulses to start around; distance (N,): of the start from the boundary, or NO_GUESS.
+    guess (contacts, d): the impulses to start around; distance (N,): of the start from the boundary, or NO_DISTANCE.
     """
     space = True if packed.dimension == 3 else None
     r, ended, work = _first_phases(packed, guess, distance, space, False, tol, limit, patience)
@@ -163,7 +163,7 @@ def _first_phases(packed, guess, distance, space, relaxed, tol, limit, patience)
         motion = free, mass_start, mass_column, mass_value, m_start, m_column, m_value
         laws = mu, friction_bias, scale, offset
         system = system_of((start, column, J, J), laws, motion, (none, none[:0], no_joints, free[:0]), units, relaxed)
-        if distance[k] == NO_GUESS:
+        if distance[k] == NO_DISTANCE:
             x, s = start_pairs(system.weight, system.pairs, space, np.sqrt(len(mu)), 1.0)
             point = Point(x, s, np.zeros((0, 1)))
         else:
@@ -171,12 +171,14 @@ def _first_phases(packed, guess, distance, space, relaxed, tol, limit, patience)
             u = pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, guessed, bias)
             point = centred_point(system, space, guessed, u, distance[k])
         best, sharp = nothing_of(len(mu), r.shape[1]), tol / packed.spread[k]
-        work[k, 0] = predictor_corrector(system, space, point, work_of(system, np.inf), best, MARGIN * sharp, patience, history)
+        work[k, 0] = predictor_corrector(
+            system, space, point, work_of(system, np.inf), best, TOL_SHARE * sharp, patience, history
+        )
         work[k, 1] = best.factorisations[0]
         impulse, heaviest = impulses_of(packed, k, r), 0.0
         for i in range(len(impulse)):
             heaviest = max(heaviest, system.weight[i] * best.impulse[i, 0])
             for a in range(impulse.shape[1]):
                 impulse[i, a] = best.impulse[i, a] * units.impulse
-        ended[k] = SOLVED if best.residual[0] + ROUNDING * heaviest <= sharp else NEARLY
+        ended[k] = SOLVED if best.residual[0] + RESIDUAL_ROUNDING * heaviest <= sharp else NEARLY
     return r, ended, work

@@ -41,7 +41,7 @@ from frictionbench.problems.compiled import kernel, lean, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interior.system import Space, System, space_of
 
-ROUNDING = 1e-15  # lower bound of the eigenvalues, relative to a_0: a few units of rounding
+LEAST_EIGENVALUE = 1e-15  # lower bound of the eigenvalues, relative to a_0: a few units of rounding
 
 Vector = tuple[float, float, float]
 
@@ -170,7 +170,7 @@ def add_step(to: Point, factor: float, step: Point) -> None:
 def longest_in_cone(a: Vector, step: Vector, limit: float) -> float:
     """The largest length <= limit with a + length step in the cone, for a in the cone up to rounding."""
     size = np.sqrt(a[1] * a[1] + a[2] * a[2])
-    det = max(a[0] - size, ROUNDING * a[0]) * (a[0] + size)
+    det = max(a[0] - size, LEAST_EIGENVALUE * a[0]) * (a[0] + size)
     half = a[0] * step[0] - a[1] * step[1] - a[2] * step[2]
     square = step[0] * step[0] - step[1] * step[1] - step[2] * step[2]
     length = limit
@@ -199,7 +199,7 @@ def _inverse_root(a: Vector) -> Vector:
     """a^(-1/2)."""
     size = np.sqrt(a[1] * a[1] + a[2] * a[2])
     high = (a[0] + size) ** -0.5
-    low = max(a[0] - size, ROUNDING * a[0]) ** -0.5
+    low = max(a[0] - size, LEAST_EIGENVALUE * a[0]) ** -0.5
     along = (high - low) / (2 * size) if size > 0 else 0.0
     return (high + low) / 2, along * a[1], along * a[2]
 

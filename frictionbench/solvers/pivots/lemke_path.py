@@ -22,11 +22,11 @@ Flags = NDArray[np.bool_]
 COMPLEMENTARY, RAY, LIMIT, INACCURATE, STUCK = range(5)  # how a path ends
 PERTURBATION = 1e-7  # of q, whose largest entry is 1: half of the digits for the perturbation, half for the solution
 HARRIS = 1e-4  # how far below zero a variable may go at a near tie, relative to the perturbation, which must still resolve ties
-PIVOT = 1e-10  # the smallest pivot, relative to its column: smaller entries may be errors of the column
+LEAST_PIVOT = 1e-10  # the smallest pivot, relative to its column: smaller entries may be errors of the column
 ACCURACY = 1e-12  # relative defect above which a transformed column is refined: some thousand units of rounding
 FINEST = 4e-16  # relative defect that refinement can reach: twice the unit of rounding
 # The smallest pivot and the accuracy of columns: usually, and in restarts.
-USUAL, FULL = (PIVOT, ACCURACY), (1e-13, FINEST)
+USUAL, FULL = (LEAST_PIVOT, ACCURACY), (1e-13, FINEST)
 CERTIFICATE = ACCURACY  # largest defect of a ray, relative to its size: as accurate as entering columns
 LOSS = 1e-9  # relative defect after refinement above which the inverse is recomputed
 

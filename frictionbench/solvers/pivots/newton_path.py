@@ -19,8 +19,8 @@ from frictionbench.solvers.pivots.lu_basis import (
 )
 from frictionbench.solvers.pivots.vectors import fill, put
 
-DEPENDENT = 1e-12  # a column is dependent if elimination leaves less than this share of it, which is then rounding
-PIVOT = 1e-9  # smaller rates of change, relative to the largest, count as zero: they may be rounding of 96 updates
+DEPENDENT_COLUMN = 1e-12  # a column is dependent if elimination leaves less than this share of it, which is then rounding
+LEAST_RATE = 1e-9  # smaller rates of change, relative to the largest, count as zero: they may be rounding of 96 updates
 UNRELIABLE = 1e-7  # smaller pivots are taken only from a fresh factorisation, without the rounding of updates
 SLIP = 1e-10  # how far below zero a basic variable may go for the sake of a larger pivot, in units of the scaled q
 
@@ -47,11 +47,11 @@ def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignor
         if size == np.inf:
             return SINGULAR
         remaining = 1.0 if entering == t else np.inf  # until t = 1
-        if t_at >= 0 and d[t_at] < -PIVOT * size:
+        if t_at >= 0 and d[t_at] < -LEAST_RATE * size:
             remaining = max(1.0 - x[t_at], 0.0) / -d[t_at]
         reach = np.inf  # until a basic variable is at minus SLIP
         for i in range(n):
-            if d[i] > PIVOT * size:
+            if d[i] > LEAST_RATE * size:
                 reach = min(reach, (max(x[i], 0.0) + SLIP) / d[i])
         if remaining <= reach and remaining < np.inf:
             for i in range(n):
@@ -63,7 +63,7 @@ def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignor
             return NEWTON
         p = n  # none
         for i in range(n):
-            if d[i] > PIVOT * size and x[i] <= reach * d[i] and (p == n or d[i] > d[p]):
+            if d[i] > LEAST_RATE * size and x[i] <= reach * d[i] and (p == n or d[i] > d[p]):
                 p = i
         renew = basis.size[1] > 0 and (p == n or d[p] < UNRELIABLE * size)
         if not renew:
@@ -89,7 +89,7 @@ def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignor
             work[PIVOTS] += 1
         if renew:
             work[FACTORISATIONS] += 1
-            if factorise_basis(basis, columns, DEPENDENT, until):
+            if factorise_basis(basis, columns, DEPENDENT_COLUMN, until):
                 return SINGULAR
             put(x, b)
             ftran(basis, columns, x)

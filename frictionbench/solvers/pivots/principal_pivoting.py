@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.residual import TOL_SHARE
 from frictionbench.solvers.interface import Answer
-from frictionbench.solvers.pivots.scaled_lcp import MARGIN, STATUSES, ScaledLCP, scaled_lcp
+from frictionbench.solvers.pivots.scaled_lcp import STATUSES, ScaledLCP, scaled_lcp
 
 
 @dataclass(frozen=True)
@@ -27,5 +28,5 @@ class PrincipalPivoting(ABC):
         return scaled_lcp(problem, self.facets)
 
     def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        ended, y, pivots, inversions = self.pivot(prepared, MARGIN * tol, limit or 10_000 + 100 * len(prepared.q))
+        ended, y, pivots, inversions = self.pivot(prepared, TOL_SHARE * tol, limit or 10_000 + 100 * len(prepared.q))
         return prepared.answer(y, STATUSES[ended], pivots=pivots, inversions=inversions)

@@ -17,6 +17,7 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.delassus import write_partners
+from frictionbench.problems.forms.islands import EPSILON
 from frictionbench.problems.forms.lcp import impulse, tangent_basis, write_in_basis
 from frictionbench.problems.residual import polygon_residual, residual
 from frictionbench.solvers.interface import Answer, Status
@@ -24,8 +25,6 @@ from frictionbench.solvers.pivots.inverse_basis import Matrix, symmetrised
 from frictionbench.solvers.pivots.lemke_path import FINEST, LemkeState, add_matrix_product, basic_values
 from frictionbench.solvers.pivots.vectors import put
 
-EPSILON = float(np.finfo(float).eps)
-MARGIN = 0.5  # share of tol that is requested: rows measure normal and tangential defects apart, and sum in another order
 # Indexed by how a path ends (solvers.pivots.lemke_path).
 STATUSES = Status.SOLVED, Status.RAY, Status.WORK_LIMIT, Status.BREAKDOWN, Status.STALLED
 

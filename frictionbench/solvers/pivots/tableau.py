@@ -17,7 +17,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import lean, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis
-from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, INACCURATE, LIMIT, PIVOT, LemkeState, ratio_test
+from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, INACCURATE, LEAST_PIVOT, LIMIT, LemkeState, ratio_test
 from frictionbench.solvers.pivots.vectors import fill
 
 SMALL = 64  # unknowns up to which it is used: from some 80 on lemke_path is faster, as it exploits the zeros of M
@@ -70,7 +70,7 @@ def follow_in_tableau(state: LemkeState, tableau: Tableau, slack: float, limit: 
         size = 0.0
         for i in range(n):
             size = max(size, abs(T[p, i]))
-        s = ratio_test(x, T[p, :n], state.blocking, z0_row, PIVOT * size, slack)
+        s = ratio_test(x, T[p, :n], state.blocking, z0_row, LEAST_PIVOT * size, slack)
     if s < 0 and z0_row >= 0:
         return INACCURATE
     fill(state.y, 0.0)

@@ -23,7 +23,7 @@ from frictionbench.problems.packed import Q, known_blocks, law_of, mechanical, m
 from frictionbench.problems.rows import Index32, normal_first
 from frictionbench.solvers.interface import impulses
 
-ROUNDING = 3e-7  # rounding error of a residual in single precision, as observed on steps of robots
+SINGLE_ROUNDING = 3e-7  # rounding error of a residual in single precision, as observed on steps of robots
 
 
 class ContactForm(NamedTuple):
@@ -69,9 +69,9 @@ def single(part: Any) -> Any:
 
 
 def asked(form: ContactForm, tol: float) -> float:
-    """The residual at which a method stops: in single precision tol - ROUNDING, the error that rounding may cause, but not less
-    than tol / 2."""
-    return tol if form.offset.dtype == np.float64 else max(tol / 2, tol - ROUNDING)
+    """The residual at which a method stops: in single precision tol less the error that rounding may cause, but not less than
+    tol / 2."""
+    return tol if form.offset.dtype == np.float64 else max(tol / 2, tol - SINGLE_ROUNDING)
 
 
 def begin(form: ContactForm, start: Array | None) -> Array:

@@ -23,7 +23,8 @@ from math import sqrt
 import numpy as np
 
 from frictionbench.problems.compiled import inlined, kernel, part
-from frictionbench.problems.residual import EPSILON, contact_residual
+from frictionbench.problems.forms.islands import EPSILON
+from frictionbench.problems.residual import contact_residual
 from frictionbench.solvers.sweeps.form import state, velocity
 
 LIFT = 1e-14  # the least eigenvalue of S, relative to the trace of W_t: a hundred units of rounding, in double
