@@ -19,7 +19,7 @@ import numpy as np
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.simulation import usable
-from frictionbench.harness.plans.plan import Plan
+from frictionbench.harness.plans.plan import Plan, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import FrictionProblem
@@ -87,8 +87,8 @@ def record_histories(
         if row.get("tol") == tol and row.get("verdict") in ACCEPTED and not row.get("members")
     }
     tasks = [
-        Task(run_history, (name, variant, tol), HISTORY_LIMIT, plan.owner(variant))
-        for variant in sorted(plan.variants, key=plan.owner)
+        Task(run_history, (name, variant, tol), HISTORY_LIMIT, owner(variant, plan.plugins))
+        for variant in sorted(plan.variants, key=lambda variant: owner(variant, plan.plugins))
         for name in problems
         if (name, variant) in solved
     ]

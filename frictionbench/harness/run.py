@@ -135,7 +135,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
 
 def _descriptions(plan: Plan) -> dict[str, str]:
     """Return the docstrings of our solvers' files and classes, for the report. Plug-ins are not imported in this process."""
-    variants = [variant for variant in plan.variants if not plan.owner(variant)]
+    variants = [variant for variant in plan.variants if not plugin_of(variant, plan.plugins)]
     makes = {variant: find(variant)[0].make for variant in variants}
     docstrings = {variant: (sys.modules[make.__module__].__doc__, make.__doc__) for variant, make in makes.items()}
     return {variant: "\n\n".join(cleandoc(text) for text in texts if text) for variant, texts in docstrings.items()}
@@ -193,8 +193,8 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
 
 def _loaded_by(plan: Plan, cell: Cell) -> tuple[str, str]:
     """Return the names of the plug-in and of the outside library that a cell loads, empty if none."""
-    if owner := plan.owner(cell.variant):
-        return owner, ""
+    if name := owner(cell.variant, plan.plugins):
+        return name, ""
     info, _ = find(cell.variant)
     return "", info.name if info.needs else ""
 

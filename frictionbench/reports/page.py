@@ -49,13 +49,8 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
     if has_batches(folder):
         return write_batches(folder)
     path = folder / "report.html"
-    write_text(path, render(view(run or read_run(folder))))
+    write_text(path, environment().get_template("page.html").render(view(run or read_run(folder))))
     return path
-
-
-def render(page: Values) -> str:
-    """The page as HTML."""
-    return environment().get_template("page.html").render(page)
 
 
 def view(run: Run) -> Values:

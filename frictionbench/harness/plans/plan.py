@@ -183,7 +183,7 @@ class Plan:
 
     def _tolerances(self, variant: str) -> list[float]:
         """Return the tolerances, loosest first. A tolerance too tight for single precision adds the tightest that it allows."""
-        finest = 0.0 if self.owner(variant) else FINEST_TOL[find(variant)[0].precision]
+        finest = 0.0 if plugin_of(variant, self.plugins) else FINEST_TOL[find(variant)[0].precision]
         return sorted({*self.tolerances, *(finest for tol in self.tolerances if tol < finest)}, reverse=True)
 
     def simulation_cells(self) -> list[SimulationCell]:
@@ -207,7 +207,7 @@ class Plan:
 
     def _ways(self, variant: str) -> list[tuple[str, str]]:
         """Return the ways in which a solver solves a batch, and their starts: all for a plug-in, which is not imported here."""
-        if self.owner(variant):
+        if plugin_of(variant, self.plugins):
             return [("calls", COLD), ("packed", COLD), ("packed", WARM), ("list", COLD)]
         info, instance = find(variant)
         if hasattr(instance, "solve_many"):
@@ -222,10 +222,6 @@ class Plan:
     def variants(self) -> tuple[str, ...]:
         """Return all solvers of problems and simulations, each once."""
         return tuple(dict.fromkeys((*self.solvers, *self.spatial_solvers, *self.simulation_solvers)))
-
-    def owner(self, variant: str) -> str:
-        """Return the owner of a variant among the plan's plug-ins; see the function `owner`."""
-        return owner(variant, self.plugins)
 
 
 def plugin_of(variant: str, plugins: tuple[Plugin, ...]) -> Plugin | None:

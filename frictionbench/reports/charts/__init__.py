@@ -15,5 +15,5 @@ from frictionbench.reports.charts import (
 MAPS = (failure_maps.VERDICTS, failure_maps.TYPES, failure_maps.TIMES, failure_maps.WORK)
 CHARTS = (
     *(stability.CHART, convergence.FORCES, *MAPS, pareto.CHART, speed_accuracy.CHART, convergence.CHART),
-    *(profiles.CHART, profiles.WORK, profiles.WITHIN, profiles.CLASSES, growth.CHART, steps.CHART, energy.CHART),
+    *(profiles.CHART, profiles.WORK, profiles.WITHIN, growth.CHART, steps.CHART, energy.CHART),
 )

@@ -1,8 +1,7 @@
 """Performance profiles of Dolan and Moré (2002): the weighted share of problems within tau times the least time of any solver.
 
-Further charts show the share within a time, which does not depend on the other solvers; profiles of deterministic counters
-instead of time, which do not depend on the machine; and profiles by the number of contacts. Other sources of difficulty, such
-as rank deficiency, have columns in the table of hard problems (reports.tables).
+Further charts show the share within a time, which does not depend on the other solvers, and profiles of deterministic counters
+instead of time, which do not depend on the machine.
 
 The work of a solver on a problem is the counter at the least time within the tightest target (reports.accuracy), plus one, so
 that ratios are defined if a solver needs no work. Counters of different units are not compared: each unit has a panel with the
@@ -16,7 +15,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from frictionbench.reports.accuracy import OVERALL, Array, Profile, overall, profiles
+from frictionbench.reports.accuracy import Array, Profile, overall, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK, Look, log_ticks, share_axis, time_axis
@@ -27,8 +26,6 @@ from frictionbench.results.cells import counts
 FARTHEST = 1e3  # largest ratio to the fastest solver that is shown
 STEPS = 160  # steps of a curve: finer than the resolution of a panel
 UNITS = ("pivots", "sweeps", "iterations", "factorisations")
-SIZES = {"1 to 10 contacts": (1, 10), "11 to 100": (11, 100), "101 to 1000": (101, 1000), "more than 1000": (1001, 10**12)}
-FEWEST_PROBLEMS = 2  # least number of problems of a class with a panel
 
 
 def panels(run: Run) -> list[Panel]:
@@ -73,26 +70,6 @@ def counted(text: object) -> dict[str, int]:
         if unit in UNITS:
             total[unit] += count
     return dict(total)
-
-
-def classes(run: Run) -> list[Panel]:
-    """Return a panel per class of size, if the problems of a dimension belong to several classes."""
-    tried = [target for target in sorted(run.times) if len(run.times[target])]
-    if not tried:
-        return []
-    times = run.times[tried[0]]
-    facts = run.ranked.groupby("problem_id")[["contacts", "dimension"]].max()
-    panels = []
-    for dimension, where in OVERALL.items():
-        contacts = facts.loc[facts["dimension"] == dimension, "contacts"]
-        members = {name: contacts.index[contacts.between(*ends)] for name, ends in SIZES.items()}
-        members = {name: problems for name, problems in members.items() if len(problems) >= FEWEST_PROBLEMS}
-        for name, problems in members.items() if len(members) > 1 else ():
-            within = times[times["problem_id"].isin(problems)]
-            costs = next(map(profiles, overall(within).values()), {})
-            title = f"{where}, {name}: {within['problem_id'].nunique()} problems"
-            panels.append(Panel(title, partial(_draw, costs=costs, looks=run.looks)))
-    return panels
 
 
 def _draw(
@@ -154,13 +131,4 @@ WITHIN = Chart(
     ranked=True,
     caption="The weighted share of all ranked problems that a solver solves to the target if each is given that time, "
     "for example the time available for a time step. Unlike a performance profile it does not depend on the other solvers.",
-)
-CLASSES = Chart(
-    name="classes",
-    panels=classes,
-    section="time",
-    title="Performance profiles by size, within the tightest target",
-    caption="Performance profiles for the problems of one class, by number of contacts.",
-    folded=True,
-    ranked=True,
 )
