@@ -1,25 +1,23 @@
-"""`frictionbench show`: the motion of a scene, simulated in this process for our own solvers, and in a worker for plug-ins."""
+"""`frictionbench show`: the motion of a scene, simulated in a worker with its limits."""
 
 import re
 from dataclasses import replace
 
 import numpy as np
 
-from frictionbench.harness import process
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.motion import record_motion
-from frictionbench.harness.plans.plan import MEMORY_LIMIT
+from frictionbench.harness.plans.plan import owner
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Task, scratch_pool
-from frictionbench.problems.catalogue import instances, scene, scenes
-from frictionbench.problems.check import InputError, require
+from frictionbench.problems.catalogue import find_scene
+from frictionbench.problems.check import require
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DEFAULT_SCHEME, rough_percent
 from frictionbench.results.motion import Motion, decoded
 
 EXACT_SOLVERS = {2: "lemke", 3: "interior_point"}
-MAX_SECONDS = 3600.0  # seconds for a plug-in to simulate a scene: the user can interrupt it earlier
+MAX_SECONDS = 3600.0  # seconds to simulate a scene: the user can interrupt it earlier
 
 
 def energy_balance(motion: Motion) -> str:
@@ -47,19 +45,12 @@ def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int |
     """
     require_scheme(scheme)
     name, settings = parse("scene", scene_spec)
-    if name in instances():
-        raise InputError(f"scene: {name} is a problem of one step and has no motion; `show` takes {', '.join(scenes())}")
-    with process.memory_within(MEMORY_LIMIT):
-        stage = scene(name, **settings)
-    solver_spec = solver_spec or EXACT_SOLVERS[stage.dimension]
+    solver_spec = solver_spec or EXACT_SOLVERS[find_scene(name, settings).dimension]
     variants, plugins = load_plugins([solver_spec])
     require(len(variants) == 1, "solver", f"{solver_spec} defines {len(variants)} solvers; name one of them")
     (variant,) = variants
-    if not plugins:
-        with process.memory_within(MEMORY_LIMIT):
-            return record_motion(stage, variant, scheme, steps)
     with scratch_pool(plugins) as pool:
         call = (name, settings, variant, scheme, steps)
-        (outcome,) = pool.run([Task(worker.run_show, call, MAX_SECONDS, plugins[0].source)])
-    motion = decoded(outcome.result(f"solver: {variant} cannot be shown"), f"solver: {variant}")
-    return replace(motion, scene=stage.name, solver=variant)
+        (outcome,) = pool.run([Task(worker.run_show, call, MAX_SECONDS, owner(variant, plugins))])
+    motion = decoded(outcome.result(f"scene: {scene_spec} cannot be shown with {variant}"), f"solver: {variant}")
+    return replace(motion, scene=name, solver=variant)

@@ -23,7 +23,7 @@ Array = Annotated[NDArray[np.float64], BeforeValidator(lambda values: np.array(v
 ARRAYS = ConfigDict(arbitrary_types_allowed=True)
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
 TITLE_DIGITS = 3  # digits of a parameter in a title
-STORED_DIGITS = 12  # significant digits of encoded numbers: a defect is a small difference of large energies
+STORED_DIGITS = 17  # significant digits of encoded numbers, exact as a defect is a small difference of large energies
 
 
 @dataclass(frozen=True, eq=False, config=ARRAYS)

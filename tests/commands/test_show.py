@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from frictionbench.commands.show import energy_balance, page_name, recorded
+from frictionbench.commands.show import EXACT_SOLVERS, energy_balance, page_name, recorded
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scene, scenes
@@ -80,7 +80,10 @@ def test_failing_scheme_is_reported() -> None:
     for arguments, complaint in (
         (("two_blocks", "lemke", "lotstedt", None), r"^scheme: it has no law of restitution"),
         (("stack", str(BAD_SOLVERS), "moreau", None), r"^solver: .* name one"),
-        (("random_bodies[contacts=3]", "nsgs", "moreau", None), "^scene: random_bodies is a problem of one step"),
+        (
+            ("random_bodies[contacts=3]", "nsgs", "moreau", None),
+            "^scene: 'random_bodies' is no scene but",
+        ),
     ):
         with pytest.raises(InputError, match=complaint):
             recorded(*arguments)
@@ -121,8 +124,9 @@ def test_invalid_motions_are_refused() -> None:
 
 
 def test_every_scene_has_a_self_contained_page(tmp_path) -> None:
-    for name in scenes():
-        page = Page(write_animation(recorded(name, None, "anitescu_potra", 3), tmp_path / f"{name}.html"))
+    for name, made in scenes().items():
+        motion = record_motion(scene(name), EXACT_SOLVERS[made.dimension], steps=3)
+        page = Page(write_animation(motion, tmp_path / f"{name}.html"))
         assert page.references == []
         assert page.count["script"] == 2
         data = json.loads(page.scripts["application/json"][0])
