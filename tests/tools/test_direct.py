@@ -9,6 +9,7 @@ from frictionbench import instance
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import problem_of, scene
 from frictionbench.solvers import available, find, solve
+from tests.helpers.friction_problems import block
 from tests.helpers.paths import ROOT
 from tools.direct.__main__ import BLOCKS, BODIES, FAIR, TOL, charged_tables, recorded_table
 from tools.direct.arrays import arrays
@@ -64,10 +65,12 @@ def test_the_tables_have_a_row_for_each_solver_named(monkeypatch, tmp_path) -> N
     monkeypatch.setattr("tools.direct.__main__.BODIES", (4,))
     monkeypatch.setattr("tools.direct.__main__.LINKS", {"chain": (3,)})
     lines = list(charged_tables(["osqp", "clarabel"]))
-    assert len(lines) == 13
+    assert len(lines) == 15
     assert re.fullmatch(r"\| osqp (\| \d+, \d+, \d+; [\d.]+ ){2}\|.*\|", lines[3])
-    assert re.fullmatch(r"\| clarabel\S* \| \d+, \d+, \d+; [\d.]+ .*\|.*\|", lines[7])
+    assert re.fullmatch(r"\| clarabel\S* \| \d+, \d+, \d+; [\d.]+ .*\|.*\|", lines[8])
     with pytest.raises(InputError, match="'lemke' has no call by hand"):
         next(charged_tables(["lemke"]))
+    with pytest.raises(InputError, match="friction_bias"):
+        arrays(block(friction_bias=[1.0]))
     with pytest.raises(InputError, match="no friction problem"):
         next(recorded_table([], tmp_path))

@@ -17,14 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from frictionbench.problems import FrictionProblem
+from frictionbench.problems import FrictionProblem, InputError
 
 Array = NDArray[np.float64]
 DENSE = 60  # contacts up to which dense arrays are faster
 
 
 class Arrays(NamedTuple):
-    """A problem without friction bias, by its mechanics, or by W and q if only these are known."""
+    """A problem by its mechanics, or by W and q if only these are known."""
 
     d: int
     mu: Array
@@ -50,7 +50,9 @@ class Called(NamedTuple):
 
 
 def arrays(problem: FrictionProblem) -> Arrays:
-    """Return the arrays of a problem."""
+    """Return the arrays of a problem. Errors: InputError if it has a friction bias, for which these calls have no place."""
+    if problem.friction_bias.any():
+        raise InputError("friction_bias: calls by hand have none")
     nc, d = problem.contacts, problem.dimension
     kept = (lambda matrix: matrix.toarray()) if nc <= DENSE else sparse.csr_array
     if not problem.mechanical:

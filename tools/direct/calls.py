@@ -40,11 +40,11 @@ def scs(problem: Arrays, tol: float, **chosen: float) -> Called:
     return Called(of_multipliers(problem, found["y"][joints:]), found["info"]["status_val"] == 1)
 
 
-def osqp(problem: Arrays, tol: float) -> Called:
+def osqp(problem: Arrays, tol: float, **chosen: float) -> Called:
     library: Any = import_module("osqp")
     P, q, G, h = program(problem)
     made = library.OSQP()
-    (C, c, _), settings = with_joints(problem, G, h), {"verbose": False, "max_iter": 100_000}
+    (C, c, _), settings = with_joints(problem, G, h), {"verbose": False, "max_iter": 100_000, **chosen}
     lower = np.concatenate([np.full(len(h), -np.inf), c[len(h) :]])
     made.setup(_upper(P), q, sparse.csc_matrix(C), lower, c, eps_abs=tol / 10, eps_rel=0.0, **settings)
     found = made.solve(raise_error=False)
@@ -123,13 +123,14 @@ def mujoco_boxqp(problem: Arrays, tol: float) -> Called:
     return Called(of_multipliers(problem, z.ravel()), rank >= 0)
 
 
-def highs(problem: Arrays, tol: float, **settings: float) -> Called:
+def highs(problem: Arrays, tol: float, **settings: Any) -> Called:
     feasible = dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(tol / 10, 1e-10))
     library: Any = import_module("qpsolvers")
     P, q, G, h = program(problem)
     joints = (sparse.csc_matrix(problem.F), problem.f) if len(problem.f) else (None, None)
     asked = library.Problem(sparse.csc_matrix(P), q, sparse.csc_matrix(G), h, *joints)
-    found = library.solve_problem(asked, "highs", **feasible, **settings)
+    # as solve_problem, whose own argument `solver` would hide HiGHS' option
+    found = import_module("qpsolvers.solvers").solve_function["highs"](asked, **feasible, **settings)
     return Called(of_multipliers(problem, np.zeros(len(h)) if found.z is None else found.z), found.found)
 
 
@@ -258,6 +259,7 @@ class Call(NamedTuple):
 CALLS: dict[str, Call] = {
     "clarabel[settings=default]": Call(clarabel, (2, 3)),
     "osqp": Call(osqp),
+    "osqp[settings=tuned]": Call(partial(osqp, rho=1.0, adaptive_rho_interval=25, check_termination=10)),
     "scs[settings=default]": Call(scs, (2, 3)),
     "scs[settings=tuned]": Call(partial(scs, scale=1.0, acceleration_lookback=6), (2, 3)),
     "proxsuite[matrices=sparse]": Call(proxsuite),
@@ -267,6 +269,7 @@ CALLS: dict[str, Call] = {
     "quadprog": Call(quadprog, most=100),
     "ccp[backend=highs]": Call(highs, joints=False),
     "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0), joints=False),
+    "ccp[backend=hipo]": Call(partial(highs, solver="hipo", ipm_optimality_tolerance=1e-12)),
     "casadi[method=qrqp]": Call(casadi_qrqp, most=20, joints=False),
     "mujoco_boxqp[settings=default]": Call(mujoco_boxqp, most=100),
     "quantecon[settings=default]": Call(quantecon, most=100, by_matrix=True),
