@@ -1,7 +1,7 @@
 """Failure maps: their grids, their runs, and the theoretical thresholds drawn over them.
 
-First the grid points are run, then the points of finer grids where verdicts differ. Each round runs a plan with more points in
-the same folder. The points to add follow from the rows found, so that an interrupted run resumes. At the end the theoretical
+First the grid points are run, then points midway between neighbours whose verdicts differ, by a plan with more points in the
+same folder. These follow from the verdicts at the grid points, so that an interrupted run resumes. At the end the theoretical
 thresholds of each map are traced along lines by bisection, without a solver.
 """
 
@@ -13,6 +13,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from frictionbench.harness.plans.atlas import axis
 from frictionbench.harness.plans.choose import tolerances
@@ -87,19 +88,21 @@ def corners(spec: Map) -> list[GridPoint]:
     return [(x, y) for x in (0.0, spec.x.count - 1.0) for y in (0.0, spec.y.count - 1.0)]
 
 
-def finer(spec: Map, known: set[GridPoint], level: int, verdicts: Verdicts) -> list[GridPoint]:
-    """Return at most spec.most new grid points between neighbours whose verdicts differ; most differences come first."""
-    step = 0.5**level
+def finer(spec: Map, verdicts: Verdicts) -> list[GridPoint]:
+    """Return at most spec.most points midway between neighbouring grid points with different verdicts, most differences first.
+
+    verdicts: those at other points, which an interrupted run may have found, are ignored, so that a resumed run adds the same.
+    """
     gain: dict[GridPoint, int] = {}
-    for (i, j), here in verdicts.items():
+    for i, j in spec.grid:
+        here = verdicts.get((i, j), {})
         for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
-            neighbour = (i + 2 * di * step, j + 2 * dj * step)
-            there = verdicts.get(neighbour, here)
+            there = verdicts.get((i + di, j + dj), here)
             changes = sum(there.get(variant) != verdict for variant, verdict in here.items())
-            between = (i + di * step, j + dj * step)
-            if changes and between not in known:
+            between = (i + di / 2, j + dj / 2)
+            if changes:
                 gain[between] = max(gain.get(between, 0), changes)
-    seen = {json.dumps(spec.at(point), sort_keys=True) for point in known}
+    seen = {json.dumps(spec.at(point), sort_keys=True) for point in spec.grid}
     new: list[GridPoint] = []
     for point in sorted(gain, key=lambda point: (-gain[point], point)):
         parameters = json.dumps(spec.at(point), sort_keys=True)
@@ -153,31 +156,26 @@ def _changes(axis: Axis, holds: Callable[[float], bool]) -> list[float]:
 
 def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
     """Run a plan that has maps. Errors: as for harness.run.run."""
-    points: list[dict[GridPoint, None]] = [dict.fromkeys(spec.grid) for spec in plan.maps]
-    for level in range(max(spec.levels for spec in plan.maps) + 1):
-        if level and not (added := _refine(plan.maps, points, level, folder)):
-            break
-        if level:
-            progress.tell(f"{count(added, 'point')} added where verdicts differ between neighbours")
-        run(_with_points(plan, points), folder, jobs, progress, cluster)
+    points = [spec.grid for spec in plan.maps]
+    run(_with_points(plan, points), folder, jobs, progress, cluster)
+    tables = {table: store.read_table(folder, table) for table in ("solves", "simulations")}
+    added = [_added(spec, tables["simulations" if spec.steps else "solves"]) for spec in plan.maps]
+    if number := sum(map(len, added)):
+        progress.tell(f"{count(number, 'point')} added where verdicts differ between neighbours")
+        run(_with_points(plan, [grid + new for grid, new in zip(points, added, strict=True)]), folder, jobs, progress, cluster)
     for spec in plan.maps:
         trace(spec, folder)
 
 
-def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: int, folder: Path) -> int:
-    """Add the points of a level to those of each map; return how many there are."""
-    before = sum(map(len, points))
-    solves, simulations = (store.read_table(folder, table) for table in ("solves", "simulations"))
-    for spec, known in zip(specs, points, strict=True):
-        if level <= spec.levels:
-            verdicts: Verdicts = {}
-            for row in at_grid_points(simulations if spec.steps else solves, spec).itertuples():
-                verdicts.setdefault((row.i, row.j), {})[row.variant] = row.verdict
-            known.update(dict.fromkeys(finer(spec, set(known), level, verdicts)))
-    return sum(map(len, points)) - before
+def _added(spec: Map, rows: pd.DataFrame) -> list[GridPoint]:
+    """Return the points that refine a map. rows: of its table."""
+    verdicts: Verdicts = {}
+    for row in at_grid_points(rows, spec).itertuples():
+        verdicts.setdefault((row.i, row.j), {})[row.variant] = row.verdict
+    return finer(spec, verdicts) if spec.refined else []
 
 
-def _with_points(plan: Plan, points: list[dict[GridPoint, None]]) -> Plan:
+def _with_points(plan: Plan, points: list[list[GridPoint]]) -> Plan:
     """Return the plan with the problems at these grid points. A map of simulations has simulations there instead, none longer
     than the scene's duration."""
     sources: dict[str, Source] = {}

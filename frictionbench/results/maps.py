@@ -12,7 +12,7 @@ a solver's answer is verified. It is not known to exist if the enumeration finds
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -37,7 +37,7 @@ UNITS = {
     **dict.fromkeys(("overlap", "depth", "height", "radius", "length", "half_length", "clearance", "lean", "thickness"), "m"),
     **{"step": "s", "duration": "s", "shear": "1/s", "mass": "kg"},
 }
-MOST_LEVELS, MOST_POINTS = 8, 10**6  # bounds on the refined grid, far above those of any suite
+MOST_POINTS = 10**6  # of the refined grid: far more than any suite has
 THEORY = ("gaps", "pointed")  # proofs of existence that also hold for the same problem with fewer contacts
 VALUE_DIGITS = 6  # significant digits of a parameter's value: few enough to be equal on all machines and short in a table
 
@@ -89,8 +89,8 @@ class Map:
     """One map. parameters: the fixed values of the scene's other parameters. name: used for files and headings.
 
     steps: the largest number of steps in closed loop, or 0 for a map of the scene's first problems; scheme: the time-stepping
-    scheme that makes these problems. levels: how often the grid is halved between neighbours with different verdicts; most: the
-    largest number of new grid points per halving. thresholds: names of theoretical thresholds drawn over the map. constant:
+    scheme that makes these problems. refined: whether points are added midway between neighbouring grid points with different
+    verdicts; most: the largest number of these. thresholds: names of theoretical thresholds drawn over the map. constant:
     whether verdicts and work must be the same over the whole map. title, note: text above the drawing.
     """
 
@@ -101,7 +101,7 @@ class Map:
     parameters: dict[str, Any] = field(default_factory=dict)
     scheme: str = DEFAULT_SCHEME
     steps: NonNegativeInt = 0
-    levels: Annotated[NonNegativeInt, Field(le=MOST_LEVELS)] = 1
+    refined: bool = True
     most: NonNegativeInt = 24
     thresholds: tuple[str, ...] = ()
     constant: bool = False
@@ -109,7 +109,7 @@ class Map:
     note: str = ""
 
     def __post_init__(self) -> None:
-        if self.x.count * self.y.count * 4**self.levels > MOST_POINTS:
+        if 4 * self.x.count * self.y.count > MOST_POINTS:
             raise ValueError(f"more than {MOST_POINTS} grid points")
 
     @property
@@ -121,12 +121,10 @@ class Map:
         """The scene's parameters at a grid point."""
         return {**self.parameters, self.x.parameter: self.x.value(point[0]), self.y.parameter: self.y.value(point[1])}
 
-    def grid_points(self) -> Iterator[GridPoint]:
-        """Yield every grid point that the map can have, the coarser grids first. Points of several grids are repeated."""
-        for level in range(self.levels + 1):
-            step = 0.5**level
-            count = [int((axis.count - 1) / step) + 1 for axis in (self.x, self.y)]
-            yield from ((i * step, j * step) for i, j in product(range(count[0]), range(count[1])))
+    def grid_points(self) -> list[GridPoint]:
+        """Return every grid point that the map can have, those of `grid` first, and repeated among the others."""
+        halves = product(range(2 * self.x.count - 1), range(2 * self.y.count - 1)) if self.refined else ()
+        return [*self.grid, *((i / 2, j / 2) for i, j in halves)]
 
 
 def maps_of(manifest: Mapping[str, Any]) -> list[Map]:
@@ -153,7 +151,7 @@ def at_grid_points(rows: "pd.DataFrame", spec: Map) -> "pd.DataFrame":
     rows = rows[rows["scene"] == spec.scene]
     points: dict[str, tuple[float, float, float]] = {}
     for i, j in spec.grid_points():
-        tile = 1.0 if i % 1 == 0 and j % 1 == 0 else 0.5 if (2 * i) % 1 == 0 and (2 * j) % 1 == 0 else 0.25
+        tile = 1.0 if i % 1 == 0 and j % 1 == 0 else 0.5
         points.setdefault(json.dumps(spec.at((i, j)), sort_keys=True), (i, j, tile))
     rows = rows[rows["parameters"].isin(points.keys())]
     row_points = [points[parameters] for parameters in rows["parameters"]]

@@ -50,9 +50,9 @@ def atlas(tmp_path_factory) -> Path:
     """Four small maps by two exact solvers and a relaxation, with a page."""
     folder = tmp_path_factory.mktemp("maps") / "run"
     maps = (
-        small("painleve_rod", 6, 6, levels=0),
+        small("painleve_rod", 6, 6, refined=False),
         small("sliding_block", 5, 5, most=8),
-        small("jam", 5, 3, levels=0, thresholds=("gaps",)),
+        small("jam", 5, 3, refined=False, thresholds=("gaps",)),
         small("steps_painleve_rod", 3, 2, steps=5),
     )
     run_maps(plan(*maps, solvers=("hybrid", "lemke", "relaxation_ip")), folder, 2, quiet())
@@ -91,7 +91,10 @@ def test_refinement() -> None:
     spec = Map("m", "stack", Axis("friction", 0.0, 0.3, 4), Axis("push", 0.0, 0.2, 3), most=3)
     verdict = {place: "solved" if place[0] < 2 else "unsolved" for place in spec.grid}
     found = {place: {"lemke": verdict[place], "nsgs": "solved"} for place in spec.grid}
-    assert [i for i, _ in finer(spec, set(spec.grid), 1, found)] == [1.5] * 3
+    added = finer(spec, found)
+    assert [i for i, _ in added] == [1.5] * 3
+    later = {(1.5, 0.0): {"lemke": "wrong", "nsgs": "wrong"}, (1.5, 1.0): {"lemke": "solved", "nsgs": "solved"}}
+    assert finer(spec, found | later) == added  # as when a run is resumed
 
 
 @pytest.mark.parametrize(
@@ -173,7 +176,7 @@ def test_a_map_that_is_refined_is_not_finished(tmp_path, monkeypatch) -> None:
 
 def test_failures_are_listed_smallest_first(tmp_path) -> None:
     spec = Map("m", "stack", Axis("blocks", 2, 3, 2, whole=True), Axis("mass_ratio", 1.0, 1e6, 2, "log"), {"push": 1.0})
-    run_maps(plan(replace(spec, levels=0), solvers=("hybrid", "nsgs")), tmp_path / "run", 2, quiet())
+    run_maps(plan(replace(spec, refined=False), solvers=("hybrid", "nsgs")), tmp_path / "run", 2, quiet())
     (row,) = smallest(failures(map_cells(read_run(tmp_path / "run")))).to_dict("records")
     assert (row["label"], json.loads(row["parameters"])["blocks"], row["contacts"]) == ("nsgs", 2, 4)
     assert row["key"] in write_report(tmp_path / "run").read_text(encoding="utf-8")

@@ -220,7 +220,7 @@ MAP = {"name": "m", "scene": "stack", "x": AXIS, "y": AXIS | {"parameter": "push
 
 
 CHANGES = [{"x": AXIS | {"low": low, "scale": "log"}} for low in (0.0, -1.0)] + [{"x": AXIS | {"high": float("inf")}}]
-CHANGES += [{"x": AXIS | {"count": 10**6}, "y": AXIS | {"count": 10**6}}, {"x": AXIS | {"scale": "other"}}, {"levels": 10**9}]
+CHANGES += [{"x": AXIS | {"count": 10**6}, "y": AXIS | {"count": 10**6}}, {"x": AXIS | {"scale": "other"}}]
 CHANGES += [{"name": "../../x"}, {"parameters": []}, {"thresholds": [1]}]
 
 

@@ -124,7 +124,7 @@ steps_painleve_rod  painleve_rod  step=log:1e-4:1:5  friction=0.4:2.5:4
 def atlas() -> tuple[Map, ...]:
     """Return all maps of the suite."""
     same = "The same problem in other units, powers of two from 1e-12 to 1e12: not even rounding differs, nothing may change."
-    loops = _maps(_LOOPS, "At most 30 steps of each size.", scheme=GAP_SCHEME, steps=30, levels=0)
+    loops = _maps(_LOOPS, "At most 30 steps of each size.", scheme=GAP_SCHEME, steps=30, refined=False)
     return (*_maps(_MAPS), *_maps(_UNITS, same, constant=True), *loops)
 
 
