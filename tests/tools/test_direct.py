@@ -23,6 +23,7 @@ SAMPLES = {
     "space": instance("random_bodies", contacts=10, seed=2),
     "joints": scene("chain", links=5, fall=1).problem(),
     "joints in space": problem_of("rod_chain", links=5, fall=1),
+    "immobile tangents": problem_of("robot_step", case="ant-harsh-349"),
 }
 
 

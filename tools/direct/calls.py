@@ -206,7 +206,8 @@ def mujoco(problem: Arrays, tol: float) -> Called:
     data.efc_J[:], data.efc_aref[:] = rows.ravel(), -offset.ravel()
     data.efc_R[:], data.efc_D[:] = softness, 1 / softness
     data.efc_margin[:] = data.efc_pos[:] = 0
-    data.contact.mu[:], data.contact.friction[:, :2] = problem.mu, problem.mu[:, None]
+    mu = np.maximum(problem.mu, 1e-8)  # a contact whose elliptic cone has none is left out
+    data.contact.mu[:], data.contact.friction[:, :2] = mu, mu[:, None]
     data.qacc_smooth[:] = data.qfrc_smooth[:] = L.T @ problem.v
     library.mj_fwdConstraint(model, data)
     solved, soft = data.solver_niter[0] < 1000, softness.reshape(nc, 3)[:, :d]

@@ -17,10 +17,12 @@ def answer(entries: Any, q: Any, mu: Any, tol: float, method: str) -> dict[str, 
     """Return the impulses, normal first, the driver's return code and its seconds."""
     n, d = len(q), 2 if "2D" in method else 3
     dense, sparse = np.zeros((n, n)), sn.NM_create(sn.NM_SPARSE, n, n)
-    sn.NM_triplet_alloc(sparse, len(entries))
+    sn.NM_triplet_alloc(sparse, len(entries) + n)
     for i, j, value in entries:
         dense[int(i), int(j)] = value
         sn.NM_entry(sparse, int(i), int(j), value)
+    for i in np.flatnonzero(np.diag(dense) == 0).tolist():  # without these entries PROX crashes
+        sn.NM_entry(sparse, i, i, 0.0)
     found: list[dict[str, Any]] = []
     for W in (dense, sparse) if d == 3 else (dense,):
         for _ in range(3):
