@@ -57,6 +57,8 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
             progress.tell(f"results are written to {folder}")
         with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
             store.write_manifest(folder, known | {"workers": None if cluster else jobs, "walls": pool.sandbox})
+            for table in filter(rows.get, TABLES):  # merged at an earlier end; reports read the shards until the next
+                (folder / f"{table}.parquet").unlink(missing_ok=True)
             records = _collect(plan, pool, progress)
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
             left = [cell for cell in cells if cell.key not in rows[cell.table]]

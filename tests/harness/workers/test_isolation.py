@@ -11,7 +11,7 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.harness.run import drop_disturbed, run
+from frictionbench.harness.run import _run, drop_disturbed, run
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from tests.helpers.friction_problems import block
@@ -74,7 +74,7 @@ def test_ended_run_leaves_no_process(tmp_path, way, name, times) -> None:
     assert store.read_manifest(tmp_path / "run")["settings"]["time_limit"] == 300.0
 
 
-def test_disturbed_rows_are_repeated(tmp_path) -> None:
+def test_disturbed_rows_are_repeated(tmp_path, monkeypatch) -> None:
     plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs", "lemke", "murty"), (1e-4,))
     run(plan, tmp_path, 1, quiet())
     (shard,) = (tmp_path / "shards").glob("solves-*.jsonl")
@@ -85,6 +85,12 @@ def test_disturbed_rows_are_repeated(tmp_path) -> None:
     with pytest.raises(ResultsError, match=r"another run[^{]*settings.solvers: lemke, murty in the folder only$"):
         drop_disturbed(replace(plan, solvers=("nsgs",)), tmp_path)
     drop_disturbed(plan, tmp_path)
+    left: list[int] = []
+    monkeypatch.setattr(
+        "frictionbench.harness.run._run",
+        lambda *given: left.append(len(store.read_table(tmp_path, "solves"))) or _run(*given),
+    )
     run(plan, tmp_path, 1, quiet())
+    assert left == [1]  # what a report reads meanwhile
     again = store.read_table(tmp_path, "solves").set_index("key")["reason"]
     assert [again[row["key"]] for row in rows] == ["", "", "before"]
