@@ -12,7 +12,7 @@ import sys
 import tarfile
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -83,32 +83,36 @@ def confirmed(
             require(bool(variants), "code", f"{code} holds no frictionbench, of which all these solvers are; {GIVE_BASELINE}")
         options = [*_options(settings), *(part for variant in sorted(variants) for part in ("--solver", variant))]
         timed = before is not None and limits.times
-        sides = [side for side in (before, now) if side is not None]
-        pairs: list[Pair] = []
+        most = PAIRS if timed else PAIRS_UNTIMED
         tested = [_home(), *(path.resolve() for spec in outside for path in plugins.files(spec))]
+        pairs: list[Pair] = []
         others, untimed = dict[str, list[str]](), ""
-        most, begun = PAIRS if timed else PAIRS_UNTIMED, time.monotonic()
-        for i in range(most):
-            left = f", about {(time.monotonic() - begun) / i * (most - i) / 60:.1f} min left" if i else ""
-            tell(f"confirm: {i} of {most} pairs of runs are done{left}")
-            cells_by_side = {
-                id(side): _cells(side, options, Path(tempfile.mkdtemp(dir=scratch)), limits.rank_by)
-                for side in sides[:: (-1) ** i]
-            }
-            base = cells_by_side[id(before)] if before else stored
-            for other in chain(*other_loads(current, cells_by_side[id(now)], alone=False).values()):
+        for *base, ran in _alternating([before, now] if before else [now], options, Path(scratch), limits.rank_by, most, tell):
+            for other in chain(*other_loads(current, ran, alone=False).values()):
                 raise InputError(f"DIR: {DIFFERS.format(current.path, other)}")
-            pairs.append((base.table, cells_by_side[id(now)].table))
-            if before:
-                others |= other_loads(stored, base)
-                untimed = untimed or of_another_version(stored, base, cells_by_side[id(now)], tested)
-            if timed and PAIRS_UNTIMED <= i + 1 < most and not may_be_slower(pairs, most, limits.slowdown):
-                tell(f"confirm: ended after {i + 1} of {most} pairs: whatever the others show, no solver is found slower")
+            pairs.append(((base or [stored])[0].table, ran.table))
+            for again in base:
+                others |= other_loads(stored, again)
+                untimed = untimed or of_another_version(stored, again, ran, tested)
+            if timed and PAIRS_UNTIMED <= len(pairs) < most and not may_be_slower(pairs, most, limits.slowdown):
+                tell(f"confirm: ended after {len(pairs)} of {most} pairs: whatever the others show, no solver is found slower")
                 break
     if before:
         require_whole(f"code: {code}", stored.table, [table for table, _ in pairs])
     result = confirm(comparison, pairs, before is not None, limits, others)
     return replace(result, unusable=f"code: {untimed}") if untimed and timed and not result.worse else result
+
+
+def _alternating(
+    codes: list[Code], options: list[str], scratch: Path, rank_by: RankBy, most: int, tell: Callable[[str], None]
+) -> Iterator[list[cells.Cells]]:
+    """Run with each code in turn, in the opposite order every second time; yield the cells in the order of `codes`."""
+    begun = time.monotonic()
+    for i in range(most):
+        left = f", about {(time.monotonic() - begun) / i * (most - i) / 60:.1f} min left" if i else ""
+        tell(f"confirm: {i} of {most} pairs of runs are done{left}")
+        way = (-1) ** i
+        yield [_cells(code, options, Path(tempfile.mkdtemp(dir=scratch)), rank_by) for code in codes[::way]][::way]
 
 
 def require_whole(code: str, stored: pd.DataFrame, runs: list[pd.DataFrame]) -> None:
