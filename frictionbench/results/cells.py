@@ -89,7 +89,25 @@ def _of_baseline(path: Path) -> Cells:
 
 def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
     manifest = read_manifest(folder)
-    settings = manifest["settings"]
+    settings, content, places = manifest["settings"], manifest.get("content", {}), _places(manifest)
+    hashes = {place: digest[:SHORT_HASH] for place, digest in content.items() if digest}
+    return Cells(
+        folder,
+        _typed(_stacked(folder, manifest, rank_by)),
+        str(settings.get("suite")),
+        _numbers(settings.get("tolerances", ())),
+        machine=manifest.get("machine", {}),
+        code=manifest.get("versions", {}).get("frictionbench", ""),
+        made=str(manifest.get("finished") or manifest.get("started") or ""),
+        sources=sources(settings),
+        loaded={name: {part: hashes.get(place, "-") for part, place in paths.items()} for name, paths in places.items()},
+        finished=bool(manifest.get("finished")),
+        places=places,
+    )
+
+
+def _stacked(folder: Path, manifest: dict[str, Any], rank_by: RankBy) -> pd.DataFrame:
+    """Return the rows of the three tables under the names of this module's columns."""
     solves, simulations, batches = (read_table(folder, table) for table in ("solves", "simulations", "batches"))
     totals = list(map(repeats, *(solves[f"{column}s"] for column in rank_by.columns)))
     few = np.array([len(times) < ENOUGH_REPEATS for times in totals], dtype=bool)
@@ -117,28 +135,12 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
         ),
     ]
     rows = pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
-    rows = rows.assign(
+    return rows.assign(
         scene=[scene_title(*pair) for pair in zip(rows["scene"], rows["parameters"], strict=True)],
         step=["" if pd.isna(step) else str(int(step)) for step in rows["step"]],
         work=[format_counts(counts(text)) for text in rows["work"]],
         key=_with_files(rows, manifest),
         limit=rows["time_limit"],
-    )
-    content, places = manifest.get("content", {}), _places(manifest)
-    hashes = {place: digest[:SHORT_HASH] for place, digest in content.items() if digest}
-    loaded = {name: {part: hashes.get(place, "-") for part, place in paths.items()} for name, paths in places.items()}
-    return Cells(
-        folder,
-        _typed(rows),
-        str(settings.get("suite")),
-        _numbers(settings.get("tolerances", ())),
-        manifest.get("machine", {}),
-        manifest.get("versions", {}).get("frictionbench", ""),
-        str(manifest.get("finished") or manifest.get("started") or ""),
-        sources(settings),
-        loaded,
-        bool(manifest.get("finished")),
-        places,
     )
 
 
