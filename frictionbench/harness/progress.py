@@ -23,10 +23,10 @@ INTERVAL = 20.0  # seconds between plain lines: under two hundred lines per hour
 
 
 class Progress:
-    """Progress bars on a console, stderr by default, one stage after another. quiet: print nothing."""
+    """Progress bars on stderr, one stage after another. quiet: print nothing."""
 
-    def __init__(self, console: Console | None = None, quiet: bool = False) -> None:
-        self._console = console or Console(stderr=True, quiet=quiet)
+    def __init__(self, quiet: bool = False) -> None:
+        self._console = Console(stderr=True, quiet=quiet)
 
     def tell(self, text: str) -> None:
         """Print a line."""

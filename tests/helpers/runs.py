@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pandas as pd
 import psutil
-from rich.console import Console
 
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.progress import Progress
@@ -17,7 +16,7 @@ from frictionbench.results import store
 
 
 def quiet() -> Progress:
-    return Progress(Console(quiet=True))
+    return Progress(quiet=True)
 
 
 def small_plan(**changes) -> Plan:

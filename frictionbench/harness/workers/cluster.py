@@ -73,7 +73,7 @@ class Cluster(AbstractContextManager["Cluster"]):
                 waiting[future.key] = future, task
                 future.add_done_callback(done.put)
 
-        submit(AHEAD * len(self._identity()["workers"]))
+        submit(AHEAD * max(1, len(self._identity()["workers"])))  # the first task waits where the last worker has left
         while waiting:
             try:
                 future = done.get(timeout=ANSWER_SECONDS)

@@ -8,11 +8,14 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import pytest
 
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
+from frictionbench.harness.workers.cluster import Cluster
+from frictionbench.harness.workers.pool import Task
 from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet, small_plan, verdicts
 
@@ -45,7 +48,7 @@ class KillAfter(Progress):
     """Kills a worker or the scheduler, or stops it, after a few cells."""
 
     def __init__(self, killed: subprocess.Popen, cells: int, number: int = signal.SIGKILL) -> None:
-        super().__init__(quiet()._console)
+        super().__init__(quiet=True)
         self.killed, self.left, self.number = killed, cells, number
 
     def counted(self, name, items, total, done=0):
@@ -78,3 +81,12 @@ def test_lost_worker_and_lost_scheduler(tmp_path) -> None:
         with pytest.raises(ResultsError, match="cluster: lost the connection to its scheduler; run the same command again"):
             run(small_plan(), tmp_path / "lost", 1, KillAfter(scheduler, cells=2), cluster=address)
     assert verdicts(tmp_path / "there") == verdicts(tmp_path / "here")
+
+
+def test_a_task_waits_where_the_last_worker_has_left(tmp_path) -> None:
+    cluster, future = Cluster.__new__(Cluster), MagicMock(status="lost")
+    future.add_done_callback = lambda put: put(future)
+    cluster._client = MagicMock(sync=lambda *_, **__: {"workers": {}}, submit=lambda *_, **__: future)
+    cluster._folder, cluster._settings = tmp_path, ((), 0)
+    with pytest.raises(ResultsError, match="cluster: lost"):  # the task was submitted nevertheless
+        list(cluster.run([Task(len, ((),), 1.0)]))

@@ -10,8 +10,9 @@ from dataclasses import replace
 import pytest
 
 import frictionbench as fb
+from frictionbench.harness import run as runs
 from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.harness.run import _run, drop_disturbed, run
+from frictionbench.harness.run import drop_disturbed, run
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from tests.helpers.friction_problems import block
@@ -85,11 +86,8 @@ def test_disturbed_rows_are_repeated(tmp_path, monkeypatch) -> None:
     with pytest.raises(ResultsError, match=r"another run[^{]*settings.solvers: lemke, murty in the folder only$"):
         drop_disturbed(replace(plan, solvers=("nsgs",)), tmp_path)
     drop_disturbed(plan, tmp_path)
-    left: list[int] = []
-    monkeypatch.setattr(
-        "frictionbench.harness.run._run",
-        lambda *given: left.append(len(store.read_table(tmp_path, "solves"))) or _run(*given),
-    )
+    left, own = [], runs._run
+    monkeypatch.setattr(runs, "_run", lambda *given: left.append(len(store.read_table(tmp_path, "solves"))) or own(*given))
     run(plan, tmp_path, 1, quiet())
     assert left == [1]  # what a report reads meanwhile
     again = store.read_table(tmp_path, "solves").set_index("key")["reason"]

@@ -7,7 +7,6 @@ import shlex
 import numpy as np
 import psutil
 import pytest
-from rich.console import Console
 
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.progress import Progress
@@ -273,7 +272,7 @@ def test_misbehaving_libraries(tmp_path) -> None:
         time_limit=2.0,
         memory_limit=2**29,
     )
-    run(plan, tmp_path / "run", 1, Progress(Console(quiet=True)))
+    run(plan, tmp_path / "run", 1, Progress(quiet=True))
     rows = store.read_table(tmp_path / "run", "solves").set_index("variant")
     for spec, (verdict, reason) in expected.items():
         assert rows.loc[spec, "verdict"] == verdict, (spec, rows.loc[spec, "reason"])
