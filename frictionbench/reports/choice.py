@@ -106,7 +106,8 @@ def _kinds(run: Run) -> list[tuple[str, set[int], set[str], bool]]:
     started = set(run.rows.loc[run.rows["label"].isin(warm), "problem_id"])
     kinds = []
     wholes = [(where, facts[facts["dimension"] == dimension]) for dimension, where in accuracy.OVERALL.items()]
-    wholes.append(("robots' steps", facts[facts["robot"]]))
+    robots = facts[facts["robot"]]
+    wholes += [("robots' steps", robots)] if not any(robots.index.equals(whole.index) for _, whole in wholes) else []
     for where, problems_there in wholes:
         contacts = problems_there["contacts"]
         parts = {
@@ -231,7 +232,8 @@ def headline(ranked: Mapping[RankBy, list[Kind]], target: float) -> list[str]:
 
 def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
     (first, one), (second, other) = kinds.items()
-    robots = f" (of which {one.robots} are robots' steps)" if 0 < one.robots < one.problems else ""
+    part = "all robots' steps" if one.robots == one.problems else f"of which {one.robots} are robots' steps"
+    robots = f" ({part})" if one.robots and not one.name.startswith("robots") else ""
     where = f"{one.name.capitalize()}, {count(one.problems, 'problem')}{robots}, to a verified residual of {power(target)}: "
     if target not in one.choices:
         return f"{where}no solver that ran on all of them reaches it."

@@ -143,8 +143,7 @@ def test_steps_of_robots_are_a_class_whose_clusters_are_models():
     assert run.ranked.drop_duplicates("problem_id")["cluster"].nunique() == 4 + 3
     assert [(kind.name, kind.problems, kind.first) for kind in choice.choices(run) if kind.first] == [
         (PLANE, 3, True),
-        ("in space", 8, True),
-        ("robots' steps", 8, True),
+        ("in space", 8, True),  # robots' steps are not told again
     ]
 
 
@@ -212,7 +211,7 @@ def test_infeasible_problems_and_several_outcomes():
     run = replace(run_of(*rows), rows=found)
     assert {kind.name: kind.problems for kind in choice.choices(run)} == {PLANE: 7, f"{PLANE}, one outcome": 5}
     told = tables.exclusions(run)
-    assert told.startswith("Left out of all rankings: 1 proved infeasible, 0 trivial, 0 idle; 2 problems of the 7 ranked have")
+    assert told.startswith("Left out of all rankings: 1 proved infeasible; 2 problems of the 7 ranked have")
 
 
 def test_infeasible_and_outcomes_are_read_from_their_columns():

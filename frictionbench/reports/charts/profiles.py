@@ -41,11 +41,9 @@ def within_time(run: Run) -> list[Panel]:
 
 
 def _by_target(run: Run) -> list[tuple[str, pd.DataFrame]]:
-    return [
-        (f"{where}, within {power(target)}", times)
-        for target, every in run.times.items()
-        for where, times in overall(every).items()
-    ]
+    parts = [(where, target, times) for target, every in run.times.items() for where, times in overall(every).items()]
+    parts.sort(key=lambda part: run.overall.index(part[0]))
+    return [(f"{where}, within {power(target)}", times) for where, target, times in parts]
 
 
 def work(run: Run) -> list[Panel]:

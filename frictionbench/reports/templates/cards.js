@@ -1,16 +1,17 @@
 "use strict";
-// Of each cell the words above its column: where there is no room for columns, rows are shown as cards (page.css).
+// Of each cell the words above its column: where there is no room for columns, rows are shown as cards (page.css). Words above
+// several columns are of the first of them, which begins a line.
 for (const table of document.querySelectorAll(".wide > table")) {
   const heads = [];
   for (const row of table.rows) {
     if (!row.querySelector("th")) continue;
     let column = 0;
     for (const head of row.cells) {
-      for (let k = 0; k < head.colSpan; k++, column++) heads[column] = [heads[column], head.textContent.trim().replaceAll("_", "_\u200b").replaceAll("e-", "e-\u2060")].filter(Boolean).join(", ");
+      for (let k = 0; k < head.colSpan; k++, column++) heads[column] = [heads[column], k === 0 && head.textContent.trim().replaceAll("_", "_\u200b").replaceAll("e-", "e-\u2060")].filter(Boolean).join(", ");
     }
   }
   if (heads.length > 3) table.classList.add("several");
-  if (heads.length > 10) table.classList.add("many");
+  if (heads.length > (table.matches(".ranking") ? 16 : 10)) table.classList.add("many");
   for (const row of table.rows) {
     let column = 0;
     for (const cell of row.cells) {
