@@ -116,7 +116,13 @@ studies: install
 	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[docs]'
 	touch $@
 
-docs: .venv/documented
+# Sphinx does not see that an extension has changed, and would keep its pages.
+docs/_build/extended: $(wildcard docs/_ext/*.py)
+	rm -rf docs/_build
+	mkdir docs/_build
+	touch $@
+
+docs: .venv/documented docs/_build/extended
 	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs docs/_build/html
 	$(BIN)/python docs/_ext/check_site.py docs/_build/html
 

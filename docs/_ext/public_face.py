@@ -15,6 +15,7 @@ from sphinx.util.docutils import SphinxDirective
 import frictionbench as fb
 
 MODULES = ("capture", "mujoco", "plot")
+ARRAY = re.compile(r"ndarray\[~?(?:\w+\.)*tuple\[[^]]*\], ~?(?:\w+\.)*dtype\[[^]]*\]\]")
 
 
 class PublicFace(SphinxDirective):
@@ -36,6 +37,11 @@ def plain(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[
     lines[:] = [*"\n\n".join(map(as_rst, paragraphs)).splitlines(), ""]
 
 
+def short(app: Any, what: str, name: str, thing: Any, options: Any, *signature: str | None) -> tuple[str | None, ...]:
+    """Name arrays without their parameters. A default factory is no Python, and Sphinx would show the rest as raw text."""
+    return tuple(text and ARRAY.sub("ndarray", text).replace("<factory>", "...") for text in signature)
+
+
 def as_rst(paragraph: str) -> str:
     if paragraph.lstrip().startswith(">>>"):
         return paragraph
@@ -48,4 +54,5 @@ def as_rst(paragraph: str) -> str:
 def setup(app: Any) -> dict[str, bool]:
     app.add_directive("public-face", PublicFace)
     app.connect("autodoc-process-docstring", plain)
+    app.connect("autodoc-process-signature", short)
     return {"parallel_read_safe": True}

@@ -1,4 +1,4 @@
-"""Where lines may end: not within an option of a command in a block, nor within a number or date of a table (wrap.css).
+"""Where lines may end: not within an option of a command, nor within a number or date of a table (wrap.css).
 
 A name in a table, such as siconos[method=friction_3d_prox,settings=tuned], may be broken after its commas, bars and bracket.
 """
@@ -6,7 +6,7 @@ A name in a table, such as siconos[method=friction_3d_prox,settings=tuned], may 
 import re
 from typing import Any
 
-BLOCK, OPTION = re.compile(r"<pre>.*?</pre>", re.DOTALL), re.compile(r"(?<![^\s\[(])--?[a-z][\w-]*")
+BLOCK, OPTION = re.compile(r"<(pre|code)\b.*?</\1>", re.DOTALL), re.compile(r"(?<![^\s\[(>])--?[a-z][\w-]*")
 CELL, TEXT = re.compile(r"<t[dh]\b.*?</t[dh]>", re.DOTALL), re.compile(r"(?<=>)[^<>]+(?=<)")
 NUMBER = re.compile(r"(?<![\w.=])(?:± )?-?\d[\d.,]*(?:e[-+]?\d+(?: /)?| (?:[µmnk]?s|%)(?!\w)|-\d\d-\d\d)")
 NAME = re.compile(r"\w+\[[^\]\s]+\]")
