@@ -11,7 +11,7 @@ for (const table of document.querySelectorAll(".wide > table")) {
     }
   }
   if (heads.length > 3) table.classList.add("several");
-  if (heads.length > (table.matches(".ranking") ? 16 : 10)) table.classList.add("many");
+  if (heads.length > (table.querySelector(".text") ? 10 : 16)) table.classList.add("many");
   for (const row of table.rows) {
     let column = 0;
     for (const cell of row.cells) {
