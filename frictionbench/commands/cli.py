@@ -9,11 +9,13 @@ import os
 import re
 import signal
 import sys
+import time
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
+from threading import Thread
 from typing import Annotated, Any, Literal
 
 import typer
@@ -445,10 +447,20 @@ def _jobs(jobs: int | None) -> int:
     most = len(cores())
     if jobs is not None and jobs > most:
         raise InputError(f"jobs: at most {most} on this machine, one per core")
-    if not any(Path(config.CACHE_DIR).rglob("*.nbi")):
-        told = "kernels are compiled at their first use, once: a minute for a few solvers, some minutes for all of them"
-        typer.echo(told, err=True)  # with --quiet as well: a first run would say nothing for minutes
+    cache = Path(config.CACHE_DIR)
+    if known := len(list(cache.rglob("*.nbi"))):
+        Thread(target=tell_of_kernels, args=(cache, known), daemon=True).start()
+    else:
+        tell_of_kernels(cache)
     return jobs or max(1, most - 1)
+
+
+def tell_of_kernels(cache: Path, known: int = 0) -> None:
+    """Say, with --quiet as well, that kernels are compiled: at once if none is known, else when the cache has grown."""
+    while known and len(list(cache.rglob("*.nbi"))) <= known:
+        time.sleep(5.0)
+    told = "kernels are compiled at their first use, once: a minute for a few solvers, some minutes for all of them"
+    typer.echo(told, err=True)
 
 
 class _Stopped(BaseException):

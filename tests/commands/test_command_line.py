@@ -8,7 +8,7 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
-from frictionbench.commands.cli import app
+from frictionbench.commands.cli import app, tell_of_kernels
 from frictionbench.commands.summary import folder_for
 from frictionbench.harness import process
 from frictionbench.harness.plans.choose import RunOptions, choose
@@ -34,6 +34,13 @@ def test_compilation_is_announced_where_nothing_is_compiled_yet(monkeypatch, tmp
     assert "compiled at their first use" in CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
     (tmp_path / "kernel.nbi").touch()
     assert not CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
+
+
+def test_compilation_is_announced_when_the_cache_grows(monkeypatch, tmp_path, capsys) -> None:
+    (tmp_path / "kernel.nbi").touch()
+    monkeypatch.setattr("time.sleep", lambda _: (tmp_path / "another.nbi").touch())
+    tell_of_kernels(tmp_path, known=1)
+    assert "compiled at their first use" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
