@@ -28,16 +28,12 @@ def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
     assert "all cores but one" in " ".join(CliRunner().invoke(app, ["run", "--help"]).output.split())
 
 
-def test_compilation_is_announced_where_nothing_is_compiled_yet(monkeypatch, tmp_path) -> None:
+def test_compilation_is_announced_at_once_or_when_it_begins(monkeypatch, tmp_path, capsys) -> None:
     monkeypatch.setattr("frictionbench.commands.single.solve_one", lambda *_, **__: None)
     monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
     assert "compiled at their first use" in CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
     (tmp_path / "kernel.nbi").touch()
     assert not CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
-
-
-def test_compilation_is_announced_when_the_cache_grows(monkeypatch, tmp_path, capsys) -> None:
-    (tmp_path / "kernel.nbi").touch()
     monkeypatch.setattr("time.sleep", lambda _: (tmp_path / "another.nbi").touch())
     tell_of_kernels(tmp_path, known=1)
     assert "compiled at their first use" in capsys.readouterr().err
