@@ -170,6 +170,7 @@ def summary(tables: Tables) -> Summary:
         "rows": _table(cells.rename(columns="after {:g} s".format).map(str)),
         "last": f"{last:g}",
         "ends": cells[last].to_dict(),
+        "far": (ends > HELD / 1e3).sum(axis=1).to_dict(),
         "falling": f"{falling.sum()} of {falling.size}",
         "slip": f"{moved.loc[REFERENCE, 'grasp']:.1f}",
         "tasks": _table(moved.drop(TWIN).map("{:.1e}".format)),

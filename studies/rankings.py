@@ -124,7 +124,7 @@ def _robust(rows: pd.DataFrame) -> Shown:
     first = [_fastest(rows, LOOSE, NSGS, among) for among in (THEIRS, siconos)]
     text = ", ".join(f"{name} solves {done} of {of}" for name, done, of in counts if of)
     text += f"; one of them is the fastest of the paper's kinds on {first[0][0]} of {first[0][1]}"
-    text += f", Siconos' of Siconos' on {first[1][0]} of {first[1][1]}" if first[1][1] else ""
+    text += f", of Siconos' own kinds on {first[1][0]} of {first[1][1]}" if first[1][1] else ""
     return text, _both(robust, all(mine > total / 2 for mine, total in first if total))
 
 
@@ -158,7 +158,7 @@ def _full_rank(rows: pd.DataFrame) -> Shown | None:
     least = hypergeom(len(theirs), missed, sum(counts[1])).pmf(0)  # where none of full rank is missed
     text = f"Siconos' {ranked} of {sum(counts[1])} with full rank, {lacking} of {sum(counts[0])} without"
     text += f"; {late} of the {missed} missed end by the limit, which is no divergence"
-    text += f"; by chance with p = {p:.2g}, with so many missed at least {least:.2g}, and confirmed up to {CHANCE:g}"
+    text += f"; Fisher's one-sided exact test has p = {p:.2g}, with {missed} missed it cannot be below {least:.2g}"
     return text, True if p <= CHANCE else None
 
 

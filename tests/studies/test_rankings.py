@@ -32,6 +32,6 @@ def test_each_finding_has_its_verdict() -> None:
     assert relaxed == (broken, "in part"), "no reality is in the problems"
     rank = verdicts["Nonsmooth Newton"]
     ended = "0 of the 1 missed end by the limit, which is no divergence"
-    chance = "by chance with p = 0.33, with so many missed at least 0.33, and confirmed up to 0.05"
+    chance = "Fisher's one-sided exact test has p = 0.33, with 1 missed it cannot be below 0.33"
     assert rank == (f"Siconos' 2 of 2 with full rank, 0 of 1 without; {ended}; {chance}", "in part")
     assert text("rankings", found).answer.startswith("interior_point is within 2 times the fastest in 100 % of cases.")
