@@ -24,14 +24,11 @@ def runs() -> pd.DataFrame:
 
 def test_each_finding_has_its_verdict() -> None:
     found = {"solves": runs()}
-    rows = summary(found).numbers["rows"]
-    verdicts = {" ".join(row[0].split()[:2]): (row[1], row[-1]) for row in rows}
+    verdicts = {" ".join(row[0].split()[:2]): (row[1], row[-1]) for row in summary(found).numbers["rows"]}
     assert verdicts["Gauss-Seidel is"][0].startswith("nsgs solves 3 of 3"), "the idle problem is left out"
-    relaxed = verdicts["Approximations common"]
     broken = "3 of 3 answers of relaxation_ip break Coulomb's law, by a median residual of 0.1; its cost: see relaxation"
-    assert relaxed == (broken, "in part"), "no reality is in the problems"
-    rank = verdicts["Nonsmooth Newton"]
-    ended = "0 of the 1 missed end by the limit, which is no divergence"
+    assert verdicts["Approximations common"] == (broken, "in part"), "no reality is in the problems"
+    full = "Siconos' 2 of 2 with full rank, 0 of 1 without; 0 of the 1 missed end by the limit, which is no divergence"
     chance = "Fisher's one-sided exact test has p = 0.33, with 1 missed it cannot be below 0.33"
-    assert rank == (f"Siconos' 2 of 2 with full rank, 0 of 1 without; {ended}; {chance}", "in part")
+    assert verdicts["Nonsmooth Newton"] == (f"{full}; {chance}", "in part")
     assert text("rankings", found).answer.startswith("interior_point is within 2 times the fastest in 100 % of cases.")
