@@ -369,7 +369,7 @@ def map_(
     x: Annotated[str, typer.Option("--x", metavar="PARAMETER=FROM:TO:N", help="Like friction=.1:3:30.")],
     y: Annotated[str, typer.Option("--y", metavar="PARAMETER=FROM:TO:N", help="Like mass_ratio=log:1e-6:1e6:13.")],
     solver: options.Solvers = None,
-    tol: Annotated[str, typer.Option("--tol", metavar="T", help="Tolerance on the residual.")] = "1e-6",
+    tol: options.Tolerance = 1e-6,
     time_limit: options.Limit = 1.0,
     scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[int, typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0: the first problem.")] = 0,

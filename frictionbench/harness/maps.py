@@ -16,7 +16,6 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.harness.plans.atlas import axis
-from frictionbench.harness.plans.choose import tolerances
 from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.harness.progress import Progress
@@ -45,7 +44,7 @@ def plan_map(
     y: str,
     variants: tuple[str, ...] = (),
     plugins: tuple[Plugin, ...] = (),
-    tol: str = "1e-6",
+    tol: float = 1e-6,
     time_limit: float = 1.0,
     scheme: str = DEFAULT_SCHEME,
     steps: int = 0,
@@ -69,14 +68,13 @@ def plan_map(
         thresholds=() if steps else ("p", "P0", "pointed", "gaps"),
         title=scene_spec,
     )
-    ladder = tolerances(tol)
     return Plan(
         suite="map",
         sources=(),
         solvers=variants or SOLVERS,
-        tolerances=ladder,
+        tolerances=(tol,),
         simulation_solvers=variants or SOLVERS,
-        simulation_tol=min(ladder),
+        simulation_tol=tol,
         maps=(spec,),
         time_limit=time_limit,
         plugins=plugins,

@@ -156,5 +156,5 @@ def test_first_answer_is_told_before_the_table(capsys, monkeypatch) -> None:
     assert [line.split(" solves it")[0] for line in told if "the table follows" in line] == ["nsgs"]
     solve_one("stack[blocks=1]", ["lemke"], 1e-6, 10.0, 1)
     assert "the table follows" not in capsys.readouterr().err
-    with pytest.raises(InputError, match=r"^solver: osqp: "):  # planar only
-        solve_one("cubes[boxes=1]", ["osqp"], 1e-6, 10.0, 1)
+    with pytest.raises(InputError, match=r"^solver: osqp: .*; nsgs\[precision=single\]: single prec"):  # not asked for less
+        solve_one("cubes[boxes=1]", ["osqp", "nsgs[precision=single]"], 1e-8, 10.0, 1)

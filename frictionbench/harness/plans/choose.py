@@ -93,7 +93,7 @@ def choose(wanted: RunOptions, variants: tuple[str, ...] = (), plugins: tuple[Pl
     if wanted.all_solvers:  # all that are installed, by dimension
         plan = replace(plan, solvers=every(2), spatial_solvers=every(3), simulation_solvers=every(2), expects="")
     if wanted.tol is not None:
-        plan = replace(plan, tolerances=tolerances(wanted.tol))
+        plan = replace(plan, tolerances=_tolerances(wanted.tol))
     if wanted.time_limit is not None:
         plan = replace(plan, time_limit=wanted.time_limit)
     return replace(plan, options=replace(wanted, out=None).given())
@@ -132,7 +132,7 @@ def _new(name: str, settings: dict[str, Any], batch: bool) -> dict[str, list[Any
     return {"batches": [BatchSource(name, settings, COUNT)]}
 
 
-def tolerances(text: str) -> tuple[float, ...]:
+def _tolerances(text: str) -> tuple[float, ...]:
     try:
         return tuple(dict.fromkeys(float(part) for part in text.split(",")))
     except ValueError:

@@ -182,8 +182,9 @@ class Plan:
         ]
 
     def _tolerances(self, variant: str) -> list[float]:
-        """Return the tolerances, loosest first. A tolerance too tight for single precision adds the tightest that it allows."""
-        finest = 0.0 if plugin_of(variant, self.plugins) else FINEST_TOL[find(variant)[0].precision]
+        """Return the tolerances, loosest first. Of several, one too tight for single precision adds the tightest it allows."""
+        ours = len(self.tolerances) > 1 and not plugin_of(variant, self.plugins)
+        finest = FINEST_TOL[find(variant)[0].precision] if ours else 0.0
         return sorted({*self.tolerances, *(finest for tol in self.tolerances if tol < finest)}, reverse=True)
 
     def simulation_cells(self) -> list[SimulationCell]:
