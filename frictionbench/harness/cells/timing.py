@@ -83,6 +83,7 @@ class Timing:
             self.answers.append(answer)
 
     def add_sample(self, call: Call) -> None:
+        """Add a call's answer and, unless it loaded something, its times."""
         self.add_answer(call.answer)
         if not call.loaded:
             (form, setup, solve), clock = call.times, call.answer.clock

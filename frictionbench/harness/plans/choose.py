@@ -133,6 +133,7 @@ def _new(name: str, settings: dict[str, Any], batch: bool) -> dict[str, list[Any
 
 
 def _tolerances(text: str) -> tuple[float, ...]:
+    """Parse numbers separated by commas, each once. Errors: InputError naming `tol`."""
     try:
         return tuple(dict.fromkeys(float(part) for part in text.split(",")))
     except ValueError:

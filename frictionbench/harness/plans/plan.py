@@ -188,6 +188,7 @@ class Plan:
         return sorted({*self.tolerances, *(finest for tol in self.tolerances if tol < finest)}, reverse=True)
 
     def simulation_cells(self) -> list[SimulationCell]:
+        """Return a cell for every simulation, scheme and solver, and those at the maps' grid points."""
         simulated = [
             SimulationCell(simulation.scene, simulation.parameters, variant, self.simulation_tol, scheme, simulation.steps)
             for simulation in self.simulations

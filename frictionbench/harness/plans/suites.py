@@ -108,20 +108,19 @@ SETTING_DIGITS = 3  # significant digits of drawn settings, so that names of pro
 
 def sealed() -> Plan:
     """The families of `standard` with settings drawn by a hash of this version's source, for which nobody can have tuned."""
-    problems = drawn((*STEPS, *families.sources(*families.PLANE, *families.SPACE)))
+    digest = machine.content(("problems", "solvers"))
+    problems = drawn((*STEPS, *families.sources(*families.PLANE, *families.SPACE)), digest)
     return replace(standard(), suite="sealed", sources=problems, simulations=())
 
 
-def drawn(sources: Iterable[Source], digest: str | None = None) -> tuple[Source, ...]:
-    """Return these sources with settings that nobody has chosen, drawn with a digest as seed. By default it is the digest of
-    the source of all problems and solvers. The settings therefore follow once that is written, and any change of a line changes
-    them, so that no method can have been tuned on them.
+def drawn(sources: Iterable[Source], digest: str) -> tuple[Source, ...]:
+    """Return these sources with settings that nobody has chosen, drawn by a digest as seed. That of the source of all problems
+    and solvers changes with any line of it, so that no method can have been tuned on the settings.
 
     Counts and numbers that a family is given, and its friction, are multiplied by factors between 1/SPREAD and SPREAD, uniform
     in their logarithms, so that the pattern of sticking and sliding is mostly preserved. A seed is drawn anew. This does not
     prevent changing a comment until a draw suits, but each draw can be reproduced from the commit of its version.
     """
-    digest = digest or machine.content(("problems", "solvers"))
     return tuple(replace(source, parameters=_drawn(source, f"{digest} {k}")) for k, source in enumerate(sources))
 
 

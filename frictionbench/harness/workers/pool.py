@@ -157,6 +157,7 @@ class _Slot:
         self.connection: Connection = _asked(lambda server: server.supervisor(self._settings))
 
     def send(self, task: Task) -> None:
+        """Give the worker a task; if its supervisor has ended, to the worker of a new one."""
         self.task = task
         self._tries += 1
         try:
@@ -165,7 +166,10 @@ class _Slot:
             self._restart()
 
     def receive(self) -> Outcome | None:
-        """Return the outcome of the task, or None if it was restarted or only reported what was loaded."""
+        """Return the outcome of the task, or None if it was restarted or only reported what was loaded.
+
+        Errors: InputError if the worker cannot start.
+        """
         assert self.task is not None
         try:
             message: dict[str, Any] = cleaned(json.loads(self.connection.recv_bytes()))
