@@ -143,12 +143,12 @@ def read_thresholds(folder: Path, spec: Map) -> dict[str, list[GridPoint]]:
 
 
 def at_grid_points(rows: "pd.DataFrame", spec: Map) -> "pd.DataFrame":
-    """Select the rows of a map, from simulations for a map in closed loop and from solves otherwise.
+    """Select the rows of a map to the tightest tolerance, from simulations for a map in closed loop and from solves otherwise.
 
     Added columns: i, j (the grid point), tile (width of its tile in grid lines) and known (whether a solution is known).
     """
     rows = rows[rows["scheme"] == spec.scheme] if spec.steps else rows[rows["phase"] == first_phase(spec.scheme)]
-    rows = rows[rows["scene"] == spec.scene]
+    rows = rows[(rows["scene"] == spec.scene) & (rows["tol"] == rows["tol"].min())]
     points: dict[str, tuple[float, float, float]] = {}
     for i, j in spec.grid_points():
         tile = 1.0 if i % 1 == 0 and j % 1 == 0 else 0.5
