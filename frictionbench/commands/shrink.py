@@ -18,6 +18,7 @@ from frictionbench.harness.run import cell_task, row_of
 from frictionbench.harness.workers.pool import scratch_pool
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded.native import save
+from frictionbench.problems.spec import split
 from frictionbench.problems.subproblems import keep_contacts
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import commands
@@ -67,7 +68,8 @@ def shrink(
         whole = list(range(problem.contacts))
         fails(whole)
         small = keep_contacts(problem, reduced(whole, fails))
-    path = subfolder(folder, "shrunk") / f"{row['solver']}-{row['verdict']}-{small.contacts}-contacts-{small.hash}.npz"
+    solver, _ = split("solver", row["variant"])  # not the column, which nobody has checked
+    path = subfolder(folder, "shrunk") / f"{solver}-{row['verdict']}-{small.contacts}-contacts-{small.hash}.npz"
     with replaced(path) as file:
         save(small, file)
     return path, small, trials, commands.solve(path, row["variant"], row["tol"], commands.sources(settings))

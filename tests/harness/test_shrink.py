@@ -57,19 +57,19 @@ def test_contacts_and_bodies_are_removed() -> None:
 
 def test_shrink_writes_a_file(tmp_path, monkeypatch) -> None:
     _, plugins = load_plugins([str(BAD_SOLVERS)])
-    sources = (Source("stack", {"blocks": 4, "push": 1.0}),)
-    plan = Plan("test", sources, ("wrong_zero", "lemke"), (1e-8,), plugins=plugins)
-    folder = tmp_path / "run"
-    run(plan, folder, 1, quiet())
-    rows = store.read_table(folder, "solves").set_index("solver")
-    path, problem, _, command = shrink(folder, rows.loc["wrong_zero", "key"], [str(BAD_SOLVERS)])
-    assert (problem.contacts, len(problem.free_velocity), load(path).hash) == (1, 3, problem.hash)
-    assert "  wrong_zero  wrong  " in frictionbench("rerun", str(folder)).stdout
+    plan = Plan("test", (Source("stack", {"blocks": 4, "push": 1.0}),), ("wrong_zero", "lemke"), (1e-8,), plugins=plugins)
+    run(plan, tmp_path, 1, quiet())
+    (shard,) = tmp_path.glob("shards/solves-*")  # edited by someone else
+    shard.write_text(shard.read_text(encoding="utf-8").replace('"solver": "wrong_zero"', '"solver": "../x"'), encoding="utf-8")
+    rows = store.read_table(tmp_path, "solves").set_index("solver")
+    path, problem, _, command = shrink(tmp_path, rows.loc["wrong_zero", "key"], [str(BAD_SOLVERS)])
+    assert (path.parent.name, problem.contacts, len(problem.free_velocity), load(path).hash) == ("shrunk", 1, 3, problem.hash)
+    assert "  wrong_zero  wrong  " in frictionbench("rerun", str(tmp_path)).stdout
     assert shlex.split(command)[2:] == [str(path), "--solver", os.path.relpath(BAD_SOLVERS), "--tol", "1e-08"]
     with pytest.raises(InputError, match="only failing rows can be shrunk"):
-        shrink(folder, rows.loc["lemke", "key"], [])
+        shrink(tmp_path, rows.loc["lemke", "key"], [])
     with pytest.raises(ResultsError, match=r"no row has the key.*lists those that failed"):
-        shrink(folder, "nonsense", [])
+        shrink(tmp_path, "nonsense", [])
     monkeypatch.setattr("frictionbench.commands.shrink.row_of", lambda *_: {"verdict": "timeout", "reason": "its limit"})
     with pytest.raises(InputError, match=r"was wrong and is timeout \(its limit\) from a cold start.*longer --time-limit"):
-        shrink(folder, rows.loc["wrong_zero", "key"], [str(BAD_SOLVERS)])
+        shrink(tmp_path, rows.loc["wrong_zero", "key"], [str(BAD_SOLVERS)])
