@@ -286,5 +286,7 @@ def _speed(by: RankBy, choice: Choice) -> str:
 
 def _charges(choice: Choice) -> str:
     """Return a sentence on the charges for unsolved problems that change the first three, or an empty text."""
-    changed = [f"by PAR{charge} {', '.join(order)}" for charge, order in choice.orders.items() if order != choice.orders[1]]
+    changed = [
+        f"by PAR{charge} {', then '.join(order)}" for charge, order in choice.orders.items() if order != choice.orders[1]
+    ]
     return f" Other charges for what is not solved change the first three: {'; '.join(changed)}." if changed else ""

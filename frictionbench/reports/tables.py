@@ -155,7 +155,7 @@ def sentences(run: Run) -> list[tuple[str, str]]:
         (f"Solve every problem that they accept to {tol} {another}", complete & inexact & (reliable["model"] != "lcp"), errors),
     ]
     return [
-        (what, ", ".join(label + figure.get(label, "") for label in reliable["label"][holds]))
+        (what, "; ".join(label + figure.get(label, "") for label in reliable["label"][holds]))
         for what, holds, figure in claims
         if holds.any()
     ]
@@ -203,8 +203,11 @@ def setting(run: Run) -> str:
     settings, machine, versions = (run.manifest.get(name, {}) for name in ("settings", "machine", "versions"))
     code = f"{run.manifest.get('release', '')} revision {versions.get('frictionbench')}".strip()
     facts = [f"Suite {settings.get('suite', 'unnamed')}", f"frictionbench {code}"]
-    facts += [count(run.ranked["problem_id"].nunique(), "ranked problem"), count(run.ranked["label"].nunique(), "solver")]
-    facts += [f"time limit {settings.get('time_limit')} s", f"{machine.get('processor')}, {machine.get('cores')} cores"]
+    facts += [count(run.ranked["problem_id"].nunique(), "ranked problem"), count(run.ranked["variant"].nunique(), "solver")]
+    facts += [
+        f"time limit {settings.get('time_limit')} s",
+        f"{machine.get('processor')}, {count(machine.get('cores'), 'core')}",
+    ]
     finished = str(run.manifest.get("finished", ""))[:10]  # the day
     return f"{', '.join(facts)}; {f'finished {finished}' if finished else 'not finished'}."
 

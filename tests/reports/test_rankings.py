@@ -145,6 +145,9 @@ def test_steps_of_robots_are_a_class_whose_clusters_are_models():
         (PLANE, 3, True),
         ("in space", 8, True),  # robots' steps are not told again
     ]
+    fall = solve_row("a", "p9", scene="box_tower", dimension=3)
+    kinds = [(kind.name, kind.problems) for kind in choice.choices(run_of(*rows, fall)) if kind.first]
+    assert kinds == [("in space", 9), ("robots' steps", 8)]
 
 
 def test_repeats_widen_the_interval():
@@ -188,7 +191,7 @@ def test_charges_that_change_the_order_are_told():
     assert first(run).orders[1] == ["a", "b"]
     assert first(run).orders[10] == ["b", "a"]
     (line,) = headline({one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}, 1e-8)
-    assert "Other charges for what is not solved change the first three: by PAR10 b, a." in line
+    assert "Other charges for what is not solved change the first three: by PAR10 b, then a." in line
 
 
 def test_what_cannot_be_judged_is_counted_apart():

@@ -342,13 +342,13 @@ def test_accuracy_by_hand(tmp_path):
     ]
     for_another_law = "for another law, the convex relaxation or soft contact, median error in brackets"
     assert dict(sentences(run)) == {
-        "Solve every problem that they accept to 1e-8": "a, b",
+        "Solve every problem that they accept to 1e-8": "a; b",
         f"Solve every problem that they accept to 1e-8 {for_another_law}": "soft (1e-1)",
         "Wrong claims, with a residual above ten times the tolerance": "false_claims (1 of 2 problems to 1e-8)",
         "Crashed": "weak (1 of 2 problems to 1e-8)",
     }
     space = [solve_row("a", "s", dimension=3), unanswered_row("b", "s", "timeout", dimension=3)]
-    assert dict(sentences(run_of(*rows, *space)))["Solve every problem that they accept to 1e-8"] == "a, b (in the plane)"
+    assert dict(sentences(run_of(*rows, *space)))["Solve every problem that they accept to 1e-8"] == "a; b (in the plane)"
     told = write_markdown(folder, read_run(folder)).read_text(encoding="utf-8")
     assert "**Crashed**: weak (1 of 2 problems to 1e-8)." in told
     assert "| in the plane | 2 | a | 3 ms | 1.00 | too few to rank | 2 |" in told
