@@ -26,7 +26,7 @@ def show(what: str) -> None:
         texts = [facts.pop("summary")]
         texts += [f"{fact}: {_words(value)}" for fact, value in facts.items() if isinstance(value, dict | list)]
         short = [_short(fact, value) for fact, value in facts.items() if not isinstance(value, dict | list)]
-        print(f"{name}  ({'; '.join(short)})" if short else name)
+        say(f"{name}  ({'; '.join(short)})" if short else name, rest="    ")
         for text in texts:
             say(text, "    ")
 

@@ -46,8 +46,9 @@ def counted(what: str, rows: pd.DataFrame) -> str:
         return ""
     counts = pd.crosstab(rows["variant"], np.array(endings(rows))).reindex(columns=list(ENDINGS), fill_value=0)
     counts = counts.sort_values(list(ENDINGS), ascending=False, kind="stable")
+    counts.insert(0, "cells", counts.sum(axis=1))
     body = [(str(name), *(str(n or "") for n in row)) for name, row in zip(counts.index, counts.to_numpy(), strict=True)]
-    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *ENDINGS), body)])
+    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *counts), body)])
 
 
 def _reasons(rows: pd.DataFrame) -> str:

@@ -40,15 +40,15 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], spare: Iterabl
     return [*lines, *(paragraph(left_out) if cut else [])]
 
 
-def say(text: str, indent: str = "") -> None:
+def say(text: str, indent: str = "", rest: str = "") -> None:
     """Print a text as a paragraph."""
-    print("\n".join(paragraph(text, indent)), flush=True)
+    print("\n".join(paragraph(text, indent, rest)), flush=True)
 
 
-def paragraph(text: str, indent: str = "") -> list[str]:
-    """Return the text's lines, indented; one line if the output is not a terminal."""
+def paragraph(text: str, indent: str = "", rest: str = "") -> list[str]:
+    """Return the text's lines, indented, and by rest after the first; one line if the output is not a terminal."""
     width = screen()
     limit = 10**6 if width is None else min(max(width, 40), WIDEST)
     return textwrap.wrap(
-        text, limit, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False, break_long_words=False
+        text, limit, initial_indent=indent, subsequent_indent=indent + rest, break_on_hyphens=False, break_long_words=False
     )

@@ -30,7 +30,8 @@ class Progress:
 
     def tell(self, text: str) -> None:
         """Print a line."""
-        self._console.print(text, highlight=False, markup=False, soft_wrap=True)
+        wraps = self._console.is_terminal  # between words; a path stays whole, and in a pipe a line
+        self._console.print(text, highlight=False, markup=False, soft_wrap=not wraps, overflow="ignore", crop=False)
 
     def follow(self, name: str, engine: Pool | Cluster, tasks: list[Task], done: int = 0) -> Iterator[Outcome]:
         """Yield the outcomes of the tasks as they arrive, and show how many. done: the number of tasks done by earlier runs."""

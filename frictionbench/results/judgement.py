@@ -163,10 +163,10 @@ class Judged:
         if not creeping:
             return f"Contacts that should stick do not creep, in {count(len(held), 'step')}." if held else ""
         speed, free, fastest = creeping[-1]
-        text = f"Contacts that should stick creep at up to {1e3 * speed:.2g} mm/s ({fastest.file}), "
+        text = f"Contacts that should stick creep at up to {float(f'{1e3 * speed:.2g}'):g} mm/s ({fastest.file}), "
         text += f"{rough_percent(speed / free)} of the velocity that they would have without impulses"
         speed, free, middle = creeping[len(creeping) // 2]
-        text += f"; in the median of {len(creeping)} steps at {1e3 * speed:.2g} mm/s. " if creeping[1:] else ". "
+        text += f"; in the median of {len(creeping)} steps at {float(f'{1e3 * speed:.2g}'):g} mm/s. " if creeping[1:] else ". "
         soft = middle.notes.get("softness of contacts", 0.0)
         if soft > SOFT * speed / free:
             return text + f"The softness of the engine's contacts takes {rough_percent(soft)} of the impulse. {HARDER}"
@@ -186,7 +186,7 @@ class Judged:
             farthest, velocities, file = max(determined, key=lambda net: net[0])
             text += f"{near} of {len(determined)} net impulses between bodies are within {rough_percent(SAME_NET_IMPULSE)} of "
             text += f"the exact answer's. The difference is {rough_percent(half)} in the median; the largest, "
-            text += f"{rough_percent(farthest)}, is on the velocities {velocities} in {file}. "
+            text += f"{rough_percent(farthest)}, is on velocit{'y' if velocities.isdigit() else 'ies'} {velocities} in {file}. "
         if hyperstatic := sum(not each_known for _, _, (_, _, each_known, *_) in nets):
             text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
         return text.strip()
