@@ -331,7 +331,10 @@ function drawChart() {
   for (const [name, curve] of Object.entries(curves)) dot(pen, X(motion.times[frame]), Y(curve[frame]), name === "ink" ? 4 : 3, colour[name]);
 }
 
-const tick = (value) => String(Number(value.toPrecision(6))).replaceAll("-", "−");
+function tick(value) {
+  const near = Number(value.toPrecision(6));
+  return (near && Math.abs(near) < 1e-3 ? near.toExponential() : String(near)).replaceAll("-", "−");
+}
 const joules = (value) => number(value, 1e-9 * energyScale) + " J";  // smaller values are rounding errors
 
 function line(pen, x, y, u, v) {
