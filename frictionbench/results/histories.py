@@ -4,12 +4,14 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Annotated
 
-from pydantic import FiniteFloat
+from pydantic import Field, FiniteFloat
 
 from frictionbench.results.files import read_parsed, write_text
 
 CONVERGENCE = "convergence.json"
+Count = Annotated[int, Field(ge=0, le=10**9)]  # far above what a history counts: a larger one cannot be drawn
 
 
 @dataclass(frozen=True)
@@ -25,9 +27,9 @@ class ConvergenceHistory:
     parameters: str
     step: int | None
     variant: str
-    contacts: int
+    contacts: Count
     redundant: bool
-    units: list[int]
+    units: list[Count]
     residuals: list[FiniteFloat]
     impulse: list[list[FiniteFloat]]
 
