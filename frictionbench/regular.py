@@ -8,12 +8,12 @@ import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
 
 
 @contextmanager
-def regular(path: Path, most: int) -> Iterator[BinaryIO]:
+def regular(path: Path, most: int) -> Iterator[BufferedReader]:
     """A regular file of at most `most` bytes, open for reading. Errors: OSError with the reason as its strerror."""
     _require(os.stat(path), most)  # to open a device can have effects
     flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC  # does not wait for a pipe's writer

@@ -24,6 +24,7 @@ import pandas as pd
 from frictionbench.commands.stored_cell import trusted
 from frictionbench.harness import machine, process
 from frictionbench.harness.plans.suites import SUITES
+from frictionbench.harness.workers.pool import scratch_folder
 from frictionbench.problems import InputError
 from frictionbench.problems.check import require
 from frictionbench.problems.compiled import PACKAGE
@@ -75,9 +76,9 @@ def confirmed(
             require(made.get(variant) in (None, plugin.content), "DIR", DIFFERS.format(current.path, plugin.source))
     trusted_specs = named if variants & comparison.sources.keys() else []
     outside = [plugins.absolute(spec) if plugins.defines_all(spec) else spec for spec in trusted_specs]
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
+    with scratch_folder() as scratch:
         now = Code([sys.executable, "-P", "-c", START, str(PACKAGE.parent)], outside)
-        before = baseline_code(code, outside, Path(scratch)) if code else None
+        before = baseline_code(code, outside, scratch) if code else None
         if before and before.command == now.command:  # only its plug-ins may differ
             variants &= comparison.sources.keys()
             require(bool(variants), "code", f"{code} holds no frictionbench, of which all these solvers are; {GIVE_BASELINE}")

@@ -26,7 +26,7 @@ from frictionbench.solvers import executable, plugins
 SYSTEM = tuple(map(Path, ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/bin", "/bin", "/etc", "/proc", "/sys", "/dev")))
 MOST_READ = 20_000  # files read that are recorded for a plug-in: several times what large frameworks read
 STARTED = ("subprocess.Popen", "os.posix_spawn", "os.exec", "os.system")  # audit events whose first argument is a program
-MOST_HASHED, LARGEST_HASHED = 50_000, 16 * 2**30  # files and bytes of a package to hash: more than any has, and takes a minute
+MOST_HASHED = 50_000  # files of a package to hash: more than any has
 COMPILED = (".pyc", ".nbi", ".nbc")  # suffixes of files compiled from modules
 VERSION = "version "  # prefix of the version of a library, given in place of a path
 Loaded = dict[str, str]  # name to a path, or to VERSION followed by a version
@@ -145,8 +145,7 @@ def _mapped() -> list[str]:
 
 
 def _left_out() -> list[Path]:
-    library = Path(os.__file__).parent
-    standard = [place for place in library.iterdir() if place.name not in ("site-packages", "dist-packages")]
+    standard = [place for place in Path(os.__file__).parent.iterdir() if place.name not in ("site-packages", "dist-packages")]
     suite = [Path(place) for top in ("numpy", "scipy", "numba", "llvmlite") for place in sys.modules[top].__path__]
     places = [PACKAGE, Path(sys.executable), Path(tempfile.gettempdir()), *SYSTEM, *suite, *standard]
     return [place.resolve() for place in places]
@@ -205,7 +204,7 @@ def place_hash(place: str) -> str:
     path = Path(place)
     try:
         files = [path] if path.is_file() else list(islice(filter(Path.is_file, path.rglob("*")), MOST_HASHED + 1))
-        if not files or len(files) > MOST_HASHED or sum(each.stat().st_size for each in files) > LARGEST_HASHED:
+        if not files or len(files) > MOST_HASHED or sum(each.stat().st_size for each in files) > plugins.LARGEST_HASHED:
             return ""
         return plugins.content_of(path)
     except OSError:

@@ -116,8 +116,7 @@ def trace(spec: Map, folder: Path) -> None:
     if not spec.thresholds or path.exists():
         return
     subfolder(folder, path.parent.name)
-    points = {name: crossings(spec, THRESHOLDS[name]) for name in spec.thresholds}
-    write_text(path, json.dumps(points))
+    write_text(path, json.dumps({name: crossings(spec, THRESHOLDS[name]) for name in spec.thresholds}))
 
 
 def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[GridPoint]:
@@ -125,8 +124,7 @@ def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[GridP
 
     @cache
     def at(i: float, j: float) -> bool:
-        stage = scene(spec.scene, **spec.at((i, j)))
-        return holds(first_problem_of(stage, spec.scheme))
+        return holds(first_problem_of(scene(spec.scene, **spec.at((i, j))), spec.scheme))
 
     upwards = [(i, j) for i in _lines(spec.x) for j in _changes(spec.y, lambda j, i=i: at(i, j))]  # type: ignore[misc]
     across = [(i, j) for j in _lines(spec.y) for i in _changes(spec.x, lambda i, j=j: at(i, j))]  # type: ignore[misc]

@@ -71,8 +71,7 @@ def _residuals(ax: Axes, judgements: list[Judgement], solved: dict[str, pd.DataF
     ax.plot(at, np.clip([one.residual for one in judgements], ZERO, WORST), color=ALARM, marker=".", label="the engine")
     for k, (variant, rows) in enumerate(solved.items()):
         by_problem = rows["residual"].reindex([one.problem for one in judgements]).to_numpy(float)
-        colour = COLOURS[k % len(COLOURS)]
-        ax.plot(at, np.clip(by_problem, ZERO, WORST), color=colour, marker=".", label=plain(variant))
+        ax.plot(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % len(COLOURS)], marker=".", label=plain(variant))
     residual_axis(ax)
     ax.set_ylim(ZERO / 3, WORST * 3)
     _steps(ax, "verified residual")

@@ -32,8 +32,7 @@ REFERENCES = "references"
 
 def printed(run: Run) -> list[Table]:
     """Return all tables that have rows."""
-    tables_made = [made for make in TABLES for made in make(run)]
-    return [table for table in tables_made if table.rows]
+    return [table for make in TABLES for table in make(run) if table.rows]
 
 
 def _choice(run: Run) -> list[Table]:

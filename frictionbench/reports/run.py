@@ -146,8 +146,7 @@ def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None
     thresholds = {spec.name: read_thresholds(folder, spec) for spec in specs}
     solves = annotate(read_table(folder, "solves"))
     both = simulations[~mapped], simulations[mapped]
-    run = Run(manifest, solves, *both, read_histories(folder), thresholds, folder, budget=budget)
-    return run.ranked_by(rank_by)
+    return Run(manifest, solves, *both, read_histories(folder), thresholds, folder, budget=budget).ranked_by(rank_by)
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:

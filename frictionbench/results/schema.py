@@ -164,5 +164,4 @@ TABLES = {"solves": SOLVES, "simulations": _columns(_CELL, _SIMULATIONS), "batch
 
 def arrow_schema(table: str) -> pa.Schema:
     """Return the Arrow schema of a table, with units and meanings as field metadata."""
-    columns = TABLES[table]
-    return pa.schema([pa.field(c.name, c.type, metadata={"unit": c.unit, "meaning": c.meaning}) for c in columns])
+    return pa.schema([pa.field(c.name, c.type, metadata={"unit": c.unit, "meaning": c.meaning}) for c in TABLES[table]])

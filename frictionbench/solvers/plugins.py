@@ -20,11 +20,13 @@ from numba import config
 from numba.core import caching
 
 from frictionbench.problems.check import InputError, require
+from frictionbench.regular import regular
 from frictionbench.solvers import executable
 from frictionbench.solvers.interface import available
 
 GROUP = "frictionbench.solvers"
 MODULE = "frictionbench_plugin_"  # prefix of the module name of a file
+LARGEST_HASHED = 16 * 2**30  # bytes of a file, or of a package: more than any has, and takes a minute
 FRAMES = 4  # of a traceback in describe_error: enough to reach the plug-in's own code, also if @solver raised the error
 
 
@@ -68,12 +70,10 @@ def content(source: str) -> str:
 
 def content_of(path: Path) -> str:
     """The SHA-256 of a file, or of the names and contents of all files in a folder except compiled ones. Errors: OSError."""
-    digest = sha256()
     if not path.is_dir():
-        if not path.stat().st_size:  # as of files in /proc, a read of which may not end
-            return digest.hexdigest()
-        with path.open("rb") as opened:
+        with regular(path, LARGEST_HASHED) as opened:  # another process may put a pipe in its place
             return file_digest(opened, "sha256").hexdigest()
+    digest = sha256()
     for file in sorted(each for each in path.rglob("*") if each.is_file() and "__pycache__" not in each.parts):
         digest.update(f"{file.relative_to(path)}\0".encode() + bytes.fromhex(content_of(file)))
     return digest.hexdigest()

@@ -51,10 +51,11 @@ def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> Non
     monkeypatch.setattr(confirm, "_cells", lambda *_: cells.read(seen.current))  # as if both did what the current one does
     falls = again(seen, str(tmp_path / "base"))
     assert falls.exit_code == 0
-    ran: list[object] = []
+    ran: list[tuple[object, ...]] = []
     monkeypatch.setattr(confirm, "_cells", lambda *given: ran.append(given) or cells.read(seen.current))
     assert again(replace(seen, flips=()), str(tmp_path / "base")).exit_code == 0
     assert len(ran) == 2  # what the two runs did not show is looked for as well
+    assert all("frictionbench-" in str(folder) for _, _, folder, _ in ran)  # the server removes it, also after a kill
     assert all(
         note.startswith("Not confirmed, both versions give the same result on this machine: guest")
         for note in falls.notes[-len(seen.worse) :]

@@ -75,6 +75,8 @@ def test_special_files_as_arguments(tmp_path, kind) -> None:
         ("a.json", ("compare", "FILE", "FILE")),
         ("a.npz", ("solve", "FILE")),
         ("a.hdf5", ("solve", "FILE")),
+        ("a.toml", ("run", "--config", "FILE")),
+        ("a.py", ("check-solver", "FILE")),
     ):
         path = tmp_path / name
         if not path.is_symlink() and not path.exists():

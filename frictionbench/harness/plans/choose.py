@@ -11,9 +11,9 @@ A run stores the options that it was given, except `out`, in its manifest as `op
 import tomllib
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import ConfigDict, ValidationError
+from pydantic import ConfigDict, Field, ValidationError
 from pydantic.dataclasses import dataclass
 
 from frictionbench.harness.plans.plan import BatchSource, Plan, Plugin, Source
@@ -25,9 +25,12 @@ from frictionbench.problems.check import require
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
 from frictionbench.results.conventions import DRAWN
+from frictionbench.results.files import ResultsError, read_text
 from frictionbench.solvers.plugins import defines_all
 
 COUNT = 100  # problems in a batch named on the command line
+LARGEST_FILE = 2**20  # bytes of a file with options
+FileName = Annotated[str, Field(pattern=r"^[^\x00]*$")]
 
 
 @dataclass(frozen=True, config=ConfigDict(strict=True))
@@ -39,9 +42,9 @@ class RunOptions:
     solver: list[str] | None = None
     tol: str | None = None
     time_limit: float | None = None
-    data: list[str] | None = None
+    data: list[FileName] | None = None
     all_solvers: bool | None = None
-    out: str | None = None
+    out: FileName | None = None
 
     def given(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if value is not None}
@@ -58,8 +61,10 @@ def read_options(path: Path) -> RunOptions:
     Errors: InputError naming the file and the option, OSError, and those of store.read_manifest.
     """
     try:
-        stored = store.read_manifest(path).get("options", {}) if path.is_dir() else tomllib.loads(path.read_text("utf-8"))
-    except ValueError as error:
+        stored = store.read_manifest(path).get("options", {}) if path.is_dir() else tomllib.loads(read_text(path, LARGEST_FILE))
+    except ResultsError:
+        raise
+    except (ValueError, RecursionError) as error:
         raise InputError(f"config: {path}: {error}") from None
     require(isinstance(stored, dict), "config", f"{path}: options: not a table")
     names = [field.name for field in fields(RunOptions)]

@@ -167,8 +167,7 @@ class Plan:
 
     def settings(self) -> dict[str, Any]:
         """Return the plan as plain values for the manifest. Two runs with the same settings have the same cells."""
-        values = json.loads(json.dumps(asdict(self)))
-        return {name: value for name, value in values.items() if name not in NO_SETTINGS}
+        return {name: value for name, value in json.loads(json.dumps(asdict(self))).items() if name not in NO_SETTINGS}
 
     def solve_cells(self, records: Iterable[dict[str, Any]]) -> list[SolveCell]:
         """Return a cell for every problem, solver, available start and tolerance, with the loosest tolerance first."""

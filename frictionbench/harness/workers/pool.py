@@ -244,12 +244,19 @@ class Pool(AbstractContextManager["Pool"]):
 
 
 @contextmanager
+def scratch_folder() -> Iterator[Path]:
+    """Provide a folder, which the workers' server removes if this process is killed."""
+    with TemporaryDirectory(dir=_asked(lambda server: server.scratch), ignore_cleanup_errors=True) as name:
+        yield Path(name)
+
+
+@contextmanager
 def scratch_pool(
     plugins: tuple[Plugin, ...] = (), memory_limit: int = MEMORY_LIMIT, jobs: int = 1, folder: Path | None = None
 ) -> Iterator[Pool]:
-    """Provide workers with a folder, which their server removes at its end. folder: a run whose problems they read."""
-    with TemporaryDirectory(dir=_asked(lambda server: server.scratch)) as name:
+    """Provide workers with a folder of their own. folder: a run whose problems they read."""
+    with scratch_folder() as own:
         if folder is not None:
-            (Path(name) / "problems").symlink_to((folder / "problems").resolve())
-        with Pool(Path(name), jobs, plugins, memory_limit) as pool:
+            (own / "problems").symlink_to((folder / "problems").resolve())
+        with Pool(own, jobs, plugins, memory_limit) as pool:
             yield pool

@@ -29,6 +29,9 @@ def test_a_run_is_made_like_another(tmp_path) -> None:
         ('solver = ["exec:./program {problem} {answer}"]', "is code; name it with --solver"),
         ('solver = ["mine.py"]', "is code; name it with --solver"),
         ("suite = ", "Invalid value"),
+        (r'out = "a\u0000b"', "out: cannot be 'a"),
+        (r'data = ["a\u0000b"]', r"data: cannot be \['a"),
+        (f"suite = {'[' * 9999}", "maximum recursion depth"),
     ],
 )
 def test_unusable_files_are_named(tmp_path, text, told) -> None:
