@@ -28,8 +28,7 @@ def test_rigid_translation(name) -> None:
     u = (problem.jacobian @ together).reshape(-1, 3)
     grounded = np.linalg.norm(u, axis=1) > 1e-9
     assert np.allclose(np.linalg.norm(u[grounded], axis=1), np.linalg.norm([0.3, -0.5, 0.7]))
-    on_two = np.abs(problem.normal).sum(axis=1) > 0
-    assert on_two.all()
+    assert (np.abs(problem.normal).sum(axis=1) > 0).all()
     assert grounded.any() == (name != "random_bodies")
 
 

@@ -101,8 +101,7 @@ def test_islands_are_numbered_and_counted() -> None:
     two = side_by_side(scene("stack", blocks=2).problem(), block())
     for problem in (two, known_by_W(two)):
         assert problem.islands.tolist() == [0, 0, 0, 0, 1]
-    tied = with_joints(side_by_side(block(), block()), [[1.0, 0.0, -1.0, 0.0]])
-    assert tied.islands.tolist() == [0, 0]
+    assert with_joints(side_by_side(block(), block()), [[1.0, 0.0, -1.0, 0.0]]).islands.tolist() == [0, 0]
 
 
 def test_a_contact_at_rest_on_moving_bodies_is_measured_by_rounding_of_their_speed() -> None:

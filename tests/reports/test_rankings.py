@@ -198,8 +198,7 @@ def test_what_cannot_be_judged_is_counted_apart():
     assert first(run).places[0].solved == "2 + 1 unjudgeable"
     assert run.times[1e-8]["unjudgeable"].tolist() == [False, False, True]
     assert tables.reliabilities(run).loc[0, ["exact", "unjudgeable"]].tolist() == [2, 1]
-    loose = accuracy.times_to(run.ranked, 1e-4)
-    assert loose["reached"].all()
+    assert accuracy.times_to(run.ranked, 1e-4)["reached"].all()
 
 
 def test_infeasible_problems_and_several_outcomes():

@@ -165,8 +165,7 @@ def test_lost_counters_fail(runs, text):
     assert "| sweeps | none | 9 |  | 1 |" in markdown(result) or "sweeps" not in text
     assert runs(after, before).exit_code == int("sweeps" in text)
     assert runs(after, after).exit_code == 0
-    zero = [solve_row("a", "p", work='{"restarts": 0}')]
-    assert runs(zero, [solve_row("a", "p", work=text)]).exit_code == 1
+    assert runs([solve_row("a", "p", work='{"restarts": 0}')], [solve_row("a", "p", work=text)]).exit_code == 1
 
 
 def timed(solve, factors=(1.0,) * 4):

@@ -61,8 +61,7 @@ def test_a_contact_of_two_directions() -> None:
 @pytest.mark.parametrize("start", [[0.0, 0.0], [0.1, 0.15], [0.283, 0.394]])
 def test_open_solution_is_chosen(start) -> None:
     W, q = np.array([[8 / 5, -6 / 5], [-6 / 5, 17 / 5]]), np.array([1 / 50, -1])
-    u = W @ start + q
-    assert planar_contact(*u, *start, W, 1.5, 0.0) == (0.0, 0.0)
+    assert planar_contact(*(W @ start + q), *start, W, 1.5, 0.0) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("problem", [random_problem(4), spatial(4), spatial(5, joints=2, friction_bias=True)])

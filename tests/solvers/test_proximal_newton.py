@@ -27,8 +27,7 @@ def test_last_digits_take_a_few_steps(seed) -> None:
 
 def test_joints_leave_the_matrix_sparse_and_are_held_from_a_start() -> None:
     problem = make_instance("rod_chain", links=30)
-    system = build_system(problem)
-    assert system.fronts.start[-1] < problem.q.size**2 / 5
+    assert build_system(problem).fronts.start[-1] < problem.q.size**2 / 5
     answer = solve(problem, "proximal_newton")
     assert answer.status is Status.SOLVED
     near = solve(problem, "proximal_newton", start=answer.impulse * (1 + 1e-4))

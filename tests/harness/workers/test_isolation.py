@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -74,14 +73,6 @@ def test_ended_run_leaves_no_process(tmp_path, way, name, times) -> None:
     assert begun.returncode == (-number if name == "KILL" else 128 + number)
     assert name == "KILL" or f"interrupted by SIG{name}; run the same command again to resume" in told
     assert store.read_manifest(tmp_path / "run")["settings"]["time_limit"] == 300.0
-
-
-def test_folder_of_a_killed_command_is_removed() -> None:
-    code = "import os; from frictionbench.harness.workers.pool import scratch_folder\n"
-    code += "with scratch_folder() as folder: print(folder, flush=True); os.kill(os.getpid(), 9)"
-    done = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=False)
-    assert done.returncode == -signal.SIGKILL
-    assert soon(lambda: not Path(done.stdout.strip()).exists())
 
 
 def test_disturbed_rows_are_repeated(tmp_path, monkeypatch) -> None:

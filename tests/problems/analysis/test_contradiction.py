@@ -93,8 +93,7 @@ def test_joint_equations_take_part() -> None:
 
 
 def test_the_part_that_contradicts_itself_is_named() -> None:
-    whole = side_by_side(block(), between_walls(), block())
-    assert np.flatnonzero(contradiction(whole).y).tolist() == [1, 2]
+    assert np.flatnonzero(contradiction(side_by_side(block(), between_walls(), block())).y).tolist() == [1, 2]
 
 
 def test_a_contradiction_of_roundings_size_bounds_the_residual_by_as_little() -> None:

@@ -90,8 +90,7 @@ def test_overlap_and_order() -> None:
     assert spheres.gap == pytest.approx([-0.01, -0.09])
     assert spheres.bodies.tolist() == [[0, -1], [0, 1]]
     assert spheres.direction.tolist() == [[0, 0, 1], [0, 0, -1]]
-    box = near([solid_box((1, 1, 1))], [GROUND], [pose(0, 0, 1.5)], 0.0)
-    assert len(box) == 0
+    assert len(near([solid_box((1, 1, 1))], [GROUND], [pose(0, 0, 1.5)], 0.0)) == 0
     made = Scene(bodies=(solid_box((1, 1, 1)),), obstacles=(GROUND,), q0=np.array(pose(0, 0, 0.9)), friction=0.5)
     assert made.deepest_overlap(made.q0) == pytest.approx(0.1)
     assert made.problem().dimension == 3
