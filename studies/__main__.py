@@ -18,13 +18,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = parser.parse_args(arguments)
     names = [name for name in NAMES if study(name).runs()] if "all" in given.names else given.names
     lacking = {name: study(name).needs for name in NAMES if "all" in given.names and name not in names}
+    if given.jobs < 1:
+        parser.error("--jobs: must be at least 1")
     try:
+        given.out.mkdir(parents=True, exist_ok=True)  # refused before anything is computed
         compute(names, given.out, given.jobs)
         print(write_page(given.out))
         if lacking:
             left = "; ".join(f"{name}, which needs {', '.join(needs)}" for name, needs in lacking.items())
             raise ResultsError(f"left out: {left}")
-    except (InputError, ResultsError) as error:
+    except (InputError, ResultsError, OSError) as error:
         parser.error(str(error))
 
 

@@ -120,8 +120,7 @@ def fewest_contacts(problems: list[list[Record]]) -> list[list[Record]]:
     for index in sorted(range(len(problems)), key=lambda i: problems[i][0]["contacts"]):
         for method in failures(problems[index]):
             taken[method].append(index)
-    chosen = {index for indices in taken.values() for index in indices[:FEWEST]}
-    return [problems[index] for index in sorted(chosen)]
+    return [problems[index] for index in sorted({index for indices in taken.values() for index in indices[:FEWEST]})]
 
 
 def _line(family: str, rows: list[Record], problem: fb.FrictionProblem) -> tuple[Record, NDArray[np.float64] | None]:

@@ -42,5 +42,4 @@ def _wrapped(text: str) -> str:
 if __name__ == "__main__":
     from tools.robots import timing  # needs MuJoCo and its models
 
-    parts = [rates(Path(sys.argv[1])), timing.section(), large_problems.section()]
-    sys.stdout.write("\n".join(parts))
+    sys.stdout.write("\n".join([rates(Path(sys.argv[1])), timing.section(), large_problems.section()]))

@@ -99,8 +99,7 @@ def test_lcp_matrix_by_hand() -> None:
     assert np.allclose(lcp.dense, Q)
     v = problem.free_velocity
     assert np.allclose(lcp.q, np.concatenate([N.T @ v + problem.bias, D.T @ v, np.zeros(3)]))
-    z = np.arange(12.0)
-    assert np.array_equal(lcp.impulse(z), [[0, 3 - 4], [1, 5 - 6], [2, 7 - 8]])
+    assert np.array_equal(lcp.impulse(np.arange(12.0)), [[0, 3 - 4], [1, 5 - 6], [2, 7 - 8]])
 
 
 def test_residual_of_known_solution() -> None:

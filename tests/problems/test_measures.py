@@ -30,8 +30,7 @@ def ball(*velocity: float, gap: float = 0.0) -> FrictionProblem:
     ],
 )
 def test_each_law(velocity, impulse, expected) -> None:
-    found = violations(ball(*velocity), np.array([impulse]))
-    assert np.array(found).ravel() == pytest.approx(expected, abs=1e-8)
+    assert np.array(violations(ball(*velocity), np.array([impulse]))).ravel() == pytest.approx(expected, abs=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -66,8 +66,7 @@ def test_a_plan_asks_single_precision_for_its_finest_target_too() -> None:
         "starts": {"cold": ""},
     }
     cells = [(cell.variant, cell.tol) for cell in plan.solve_cells([record])]
-    single = [("nsgs[precision=single]", tol) for tol in (1e-4, 1e-6, 1e-8)]
-    assert cells == [("nsgs", 1e-4), ("nsgs", 1e-8), *single]
+    assert cells == [("nsgs", 1e-4), ("nsgs", 1e-8), *[("nsgs[precision=single]", tol) for tol in (1e-4, 1e-6, 1e-8)]]
     reasons = [find(variant)[0].too_tight(tol) for variant, tol in cells]
     assert reasons == [None] * 4 + ["single precision: not asked for less than 1e-06"]
 

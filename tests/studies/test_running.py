@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from studies import running
+from studies.__main__ import main
 from studies.study import Summary
 from tests.helpers.paths import ROOT
 from tests.helpers.runs import MARK, marked, soon
@@ -41,6 +42,14 @@ def test_a_killed_study_leaves_no_process(tmp_path) -> None:
     begun.kill()
     begun.wait()
     assert soon(lambda: not marked(str(tmp_path)))
+
+
+def test_unusable_arguments_are_refused_first(tmp_path, capsys) -> None:
+    (tmp_path / "file").touch()
+    for given, told in ((("--jobs", "0"), "--jobs: must be"), (("--out", str(tmp_path / "file")), "File exists")):
+        with pytest.raises(SystemExit, match="2"):
+            main(["convexity", *given])
+        assert told in capsys.readouterr().err
 
 
 def test_what_draws_and_writes_is_no_code_of_a_table(tmp_path, monkeypatch) -> None:

@@ -44,8 +44,7 @@ def first_problems(suite: str) -> list[tuple[Source, FrictionProblem]]:
 
 @pytest.mark.parametrize("suite", CHOSEN)
 def test_friction_is_at_work_in_every_problem(suite: str) -> None:
-    idle = [source for source, problem in first_problems(suite) if not friction_at_work(problem)]
-    assert idle == []
+    assert [source for source, problem in first_problems(suite) if not friction_at_work(problem)] == []
 
 
 @pytest.mark.parametrize("suite", ["smoke", "standard", "spatial"])

@@ -49,8 +49,7 @@ def test_every_array_is_read(tmp_path) -> None:
     given |= {"bias": "b", "friction_bias": "fb", "joints": "F", "joint_bias": "bF"}
     problem = read(written(tmp_path, BODIES))
     assert problem.hash == FrictionProblem(dimension=3, **{field: BODIES[name] for field, name in given.items()}).hash
-    known = read(written(tmp_path, DELASSUS))
-    assert known.friction_bias.tolist() == [0.0, 0.1]
+    assert read(written(tmp_path, DELASSUS)).friction_bias.tolist() == [0.0, 0.1]
 
 
 def test_unknown_arrays_of_our_own_format_are_refused(tmp_path) -> None:
