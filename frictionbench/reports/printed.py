@@ -44,14 +44,14 @@ def _choice(run: Run) -> list[Table]:
     caption = (
         f"The solver with the least mean time {run.rank_by.words} ({run.rank_by.parts}) to {power(target)}, problems not "
         "solved charged the time limit; its lead over the next, with the 95 % interval over resampled scenes, problems and "
-        f"repeats{'; and the first of the outside libraries' if outside else ''}."
+        f"repeats{'; and the first of the outside libraries that has a mean' if outside else ''}."
     )
     header = ["kind of problem", "problems", "first", "mean", "lead", "interval", "solved", *outside]
     return [Table("choice", caption, header, [row[: len(header)] for row in rows])]
 
 
 def _first(kind: Kind, choice: Choice, outside: Choice | None) -> list[str]:
-    best = choice.places[0]
+    best, theirs = choice.places[0], outside and outside.places[0]
     ends = " to ".join(map(ratio, choice.interval)) if choice.lead and choice.interval else choice.unclear or "–"
     return [
         kind.name,
@@ -61,7 +61,7 @@ def _first(kind: Kind, choice: Choice, outside: Choice | None) -> list[str]:
         ratio(choice.lead) if choice.lead else "–",
         ends,
         best.solved,
-        f"{outside.places[0].label} {seconds(outside.places[0].mean, 3)}" if outside else "–",
+        f"{theirs.label} {seconds(theirs.mean, 3)}" if theirs and np.isfinite(theirs.mean) else "–",
     ]
 
 
@@ -102,9 +102,9 @@ def _percentiles(run: Run) -> list[Table]:
         [label, where, *(seconds(row[name], 3) for name in levels), *([percent(row["within"], 1)] if budget else [])]
         for where, label, row in places
     ]
-    shares = " and ".join({"p50": "half", "p99": "99 %", "worst": "all"}[name] for name in levels)
+    shares = ", ".join({"p50": "half", "p99": "99 %", "worst": "all"}[name] for name in levels)
     caption = (
-        f"The times {run.rank_by.words} ({run.rank_by.parts}) within which {shares} of the "
+        f"The times {run.rank_by.words} ({run.rank_by.parts}) within which {' and '.join(shares.rsplit(', ', 1))} of the "
         f"problems, by weight, are solved to {power(run.outer_targets[-1])}; a dash: not solved."
     )
     return [Table("percentiles", caption, ["solver", "where", *levels, *budget], rows)]
