@@ -23,7 +23,7 @@ def show(what: str) -> None:
     """Print each name with its short facts in brackets, and below it the summary and the facts that are lists."""
     for name, entry in listed(what).items():
         facts = {fact.replace("_", " "): value for fact, value in entry.items() if value and value != [name]}
-        texts = [facts.pop("summary")]
+        texts = [facts.pop("summary", "No description.")]
         texts += [f"{fact}: {_words(value)}" for fact, value in facts.items() if isinstance(value, dict | list)]
         short = [_short(fact, value) for fact, value in facts.items() if not isinstance(value, dict | list)]
         say(f"{name}  ({'; '.join(short)})" if short else name, rest="    ")
