@@ -84,7 +84,8 @@ def _creep(problem: FrictionProblem, impulse: Array, exact: Array) -> float | No
 
 
 def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dict[str, list[float]]:
-    """Return the net impulse of the contacts between each two bodies, by their velocities' indices, as described at Judgement.
+    """Return the net impulse of the contacts between each two bodies, by their velocities' indices, as described at Judgement;
+    dry friction of joints has none.
 
     The motion determines the impulses z of closed contacts and of joints up to the null space of A, whose columns are J' for a
     sticking contact, J'(1, -mu u_t/|u_t|) for a sliding one, and F' for joints.
@@ -106,8 +107,9 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
     change = np.einsum("cdv,cd->v", J, exact)
     rounding = RANK_TOL * np.sqrt(change @ (problem.inverse_mass @ change))  # differences of smaller net impulses mean nothing
     nets_by_velocities = {}
-    for velocities in dict.fromkeys(between):
-        between_them = [i for i in range(nc) if between[i] == velocities]
+    pressing = np.flatnonzero(J[:, 0].any(axis=1))  # the others are dry friction of joints, the same in nearly any answer
+    for velocities in dict.fromkeys(between[i] for i in pressing):
+        between_them = [i for i in pressing if between[i] == velocities]
         bears = np.isin(owners, between_them)
         nets = [np.einsum("cdv,cd->v", J[between_them], r[between_them]) for r in (impulse, exact)]
         size = [float(np.sqrt(max(net @ (problem.inverse_mass @ net), 0.0))) for net in (nets[0] - nets[1], *nets)]
