@@ -28,6 +28,7 @@ from frictionbench.problems.spatial.bodies import HalfSpace, Solid, SpatialGeome
 from frictionbench.problems.spatial.collision import find_spatial_contacts
 
 GRAVITY = 9.81
+MOST_STEPS = 1e15  # of a motion: whole numbers that a double and a column of the tables hold exactly
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -73,11 +74,13 @@ class Scene:
         require(0 <= self.restitution <= 1, "restitution", f"must be between 0 and 1, got {self.restitution!r}")
         require(0 < self.step < np.inf, "step", f"must be positive, got {self.step!r}")
         require(0 < self.duration < np.inf, "duration", f"must be positive, got {self.duration!r}")
+        many = f"{self.step!r} s is too short: {self.duration!r} s would take more than {MOST_STEPS:g} steps"
+        require(self.duration / self.step <= MOST_STEPS, "step", many)
 
     @property
     def steps(self) -> int:
-        """The number of steps that cover the duration."""
-        return round(self.duration / self.step)
+        """The number of steps that cover the duration, at least one."""
+        return max(1, round(self.duration / self.step))
 
     @property
     def dimension(self) -> int:

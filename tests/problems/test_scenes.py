@@ -70,6 +70,9 @@ def test_fields_of_a_scene_are_checked() -> None:
         Scene(bodies=(rigid_box(1, 1),), hinges=(Hinge((0, 1), np.zeros((2, 2))),), q0=np.zeros(3), friction=0.5)
     with pytest.raises(InputError, match=r"^bodies: "):
         Hinge((0, 0), np.zeros((2, 2)))
+    with pytest.raises(InputError, match=r"^step: 1e-160 s is too short: 1.0 s would take more than 1e\+15 steps"):
+        scene("incline", step=1e-160)
+    assert scene("incline", step=10.0).steps == 1  # a motion of no steps would count as solved
     with pytest.raises(InputError, match=r"^obstacles: a hollow is only possible where all bodies are discs"):
         Geometry((rigid_box(1, 1),), (hollow(3.0),))
 

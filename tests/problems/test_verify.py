@@ -222,8 +222,7 @@ def test_rounding_errors_across_an_open_contact_do_not_excuse_either_side():
     )
     garbage, right = [[1e17, 3e16], [1e17, -3e16]], solve(block(), "lemke").impulse
     for impulse, verdict in ((right, "unjudgeable"), (0 * right, "wrong")):
-        claimed = claim(np.vstack([garbage, impulse, [[0.0, 0.0]]]))
-        assert verify(bridged, claimed, LEMKE, 1e-8).verdict == verdict
+        assert verify(bridged, claim(np.vstack([garbage, impulse, [[0.0, 0.0]]])), LEMKE, 1e-8).verdict == verdict
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

@@ -77,8 +77,7 @@ def test_means_shares_and_profiles_are_weighted_by_hand():
     mean = {one.label: one.mean for one in first(run).places}
     expected = np.exp(np.log(1e-3 + 1e-5) / 7 + np.log(4e-3 + 1e-5) * 6 / 7) - 1e-5  # seven strata, whatever their problems
     assert mean == pytest.approx({"a": expected, "b": 2e-3})
-    table = run.summaries[1e-8].set_index(["problem_class", "label"])
-    assert table.loc[(PLANE, "a"), "mean"] == pytest.approx(expected)
+    assert run.summaries[1e-8].set_index(["problem_class", "label"]).loc[(PLANE, "a"), "mean"] == pytest.approx(expected)
     curves = accuracy.profiles(accuracy.overall(run.times[1e-8])[PLANE])
     assert curves["a"].share(np.array([1.0, 1.5, 2.5])) == pytest.approx([1 / 7, 1 / 7, 1])
     assert profiles.panels(run)[0].title == f"{PLANE}, within 1e-8"

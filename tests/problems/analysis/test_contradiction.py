@@ -77,15 +77,13 @@ def test_proofs_of_random_contacts(seed) -> None:
     assert gain > 0
     own = np.abs(problem.free_velocity).max()
     assert float(gain) > FAR * own * float(sum(map(abs, rho))) / 1e3
-    order = np.random.default_rng(seed).permutation(16)
-    assert contradiction(permuted(problem, order)) is not None
+    assert contradiction(permuted(problem, np.random.default_rng(seed).permutation(16))) is not None
     assert contradiction(in_units(problem, 1e3, 1e-5)) is not None
 
 
 def test_joint_equations_take_part() -> None:
     """A driven joint pushes a block into the ground with 1 m/s."""
-    driven = block(joints=[[0.0, 1.0]], joint_bias=[1.0])
-    found = contradiction(driven)
+    found = contradiction(block(joints=[[0.0, 1.0]], joint_bias=[1.0]))
     assert found.y.tolist() == [1.0]
     assert found.z.tolist() == [-1.0]
     assert "contact 0 and joint equation 0" in str(found)
