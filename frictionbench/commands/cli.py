@@ -7,6 +7,7 @@ Large imports are inside the commands that need them, so that --help is fast.
 import json
 import os
 import re
+import shlex
 import signal
 import sys
 import time
@@ -494,7 +495,7 @@ def _resumable(folder: Path) -> Iterator[None]:
         yield
     except _Stopped as stopped:
         stopped.add_note("run the same command again to resume")
-        stopped.add_note(f"report of the results so far: frictionbench report {folder}")
+        stopped.add_note(f"report of the results so far: frictionbench report {shlex.quote(str(folder))}")
         raise
 
 

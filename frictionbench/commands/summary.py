@@ -3,6 +3,7 @@
 import json
 from hashlib import sha256
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 import pandas as pd
@@ -36,7 +37,7 @@ def summary(folder: Path) -> str:
     lines += [counted("simulations, scenes in closed loop", read_table(folder, "simulations"))]
     batches = read_table(folder, "batches")
     lines += [counted("batches of small problems", batches), _reasons(rows), _reasons(batches)]
-    lines.append(f"results: {folder}\nreport:  frictionbench report {folder}")
+    lines.append(f"results: {folder}\nreport:  frictionbench report {quote(str(folder))}")
     return "\n\n".join(filter(None, lines))
 
 

@@ -120,7 +120,7 @@ def find_row(folder: Path, wanted: str, tables: Sequence[str] = ("solves", "simu
         return known[wanted]
     matches = [key for key in known if key.startswith(wanted) or key.partition("-")[2].startswith(wanted)]
     if not matches:
-        raise ResultsError(f"{folder}: no row has the key {wanted!r}; `frictionbench rerun {folder}` lists those that failed")
+        raise ResultsError(f"{folder}: no row has the key {wanted!r}; `frictionbench rerun DIR` lists those that failed")
     if len(matches) > 1:
         raise ResultsError(
             f"{folder}: {len(matches)} rows have a key that begins with {wanted!r}: {', '.join(matches[:3])}, ..."

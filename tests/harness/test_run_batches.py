@@ -1,5 +1,6 @@
 """The suite of batches: every planned cell has a row, an interrupted run resumes, and a change for the worse is found."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,20 +20,21 @@ WAYS = [("calls", "cold"), ("packed", "cold"), ("packed", "warm"), ("list", "col
 
 
 def test_a_run_writes_every_row_and_resumes(tmp_path: Path) -> None:
+    folder = tmp_path / "of today"
     plan = replace(batch(), batches=(BatchSource("stack", {"blocks": 1}, 3),), solvers=("lemke",))
-    run(plan, tmp_path, 1, quiet())
-    rows = store.read_table(tmp_path, "batches")
+    run(plan, folder, 1, quiet())
+    rows = store.read_table(folder, "batches")
     assert list(zip(rows["way"], rows["start"], strict=True)) == WAYS
     assert rows["verdict"].tolist() == ["solved"] * 4
-    assert "batches of small problems: 4" in summary(tmp_path)
-    shard = next((tmp_path / "shards").glob("batches-*.jsonl"))
+    assert re.search(f"batches of small problems: 4(.|\n)* report '{folder}'$", summary(folder))
+    shard = next((folder / "shards").glob("batches-*.jsonl"))
     lines = shard.read_text(encoding="utf-8").splitlines(keepends=True)
     shard.write_text("".join(lines[1:]), encoding="utf-8")
-    run(plan, tmp_path, 1, quiet())
-    again = store.read_table(tmp_path, "batches")
+    run(plan, folder, 1, quiet())
+    again = store.read_table(folder, "batches")
     assert again["times"].map(tuple).tolist()[1:] == rows["times"].map(tuple).tolist()[1:]
     assert again["work"].tolist() == rows["work"].tolist()
-    _, row = rerun_row(tmp_path, rows["key"][2], [])
+    _, row = rerun_row(folder, rows["key"][2], [])
     assert (row["verdict"], row["work"]) == ("solved", rows["work"][2])
 
 
