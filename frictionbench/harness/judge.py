@@ -107,7 +107,7 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
     change = np.einsum("cdv,cd->v", J, exact)
     rounding = RANK_TOL * np.sqrt(change @ (problem.inverse_mass @ change))  # differences of smaller net impulses mean nothing
     nets_by_velocities = {}
-    pressing = np.flatnonzero(J[:, 0].any(axis=1))  # the others are dry friction of joints, the same in nearly any answer
+    pressing = np.flatnonzero(J[:, 0].any(axis=1))  # dry friction of a joint has no normal
     for velocities in dict.fromkeys(between[i] for i in pressing):
         between_them = [i for i in pressing if between[i] == velocities]
         bears = np.isin(owners, between_them)
