@@ -35,7 +35,7 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], spare: Iterabl
     for row in rows:
         table.add_row(*(Text(row[i]) for i in widths))
     wide = Console(width=width or 10**4, no_color=True)
-    lines = ["".join(part.text for part in line).rstrip() for line in wide.render_lines(table, pad=False)]
+    lines = ["".join(part.text for part in line).rstrip() for line in (wide.render_lines(table, pad=False) if rows else [])]
     left_out = f"not shown on {width} columns: {', '.join(cut)}; a wider terminal or a file has all"
     return [*lines, *(paragraph(left_out) if cut else [])]
 

@@ -1,5 +1,6 @@
 """Progress bars on a terminal; plain lines at intervals where the output is not a terminal."""
 
+import textwrap
 import time
 from collections.abc import Iterable, Iterator
 from typing import TypeVar
@@ -29,9 +30,10 @@ class Progress:
         self._console = Console(stderr=True, quiet=quiet)
 
     def tell(self, text: str) -> None:
-        """Print a line."""
-        wraps = self._console.is_terminal  # between words; a path stays whole, and in a pipe a line
-        self._console.print(text, highlight=False, markup=False, soft_wrap=not wraps, overflow="ignore", crop=False)
+        """Print a line, or on a terminal a paragraph."""
+        if self._console.is_terminal:  # wrapped between words; a path stays whole
+            text = textwrap.fill(text, self._console.width, break_long_words=False, break_on_hyphens=False)
+        self._console.print(text, highlight=False, markup=False, soft_wrap=True)
 
     def follow(self, name: str, engine: Pool | Cluster, tasks: list[Task], done: int = 0) -> Iterator[Outcome]:
         """Yield the outcomes of the tasks as they arrive, and show how many. done: the number of tasks done by earlier runs."""
