@@ -135,12 +135,13 @@ def describe_error(error: BaseException) -> str:
 
 
 def _point(name: str) -> EntryPoint:
-    """The entry point of this name. Errors: InputError if no distribution, or more than one, declares it."""
+    """The entry point of this name. Errors: InputError if not exactly one distribution declares it, or it names no module."""
     points = {(point.value, distribution(point)): point for point in entry_points(group=GROUP, name=name)}
     require(bool(points), "solver", f"no installed distribution declares an entry point {name} in the group {GROUP}")
     declared = " and by ".join(sorted(where for _, where in points))
     require(len(points) == 1, "solver", f"{name} is declared by {declared}; uninstall all but one")
     (point,) = points.values()
+    require(bool(point.pattern.match(point.value)), "solver", f"{name} of {declared} names no module, but {point.value!r}")
     return point
 
 

@@ -14,7 +14,7 @@ from tests.helpers.command_line import frictionbench
 from tests.helpers.plugin import PLUGIN
 
 METADATA = "Metadata-Version: 2.1\nName: made-up\nVersion: 1.2\n"
-POINTS = "[frictionbench.solvers]\nguest = made_up.solvers\nabsent = made_up.solvers\n"
+POINTS = "[frictionbench.solvers]\nguest = made_up.solvers\nabsent = made_up.solvers\nbroken = made up[\n"
 
 
 @pytest.fixture
@@ -72,6 +72,8 @@ def test_installed_solver_is_treated_as_plugin(distribution) -> None:
 def test_unusable_entry_points(distribution) -> None:
     with pytest.raises(InputError, match=r"solver: made_up\.solvers of made-up 1\.2 defines no solver absent"):
         load_plugins(["absent"])
+    with pytest.raises(InputError, match=r"^solver: broken of made-up 1\.2 names no module, but 'made up\['$"):
+        load_plugins(["broken"])
     (distribution / "made_up" / "solvers.py").write_text("\n1 / 0", encoding="utf-8")
     with pytest.raises(InputError, match=r"guest of made-up 1\.2 cannot be imported \(ZeroDivisionError.*at solvers\.py:2"):
         load_plugins(["guest"])
@@ -85,4 +87,4 @@ def test_unusable_entry_points(distribution) -> None:
     variants, plugins, complaints = all_variants()  # for a bare `solve`, which goes on without them
     assert "nsgs" in variants
     assert plugins == ()
-    assert [complaint.split()[:2] for complaint in complaints] == [["skipped:", "solver:"]] * 2
+    assert [complaint.split()[:2] for complaint in complaints] == [["skipped:", "solver:"]] * 3
