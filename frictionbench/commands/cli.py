@@ -172,11 +172,11 @@ def report(
     if paper:
         from frictionbench.reports.paper import chart_names, restricted, write_paper
 
-        wanted = chart_names(options.split_names(figures) if figures else None)
         shown = restricted(run, "scenes", options.split_names(scenes)) if scenes else run
         shown = restricted(shown, "solvers", options.split_names(solvers)) if solvers else shown
+        wanted = chart_names(shown, options.split_names(figures) if figures else None)
         written = write_paper(folder, shown, progress.counted("figures", wanted, len(wanted)), width or 3.35, font or "serif")
-        typer.echo(f"paper:  {written}, of {', '.join(shown.looks)}; captions.tex has captions, references.bib references")
+        typer.echo(f"paper:  {written}, of {'; '.join(shown.looks)}. captions.tex has captions, references.bib references")
     if not (paper and figures):
         progress.tell("the page is being drawn: some seconds, for a large run a minute")
         typer.echo(f"report: {write_report(folder, run)}")

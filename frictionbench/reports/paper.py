@@ -60,12 +60,13 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
     return paper
 
 
-def chart_names(names: Sequence[str] | None = None) -> Sequence[str]:
-    """Check the names of charts, None for all, and return them. Errors: ResultsError naming a chart that does not exist."""
-    there = [chart.name for chart in CHARTS]
-    if missing := [name for name in names or () if name not in there]:
-        raise ResultsError(f"figures: there is no {missing[0]}; there are {', '.join(there)}")
-    return there if names is None else names
+def chart_names(run: Run, names: Sequence[str] | None = None) -> Sequence[str]:
+    """Check the names of charts, None for all, and return them. Errors: ResultsError naming one that the run lacks."""
+    charts = {chart.name: chart for chart in CHARTS}
+    if missing := [name for name in names or () if name not in charts or not charts[name].panels(run)]:
+        there = [name for name, chart in charts.items() if chart.panels(run)]
+        raise ResultsError(f"figures: there is no {missing[0]} of these results; there are {', '.join(there)}")
+    return names or [*charts]
 
 
 def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
@@ -139,8 +140,7 @@ def booktabs(table: Table) -> str:
         for row in table.rows
     ]
     sides = ["r" if any(cell[:1].isdigit() for cell in column) else "l" for column in zip(*table.rows, strict=True)]
-    code = [list(map(escaped, table.header)), *body]
-    lines = [" & ".join(row) + r" \\" for row in code]
+    lines = [" & ".join(row) + r" \\" for row in (map(escaped, table.header), *body)]
     sizes = [
         [CITED * (1 + cell.count(",")) if c else len(cell) for c, cell in zip(cited, row, strict=True)] for row in table.rows
     ]
