@@ -1,9 +1,10 @@
-"""Balancing of problems with islands of unlike speeds, before they are given to a solver of this package.
+"""Balancing of problems with islands of unlike speeds, and confirmation of claims on problems with joints.
 
 Our methods and outside libraries scale a problem and its tolerance by the fastest contact, so that an island that is much
 slower would be left unsolved. If the units of the islands differ by more than a factor UNLIKE, a solver receives the problem
 with its islands in like units (FrictionProblem.balanced), and its impulses are converted back. Outside libraries are not called
 for problems without contacts: the form step returns the answer, and the other steps pass it on.
+With joints W may have lost digits: a claim of a method of this package counts only if the residual confirms it.
 """
 
 from dataclasses import replace
@@ -17,15 +18,17 @@ from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms.islands import spread
 from frictionbench.problems.forms.lcp import by_unknown
+from frictionbench.problems.residual import contact_floors, contact_residuals, largest
 
 UNLIKE = 4.0  # a tolerance that is smaller by less than this factor costs next to nothing
 
 
 class Balanced(NamedTuple):
-    """The result of a solver's step for the balanced problem, and the factors (nc,) of its impulses."""
+    """The result of a solver's step, the factors (nc,) of its impulses, and the problem if claims have to be confirmed."""
 
     step: Any
     factor: Array
+    jointed: FrictionProblem | None
 
 
 def with_balance(cls: Any, model: str, outside: bool) -> Any:
@@ -34,7 +37,7 @@ def with_balance(cls: Any, model: str, outside: bool) -> Any:
         step = getattr(cls, name)
         if not hasattr(step, "__wrapped__"):
             setattr(cls, name, wraps(step)(balance(step)))
-    cls.is_outside, cls.usual_model = outside, model
+    cls.is_outside, cls.usual_model, cls.has_relaxed_units = outside, model, model in ("relaxation", "regularised")
     return cls
 
 
@@ -46,20 +49,22 @@ def _form(form: Any) -> Any:
             return Answer(np.zeros((0, getattr(problem, "dimension", 0))), Status.SOLVED, z=z)
         if not of_contacts:
             return form(self, problem)
-        relaxed = self.usual_model in ("relaxation", "regularised")
-        if (spread(problem.relaxation_units) if relaxed else problem.spread) <= UNLIKE:
+        relaxed, polygon = self.has_relaxed_units, self.usual_model == "lcp" and problem.dimension == 3
+        jointed = problem if len(problem.joint_bias) and not (self.is_outside or polygon) else None  # W defines a polygon's LCP
+        alike = (spread(problem.relaxation_units) if relaxed else problem.spread) <= UNLIKE
+        if alike and jointed is None:
             return form(self, problem)
-        same, factor = problem.balanced(relaxed)
-        return Balanced(form(self, same), factor)
+        same, factor = (problem, np.ones(problem.contacts)) if alike else problem.balanced(relaxed)
+        return Balanced(form(self, same), factor, jointed)
 
     return balanced
 
 
 def _setup(setup: Any) -> Any:
     def balanced(self: Any, formed: Any) -> Any:
-        if type(formed) is Answer:
-            return formed
-        return Balanced(setup(self, formed.step), formed.factor) if type(formed) is Balanced else setup(self, formed)
+        if type(formed) is Balanced:
+            return formed._replace(step=setup(self, formed.step))
+        return formed if type(formed) is Answer else setup(self, formed)
 
     return balanced
 
@@ -70,10 +75,15 @@ def _solve(solve: Any) -> Any:
             return replace(prepared)
         if type(prepared) is not Balanced:
             return solve(self, prepared, tol, limit, start)
-        step, factor = prepared
+        step, factor, jointed = prepared
         guess = None if start is None else np.ascontiguousarray(start / factor[:, None])
         answer = solve(self, step, tol, limit, guess)
         z = None if answer.z is None else answer.z * by_unknown(factor, len(answer.z))
-        return replace(answer, impulse=answer.impulse * factor[:, None], z=z)
+        answer = replace(answer, impulse=answer.impulse * factor[:, None], z=z)
+        if jointed is not None and answer.status is Status.SOLVED:
+            arguments = jointed, answer.impulse, 0.0 if self.has_relaxed_units else 1.0
+            if largest(contact_residuals(*arguments)) > max(tol, largest(contact_floors(*arguments))):
+                answer.status = Status.BREAKDOWN
+        return answer
 
     return balanced

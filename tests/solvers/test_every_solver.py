@@ -14,7 +14,7 @@ from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import residual_floor
 from frictionbench.solvers import Status, available, find, solve
-from tests.helpers.friction_problems import block, known_by_W, nothing, own_residual, spatial, with_joints
+from tests.helpers.friction_problems import block, contacts_of, known_by_W, nothing, own_residual, spatial, with_joints
 
 TOL = 1e-6
 OURS = sorted(spec for info in available().values() if not info.needs for spec in info.specs)
@@ -104,6 +104,26 @@ def test_a_problem_is_solved(spec, name) -> None:
         assert answer.impulse[dry, 1].all()
         if "limit" in name:
             assert not answer.impulse[-1 - dry.sum(), 1:].any()
+
+
+def nearly_locked(seed: int) -> FrictionProblem:
+    """Joints hold two normals and a tangent of contacts but for 1e-9 to 1e-6: W has lost digits there, or all."""
+    free = random_problem(seed, contacts=4, bodies=2) if seed % 2 else spatial(seed, contacts=4, nv=12)
+    random, held = np.random.default_rng(seed), free.jacobian.toarray()[[0, free.dimension, 2 * free.dimension + 1]]
+    return with_joints(free, joints=held + 10 ** random.uniform(-9, -6) * random.standard_normal(held.shape))
+
+
+@pytest.mark.parametrize("spec", OURS)
+def test_claims_are_correct(spec) -> None:
+    rows = np.eye(3) - np.eye(3, k=-1)  # three points above each other; the second leaves the first and slides at 1e6 m/s
+    law = [0.5, 1e6, 0.5], [1e6, -1, 0, 2, 0, 2 - 2e-4]
+    problems = [contacts_of(np.kron(rows, [0, 1]), np.kron(rows, [1, 0]), *law), *map(nearly_locked, (12, 18, 23, 54))]
+    problems += [random_problem(seed, contacts=(2, 10, 30)[seed % 3]) for seed in range(12)]
+    problems += [spatial(seed, contacts=6, friction_bias=seed % 2 == 0, joints=seed % 3) for seed in range(6)]
+    answers = [(problem, solve(problem, spec)) for problem in problems if not find(spec)[0].refuses(problem)]
+    claimed = [own_residual(spec, *each) for each in answers if each[1].status is Status.SOLVED]
+    assert max(claimed) <= 1e-8 * (1 + 1e-6)
+    assert spec == "murty" or len(claimed) >= len(answers) / 2
 
 
 @pytest.mark.parametrize("spec", [spec for spec in OURS if find(spec)[0].warm_start])

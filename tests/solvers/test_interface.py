@@ -63,21 +63,12 @@ def test_an_unsymmetric_delassus_matrix_is_refused_by_methods_in_velocities(name
         assert verify(problem, answer, info.model, 1e-6).verdict in ("solved", "relaxed")
 
 
-@pytest.mark.parametrize("limit", [0, -1, 1.5, True, "10", 10**9, float("nan")])
-def test_a_limit_is_checked(limit):
-    with pytest.raises(InputError, match=r"^limit: "):
-        solve(block(), "apgd", limit=limit)
-
-
-@pytest.mark.parametrize("tol", [0, -1.0, float("nan"), float("inf"), "1e-8", None, 1j])
-def test_a_tolerance_is_checked(tol):
-    with pytest.raises(InputError, match=r"^tol: "):
-        solve(block(), "nsgs", tol=tol)
-
-
-def test_problem_type_is_checked():
-    with pytest.raises(InputError, match=r"^problem: "):
-        solve(np.eye(2), "lemke")
+def test_arguments_are_checked():
+    invalid = {"limit": [0, -1, 1.5, True, "10", 10**9, np.nan], "tol": [0, -1.0, np.nan, np.inf, "1e-8", None, 1j]}
+    for name, values in (invalid | {"problem": [np.eye(2)]}).items():
+        for value in values:
+            with pytest.raises(InputError, match=rf"^{name}: "):
+                solve(**{"problem": block(), "spec": "apgd", name: value})
 
 
 @pytest.mark.parametrize("problem", [block(), spatial(0), spatial(0, joints=2)], ids=["plane", "space", "joints"])

@@ -25,9 +25,8 @@ def test_stacks_with_near_ties(mu):
 def test_heavy_tops_to_the_floor_of_rounding(ratio):
     random = np.random.default_rng(5)
     for n in (2, 4, 7, 18):
-        problem = scene(
-            "stack", blocks=n, mass_ratio=ratio, friction=random.uniform(0.2, 0.8), push=random.uniform(0.2, 2)
-        ).problem()
+        given = {"friction": random.uniform(0.2, 0.8), "push": random.uniform(0.2, 2)}
+        problem = scene("stack", blocks=n, mass_ratio=ratio, **given).problem()
         answer = solve(problem, "lemke")
         found, floor = residual_with_floor(problem, answer.impulse)
         assert answer.status is Status.ROUNDING

@@ -12,10 +12,7 @@ from frictionbench.solvers.pivots.scaled_lcp import STATUSES, ScaledLCP, scaled_
 
 @dataclass(frozen=True)
 class PrincipalPivoting(ABC):
-    """A method that exchanges complementary pairs of the scaled LCP until its basic solution is nonnegative.
-
-    facets: of the polygon that approximates the circular section of the cone in space.
-    """
+    """A method that exchanges complementary pairs of the scaled LCP until its basic solution is nonnegative."""
 
     facets: int = 8
     dense_matrices = 2  # the inverse of the basis, old and new

@@ -44,11 +44,6 @@ class ScaledLCP(NamedTuple):
     q: Array
     unit: Array
 
-    @property
-    def lcp(self) -> LCP:
-        """The unscaled LCP, built on access."""
-        return self.problem if isinstance(self.problem, LCP) else self.problem.lcp(self.facets)
-
     def answer(self, y: Array, status: Status, detail: str = "", clock: float | None = None, **work: int) -> Answer:
         """The answer of a scaled solution y (n,)."""
         z = self.stretch * y
@@ -61,7 +56,7 @@ class ScaledLCP(NamedTuple):
         if isinstance(self.problem, LCP):
             return self.problem.residual(z)
         if self.problem.dimension == 3:
-            return polygon_residual(self.problem, self.lcp, z)
+            return polygon_residual(self.problem, self.problem.lcp(self.facets), z)
         return residual(self.problem, impulse(self.basis, z, self.contacts[0]))
 
 
@@ -244,8 +239,7 @@ def measured(unit: Array, y: Array, w: Array) -> float:
 
 @lean
 def scaled_rounding(M: Matrix, q: Array, unit: Array, y: Array, size: Array) -> float:
-    """The scaled residual that rounding alone may leave in w = M y + q, at most the floor of problems.residual; size (n,) is
-    workspace."""
+    """The scaled residual that rounding alone may leave in w = M y + q; size (n,) is workspace."""
     for i in range(len(q)):
         size[i] = abs(q[i])
     for j in range(len(q)):
