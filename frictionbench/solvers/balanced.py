@@ -49,8 +49,8 @@ def _form(form: Any) -> Any:
             return Answer(np.zeros((0, getattr(problem, "dimension", 0))), Status.SOLVED, z=z)
         if not of_contacts:
             return form(self, problem)
-        relaxed, polygon = self.has_relaxed_units, self.usual_model == "lcp" and problem.dimension == 3
-        jointed = problem if len(problem.joint_bias) and not (self.is_outside or polygon) else None  # W defines a polygon's LCP
+        relaxed, polygon = self.has_relaxed_units, self.usual_model == "lcp" and problem.dimension == 3  # W defines its LCP
+        jointed = problem if problem.contacts and len(problem.joint_bias) and not (self.is_outside or polygon) else None
         alike = (spread(problem.relaxation_units) if relaxed else problem.spread) <= UNLIKE
         if alike and jointed is None:
             return form(self, problem)
