@@ -245,7 +245,9 @@ def test_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
 
 def test_what_a_worker_reports_is_bounded(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """It may name a file at which a read never ends, more than a manifest can hold, or lists that fill the memory."""
-    assert dependencies.place_hash("/proc/self/status") == sha256().hexdigest()
+    (tmp_path / "empty.py").touch()
+    assert dependencies.place_hash(str(tmp_path / "empty.py")) == sha256().hexdigest()
+    assert dependencies.place_hash("/proc/self/status") == ""  # not regular: it states no size
     record = dependencies.LoadRecord(write_folder(tmp_path, [], loaded={}, content={}))
     monkeypatch.setattr(store, "LARGEST_MANIFEST", 2**12)
     for number in (1, 100):
