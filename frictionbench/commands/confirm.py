@@ -88,7 +88,7 @@ def confirmed(
         tested = [_home(), *(path.resolve() for spec in outside for path in plugins.files(spec))]
         pairs: list[Pair] = []
         others, untimed = dict[str, list[str]](), ""
-        for *base, ran in _alternating([before, now] if before else [now], options, Path(scratch), limits.rank_by, most, tell):
+        for *base, ran in _alternating([before, now] if before else [now], options, scratch, limits.rank_by, most, tell):
             for other in chain(*other_loads(current, ran, alone=False).values()):
                 raise InputError(f"DIR: {DIFFERS.format(current.path, other)}")
             pairs.append(((base or [stored])[0].table, ran.table))

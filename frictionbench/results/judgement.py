@@ -162,11 +162,11 @@ class Judged:
         creeping = sorted([each for each in held if each[0] > NO_CREEP * each[1]], key=lambda each: each[0])
         if not creeping:
             return f"Contacts that should stick do not creep, in {count(len(held), 'step')}." if held else ""
-        speed, free, fastest = creeping[-1]
-        text = f"Contacts that should stick creep at up to {float(f'{1e3 * speed:.2g}'):g} mm/s ({fastest.file}), "
-        text += f"{rough_percent(speed / free)} of the velocity that they would have without impulses"
-        speed, free, middle = creeping[len(creeping) // 2]
-        text += f"; in the median of {len(creeping)} steps at {float(f'{1e3 * speed:.2g}'):g} mm/s. " if creeping[1:] else ". "
+        (most, apart, fastest), (speed, free, middle) = creeping[-1], creeping[len(creeping) // 2]
+        highest, usual = (f"{float(f'{1e3 * each:.2g}'):g} mm/s" for each in (most, speed))
+        text = f"Contacts that should stick creep at up to {highest} ({fastest.file}), "
+        text += f"{rough_percent(most / apart)} of the velocity that they would have without impulses"
+        text += f"; in the median of {len(creeping)} steps at {usual}. " if creeping[1:] else ". "
         soft = middle.notes.get("softness of contacts", 0.0)
         if soft > SOFT * speed / free:
             return text + f"The softness of the engine's contacts takes {rough_percent(soft)} of the impulse. {HARDER}"

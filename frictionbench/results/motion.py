@@ -23,7 +23,6 @@ Array = Annotated[NDArray[np.float64], BeforeValidator(lambda values: np.array(v
 ARRAYS = ConfigDict(arbitrary_types_allowed=True)
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
 TITLE_DIGITS = 3  # digits of a parameter in a title
-STORED_DIGITS = 17  # significant digits of encoded numbers, exact as a defect is a small difference of large energies
 
 
 @dataclass(frozen=True, eq=False, config=ARRAYS)
@@ -111,12 +110,12 @@ class Motion:
 
 
 def encoded(motion: Motion) -> dict[str, Any]:
-    """Return the motion in types of JSON."""
-    return {name: plain(value, STORED_DIGITS) for name, value in asdict(motion).items()}
+    """Return the motion in types of JSON, with every digit: a defect is a small difference of large energies."""
+    return {name: plain(value) for name, value in asdict(motion).items()}
 
 
-def plain(value: Any, digits: int) -> Any:
-    """Return the value in types of JSON, with floating-point numbers rounded to this many significant digits."""
+def plain(value: Any, digits: int = 17) -> Any:
+    """Return the value in types of JSON, with floating-point numbers rounded to this many significant digits; 17 are all."""
     if isinstance(value, dict):
         return {key: plain(item, digits) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -82,7 +82,8 @@ def _solve(solve: Any) -> Any:
         answer = replace(answer, impulse=answer.impulse * factor[:, None], z=z)
         if jointed is not None and answer.status is Status.SOLVED:
             arguments = jointed, answer.impulse, 0.0 if self.has_relaxed_units else 1.0
-            if largest(contact_residuals(*arguments)) > max(tol, largest(contact_floors(*arguments))):
+            error = largest(contact_residuals(*arguments))
+            if error > tol and error > largest(contact_floors(*arguments)):
                 answer.status = Status.BREAKDOWN
         return answer
 

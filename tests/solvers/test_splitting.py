@@ -4,9 +4,29 @@ import numpy as np
 import pytest
 
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.residual import relaxation_residual
+from frictionbench.problems.instances.random_bodies import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
+from tests.helpers.friction_problems import spatial
+
+COULOMB = ["admm_coulomb", "anitescu_hart", "apgd_coulomb", "nncg", "nsgs", "staggered"]
+RELAXED = ["admm", "apgd"]
+ALL = COULOMB + RELAXED
+
+
+@pytest.mark.parametrize("spec", ALL)
+def test_claims_are_correct(spec) -> None:
+    problems = [random_problem(seed, contacts=(2, 10, 30)[seed % 3]) for seed in range(12)]
+    problems += [spatial(seed, contacts=6, friction_bias=seed % 2 == 0, joints=seed % 3) for seed in range(6)]
+    solved = 0
+    for problem in problems:
+        answer = solve(problem, spec, tol=1e-7)
+        assert answer.status in (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT)
+        if answer.status is Status.SOLVED:
+            solved += 1
+            assert (relaxation_residual if spec in RELAXED else residual)(problem, answer.impulse) <= 1e-7 * (1 + 1e-6)
+    assert solved >= (len(problems) if spec in RELAXED else 0.75 * len(problems))
 
 
 def test_a_residual_that_is_not_finite_is_a_breakdown() -> None:
