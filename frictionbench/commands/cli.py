@@ -10,13 +10,12 @@ import re
 import shlex
 import signal
 import sys
-import time
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from threading import Thread
+from threading import Event, Thread
 from typing import Annotated, Any, Literal
 
 import typer
@@ -39,7 +38,14 @@ app = typer.Typer(
 
 class _Command(TyperCommand):
     """A command whose help does not show the Python types of arguments, such as list[Path], and whose error messages replace
-    those of the library that parses values for typer."""
+    those of the library that parses values for typer. ended: set when the command has ended."""
+
+    ended = Event()
+
+    def invoke(self, ctx: Any) -> Any:
+        _Command.ended = Event()
+        ctx.call_on_close(_Command.ended.set)
+        return super().invoke(ctx)
 
     def make_context(self, *given: Any, **named: Any) -> Any:
         try:
@@ -450,16 +456,17 @@ def _jobs(jobs: int | None) -> int:
         raise InputError(f"jobs: at most {most} on this machine, one per core")
     cache = Path(config.CACHE_DIR)
     if known := len(list(cache.rglob("*.nbi"))):
-        Thread(target=tell_of_kernels, args=(cache, known), daemon=True).start()
+        Thread(target=tell_of_kernels, args=(cache, known, _Command.ended), daemon=True).start()
     else:
         tell_of_kernels(cache)
     return jobs or max(1, most - 1)
 
 
-def tell_of_kernels(cache: Path, known: int = 0) -> None:
-    """Say, with --quiet as well, that kernels are compiled: at once if none is known, else when the cache has grown."""
-    while known and len(list(cache.rglob("*.nbi"))) <= known:
-        time.sleep(5.0)
+def tell_of_kernels(cache: Path, known: int = 0, ended: Event | None = None) -> None:
+    """Say, with --quiet as well, that kernels are compiled: at once, or when the cache has grown before the command ended."""
+    while ended and len(list(cache.rglob("*.nbi"))) <= known:
+        if ended.wait(5.0):
+            return
     told = "kernels are compiled at their first use, once: a minute for a few solvers, some minutes for all of them"
     typer.echo(told, err=True)
 

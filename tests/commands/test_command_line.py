@@ -4,11 +4,13 @@ import json
 import signal
 import subprocess
 import sys
+from threading import Event
 
 import pytest
 from typer.testing import CliRunner
 
-from frictionbench.commands.cli import app, tell_of_kernels
+from frictionbench.commands import cli
+from frictionbench.commands.cli import app
 from frictionbench.commands.summary import folder_for
 from frictionbench.harness import process
 from frictionbench.harness.plans.choose import RunOptions, choose
@@ -34,9 +36,12 @@ def test_compilation_is_announced_at_once_or_when_it_begins(monkeypatch, tmp_pat
     assert "compiled at their first use" in CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
     (tmp_path / "kernel.nbi").touch()
     assert not CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
-    monkeypatch.setattr("time.sleep", lambda _: (tmp_path / "another.nbi").touch())
-    tell_of_kernels(tmp_path, known=1)
-    assert "compiled at their first use" in capsys.readouterr().err
+    assert cli._Command.ended.is_set(), "a command that has ended watches no longer"
+    monkeypatch.setattr("threading.Event.wait", lambda ended, _: (tmp_path / "another.nbi").touch() or ended.is_set())
+    for ended, told in ((Event(), True), (cli._Command.ended, False)):
+        (tmp_path / "another.nbi").unlink(missing_ok=True)
+        cli.tell_of_kernels(tmp_path, 1, ended)
+        assert ("compiled at their first use" in capsys.readouterr().err) == told
 
 
 @pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
