@@ -30,7 +30,7 @@ from frictionbench.solvers.plugins import defines_all
 
 COUNT = 100  # problems in a batch named on the command line
 LARGEST_FILE = 2**20  # bytes of a file with options
-FileName = Annotated[str, Field(pattern=r"^[^\x00]*$")]
+FileName = Annotated[str, Field(pattern=r"^[^\x00]+$")]
 
 
 @dataclass(frozen=True, config=ConfigDict(strict=True))

@@ -5,6 +5,7 @@ The command line gives the location of recorded problems: `--data DIR`, or `--da
 that number. Each is started cold, and warm from the answer of the previous step (harness.cells.collect).
 """
 
+import os
 import re
 from dataclasses import replace
 from itertools import groupby
@@ -130,7 +131,14 @@ def located(location: str) -> list[Source]:
 
 
 def _files(folder: Path) -> list[Path]:
-    return [path for path in folder.rglob("[!.]*") if path.suffix in FORMATS and path.is_file()]
+    """Return the files below a folder that may hold problems. Errors: OSError if a folder cannot be read."""
+
+    def refuse(error: OSError) -> None:
+        raise error
+
+    below = os.walk(folder, onerror=refuse) if folder.exists() else ()
+    paths = [Path(place, name) for place, _, names in below for name in names]
+    return [path for path in paths if path.suffix in FORMATS and not path.name.startswith(".") and path.is_file()]
 
 
 def natural(path: Path) -> tuple[str | int, ...]:

@@ -1,8 +1,12 @@
 """Options of a run in a file: the command line comes first, and a run is made like another from its manifest."""
 
+import os
+from typing import Any
+
 import pytest
 
 from frictionbench.harness.plans.choose import RunOptions, choose, read_options
+from frictionbench.harness.plans.recorded import located
 from frictionbench.harness.run import open_folder
 from frictionbench.problems import InputError
 
@@ -31,6 +35,7 @@ def test_a_run_is_made_like_another(tmp_path) -> None:
         ("suite = ", "Invalid value"),
         (r'out = "a\u0000b"', "out: cannot be 'a"),
         (r'data = ["a\u0000b"]', r"data: cannot be \['a"),
+        ('out = ""', "out: cannot be ''"),
         (f"suite = {'[' * 9999}", "maximum recursion depth"),
     ],
 )
@@ -38,3 +43,21 @@ def test_unusable_files_are_named(tmp_path, text, told) -> None:
     (tmp_path / "run.toml").write_text(text)
     with pytest.raises(InputError, match=f"^config: .*run.toml: {told}" if "code" not in told else f"^config: .*{told}$"):
         read_options(tmp_path / "run.toml")
+
+
+def test_a_folder_of_data_that_cannot_be_read_is_told(tmp_path, monkeypatch) -> None:
+    """Its problems must not be missing without a word."""
+    (tmp_path / "closed").mkdir()
+    (tmp_path / "a.npz").touch()
+    (tmp_path / ".hidden.npz").touch()
+    assert [source.parameters["file"] for source in located(str(tmp_path))] == ["a.npz"]
+    read = os.scandir
+
+    def refused(folder: str) -> Any:
+        if str(folder).endswith("closed"):
+            raise PermissionError(13, "Permission denied", str(folder))
+        return read(folder)
+
+    monkeypatch.setattr("os.scandir", refused)
+    with pytest.raises(PermissionError):
+        located(str(tmp_path))
