@@ -1,5 +1,6 @@
 """Links, files, subpackages, commands, options and constants named in the documents exist."""
 
+import csv
 import json
 import re
 from pathlib import Path
@@ -58,6 +59,23 @@ def test_leads_in_the_paper_are_those_of_published_runs() -> None:
     solved, version = re.findall(r"convex relaxation of (\d+) of the 126 problems of `standard` \((\w+)\)", text)[0]
     standard = next(run for run in runs if (run["suite"], run["version"][:7]) == ("standard", version))
     assert {row["own"] for row in standard["reliability"] if row["solver"].startswith("clarabel")} == {int(solved)}
+
+
+def test_certified_answers_are_those_of_the_table() -> None:
+    """docs/hard.md and the paper count what docs/certified.tsv lists."""
+    with (ROOT / "docs/certified.tsv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file, delimiter="\t"))
+    listed = [("all", row) for row in rows] + [(row["family"], row) for row in rows]
+    counts = {family: [0, 0] for family, _ in listed}
+    for family, row in listed:
+        counts[family][0] += 1
+        counts[family][1] += bool(row["radius"])
+    table = re.findall(r"^\| ([^|]+) \| (\d+) \| (\d+) \|[^|]*\|$", (ROOT / "docs/hard.md").read_text("utf-8"), re.MULTILINE)
+    assert {family: [int(problems), int(certified)] for family, problems, certified in table} == counts
+    paper = " ".join((ROOT / "docs/paper/paper.md").read_text(encoding="utf-8").split())
+    told = re.search(r"each of the (\d+) problems of the suite `hard` .*? For (\d+) of them the interval Newton", paper)
+    assert told
+    assert [int(told[1]), int(told[2])] == counts["all"]
 
 
 def test_readme_is_one_screen() -> None:
