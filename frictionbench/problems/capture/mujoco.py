@@ -28,6 +28,9 @@ from frictionbench.problems.recorded.native import EngineStep
 
 Mask = NDArray[np.bool_]
 TORSION, ROLLING = 3, 4  # the first rows of a contact for torsional friction and for rolling friction
+GAP_ROUNDING = (
+    8 * np.finfo(float).eps
+)  # times the distances and radii of which a gap is the difference: smaller gaps count as 0
 
 
 def mujoco(model: Any, data: Any) -> EngineStep:
@@ -149,6 +152,8 @@ def _contacts(mj: Any, model: Any, data: Any, J: Array, mask: Mask) -> tuple[Con
         impulses.append(h * f[None, :3])
         friction.append(mu)
     gap = (at.dist - at.includemargin)[touching]
+    sizes = (np.linalg.norm(data.geom_xpos[at.geom], axis=2) + model.geom_rbound[at.geom]).sum(axis=1)[touching]
+    gap[np.abs(gap) <= GAP_ROUNDING * sizes] = 0.0  # a body that moves only along a plane could not remove such an overlap
     return Contacts(np.vstack(rows), np.vstack(impulses), np.array(friction), gap, np.zeros(len(gap))), others
 
 

@@ -148,3 +148,14 @@ def test_steps_without_contacts_and_unusable_ones() -> None:
     model.opt.integrator = mj.mjtIntegrator.mjINT_RK4
     with pytest.raises(fb.InputError, match="integrator: has a step of several stages"):
         capture.mujoco(model, data)
+
+
+def test_a_gap_of_rounding_is_none() -> None:
+    """A ball that moves only along the floor could not leave it: an overlap of 3e-17 m would have no solution."""
+    ball = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/><geom size=".1"/>'
+    xml = f'<geom type="plane" size="1 1 1" pos="0 0 .7"/><body pos="0 0 {0.7 + 0.1}">{ball}</body>'
+    model, data = fallen(f"<mujoco><worldbody>{xml}</worldbody></mujoco>", 1)
+    assert -1e-16 < data.contact.dist[0] < 0
+    problem = capture.mujoco(model, data).problem
+    assert problem.bias.tolist() == [0]
+    assert fb.verify(problem, fb.solve(problem, "hybrid"), 1e-8).verdict is fb.Verdict.SOLVED
