@@ -39,7 +39,7 @@ def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
     """Read the facts, and for each cell the key and the values of COLUMNS. Errors: ResultsError naming the file and line."""
     lines = cleaned(read_text(path, LARGEST_BASELINE)).removesuffix("\n").split("\n")
     head = list(takewhile(lambda line: line.startswith("#"), lines))
-    facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(":") for line in head)}
+    facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(": ") for line in head)}
     table = [(i, line.split("\t")) for i, line in enumerate(lines[len(head) :], len(head) + 1) if line]
     version = facts.get("schema", "1")
     if "suite" in facts and version != str(SCHEMA_VERSION):

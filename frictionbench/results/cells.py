@@ -21,7 +21,7 @@ from frictionbench.problems.verdicts import RANK, Verdict, measured
 from frictionbench.results import baseline
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import RankBy, json_object, scene_title
-from frictionbench.results.files import ResultsError
+from frictionbench.results.files import ResultsError, printable
 from frictionbench.results.store import read_manifest, read_table
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
@@ -165,7 +165,8 @@ def _places(manifest: dict[str, Any]) -> dict[str, dict[str, str]]:
     which is the same on other machines."""
     places = {}
     for variant, source in sources(manifest["settings"]).items():
-        loaded, ends = manifest.get("loaded", {}).get(source, {}), dict[str, list[str]]()
+        named, ends = manifest.get("loaded", {}).get(source, {}), dict[str, list[str]]()
+        loaded = {printable(name).replace(";", ","): place for name, place in named.items()}  # as a baseline can state them
         for name in loaded:
             parts = Path(name).parts
             ends[name] = ["/".join(parts[k:]) for k in reversed(range(len(parts)))] if name.startswith("/") else [name]

@@ -99,3 +99,16 @@ def test_history_uses_common_cells(tmp_path):
     assert [(line[0], line[1]) for line in lines if "pivots" in line][:2] == [("a", str(second)), (str(first), "2026-01-02")]
     assert [line[line.index("pivots") + 1] for line in lines if "pivots" in line] == ["60,", "30,", "30,"]
     assert sum("wrong" in line for line in lines) == 1
+
+
+def test_names_with_the_separators_of_a_baseline(tmp_path):
+    """Else what a plug-in loaded would be unknown, and a version of --code that lacks it would not be refused."""
+    plugin = {"source": "a.py", "solvers": {"a": {}, "a[file=c:x]": {}}}
+    settings = SETTINGS | {"plugins": [plugin]}
+    loaded = {"a.py": "/x/a.py", "/x/t; 2.txt": "/x/t; 2.txt", "/x/t\n3: 4.txt": "/x/t 3: 4.txt"}
+    content = dict(zip(loaded.values(), ("1" * 64, "2" * 64, "3" * 64), strict=True))
+    made = run(tmp_path / "run", settings=settings, loaded={"a.py": loaded}, content=content)
+    accept(made, tmp_path / "made.tsv")
+    stored, now = (cells.read(path).loaded for path in (tmp_path / "made.tsv", made))
+    assert stored == now
+    assert now["a[file=c:x]"] == {"a.py": "1" * 12, "t, 2.txt": "2" * 12, "t 3: 4.txt": "3" * 12}
