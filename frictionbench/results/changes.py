@@ -122,7 +122,8 @@ Change = Flip | Growth | Time  # each has `name`, which identifies it among the 
 
 def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
     """Yield the cells whose verdict changed, the largest deteriorations first. Both tables have the same cells."""
-    decline = (after["verdict"].map(RANK) - before["verdict"].map(RANK)).sort_values(ascending=False, kind="stable")
+    ranks = [table["verdict"].map(RANK).astype(int) for table in (before, after)]  # an empty column of texts maps to texts
+    decline = (ranks[1] - ranks[0]).sort_values(ascending=False, kind="stable")
     for key in decline.index[decline != 0]:
         yield _flip(before.loc[key], after.loc[key])
 

@@ -186,30 +186,33 @@ def confirm(
     pairs: for each of the alternating runs, the cells of the baseline's code and of the current code. If the baseline's code is
     not available, `both` is false and its recorded cells are used. An alert remains if it occurs in more than MAJORITY of the
     pairs, or if its solver was not run again or is in `others` (other_loads). For a verdict other than a timeout, the share of
-    pairs in which it is worse, minus the share in which it is better, must exceed FLAKY instead. A verdict that becomes worse
-    as often is an alert even if the first two runs did not show it. Times are judged by their confidence intervals.
+    pairs in which it is worse, minus the share in which it is better, must exceed FLAKY instead, and so must that in which a
+    cell, a counter or times are gone. Such a change is an alert even if the first two runs did not show it. Times are judged by
+    their confidence intervals.
     """
     votes: Counter[tuple[str, str]] = Counter()
-    seen: dict[tuple[str, str], Flip] = {}
+    seen: dict[tuple[str, str], tuple[str, Change]] = {}
     record = read(comparison.baseline).table
     for ran, after in pairs:
         before = pd.concat([ran, record[~record.index.isin(ran.index)]])  # cells that the old code lacks
         differences, _ = _differences(before, after, both, limits, excused=not both)
-        votes.update({_name(change) for kind in differences.values() for change in kind if change.worse})
+        alerts = {_name(change): (kind, change) for kind, found in differences.items() for change in found if change.worse}
+        votes.update(alerts.keys())
         votes.subtract(_name(flip) for flip in differences["flips"] if not flip.worse)
-        seen |= {_name(flip): flip for flip in differences["flips"] if flip.worse}
+        seen |= alerts
     again = {variant for _, after in pairs for variant in after["variant"]}
     first: dict[str, Any] = {name: getattr(comparison, name) for name in ("flips", "gone", "added", "work")}
     others = others or {}
     repeated = again - others.keys()
-    alerts = [change for kind in first.values() for change in kind if change.worse and change.variant in repeated]
-    dismissed = {_name(change) for change in alerts if votes[_name(change)] <= _threshold(change) * len(pairs)}
+    known = {_name(change): change for kind in first.values() for change in kind}
+    alerted = {name: change for name, change in known.items() if change.worse and change.variant in repeated}
+    dismissed = {name for name, change in alerted.items() if votes[name] <= _threshold(change) * len(pairs)}
+    unseen = [found for name, found in seen.items() if both and name not in known and _is_loss(found[1])]
+    fresh = [found for found in unseen if votes[_name(found[1])] > _threshold(found[1]) * len(pairs)]
     remaining: dict[str, Any] = {
-        name: tuple(change for change in kind if _name(change) not in dismissed) for name, kind in first.items()
+        kind: (*(each for each in changes if _name(each) not in dismissed), *(new for of, new in fresh if of == kind))
+        for kind, changes in first.items()
     }
-    known = {_name(change) for kind in first.values() for change in kind}
-    fresh = [flip for name, flip in seen.items() if both and votes[name] > _threshold(flip) * len(pairs) and name not in known]
-    remaining["flips"] = (*remaining["flips"], *fresh)
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
     for variant, names in others.items():
@@ -217,7 +220,9 @@ def confirm(
     timed = {time.variant: time for time in (times(pairs, limits.slowdown) if both and limits.times else [])}
     return replace(
         comparison,
-        same=comparison.same + sum(_name(flip) in dismissed for flip in comparison.flips) - len(fresh),
+        same=comparison.same
+        + sum(_name(flip) in dismissed for flip in comparison.flips)
+        - sum(kind in ("flips", "gone") for kind, _ in fresh),
         **remaining,
         times=tuple(({time.variant: time for time in comparison.times} | timed).values()),
         untimed="" if timed else "no cell was timed in both versions" if both and limits.times else comparison.untimed,
@@ -227,7 +232,12 @@ def confirm(
 
 def _threshold(change: Change) -> float:
     """Return the share of repeats above which a change is confirmed."""
-    return FLAKY if isinstance(change, Flip) and change.after != Verdict.TIMEOUT else MAJORITY
+    return FLAKY if _is_loss(change) and change.after != Verdict.TIMEOUT else MAJORITY
+
+
+def _is_loss(change: Change) -> bool:
+    """Return whether a change is one of a verdict, or of a counter or times that are gone, and not of their size."""
+    return isinstance(change, Flip) or (isinstance(change, Growth) and change.after is None)
 
 
 def _name(change: Change) -> tuple[str, str]:

@@ -279,6 +279,25 @@ def test_a_solver_that_fails_at_times(runs, shown):
     assert confirm(seen, times[:2] + steady + steady[:1], both=True, limits=Limits()).exit_code == 0
 
 
+@pytest.mark.parametrize("lost", ["times", "cells", "counters"])
+def test_what_is_lost_in_the_repeats_alone(runs, lost):
+    """In three of eight, of which the others show a time twice as long in too few pairs for an interval."""
+    without = {
+        "times": solve_row("a", "p0", form_times=None, setup_times=None, solve_times=None),
+        "cells": unanswered_row("a", "p0", "skipped"),
+        "counters": solve_row("a", "p0", work="{}"),
+    }[lost]
+    seen, gone = runs(pivots([9]), pivots([9])), cells.read(runs(pivots([9]), [without]).current).table
+    before = cells.read(seen.baseline).table
+    slow = [(before, before.assign(seconds=2 * before["seconds"]))] * 5
+    found = confirm(seen, [(before, gone)] * 3 + slow, both=True, limits=Limits())
+    named = {"times": "timed cells", "cells": "a-p0-1e-08 solved → skipped", "counters": "pivots"}[lost]
+    assert (found.exit_code, found.counts["same"]) == (1, int(lost != "cells"))
+    assert named in told(found.worse)
+    assert confirm(seen, [(before, gone)] * 2 + [(before, before)] * 6, both=True, limits=Limits()).exit_code == 0
+    assert named in told(confirm(seen, [(before, gone)] * 3, both=True, limits=Limits()).worse)
+
+
 def test_a_timeout_in_most_repeats_is_an_alert(runs, tmp_path):
     """Though the time of the recorded run, near the limit, would excuse it on another machine."""
     fine = [solve_row("a", f"p{i}", form_times=[0.0], setup_times=[0.0], solve_times=[1.05], time_limit=2.0) for i in range(2)]
