@@ -45,7 +45,8 @@ def from_global(
     require(coupled <= MOST_COUPLED, "M", f"{coupled} coordinates are coupled; a dense inverse has at most {MOST_COUPLED}")
     free = _solve(M, f)
     normal = np.arange(len(w)) % d == 0
-    if abs(M - M.T).max() <= SYMMETRIC * abs(M).max() and not w[~normal].any():
+    off = abs(M - M.T)
+    if (not off.nnz or off.max() <= SYMMETRIC * abs(M).max()) and not w[~normal].any():
         J = sparse.csr_array(H.T)
         joints = None if G is None else sparse.csr_array(G.T)
         with in_letters(LETTERS):

@@ -118,6 +118,12 @@ def test_global_problem_reduced_to_W(tmp_path, problem) -> None:
         assert np.allclose(found.q, H.T @ inverse @ f + offset, atol=1e-10)
 
 
+def test_global_problem_without_bodies(tmp_path) -> None:
+    matrices = dict.fromkeys(("M", "H"), sparse.csr_array((0, 0)))
+    fclib_file(tmp_path / "p.hdf5", "fclib_global", matrices, dict.fromkeys(("f", "w", "mu"), np.zeros(0)), 3, 0)
+    assert read(tmp_path / "p.hdf5").summary == "0 contacts in space, 0 velocities"
+
+
 def test_contactbench_axis_order(tmp_path) -> None:
     order = np.array([1, 2, 0, 4, 5, 3, 7, 8, 6])
     G = SPATIAL.W.toarray()[np.ix_(order, order)]
