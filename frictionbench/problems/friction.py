@@ -227,8 +227,7 @@ class GivenDelassus(FrictionProblem):
         return self.q, scale, float(delassus.largest(self.q, self.dimension)), units, float(spread(units))
 
     def _units_at(self, q: Array, scale: Array) -> tuple[Array, Index64]:
-        units: tuple[Array, Index64] = delassus_units(*self.blocks, q, scale, self.friction_bias)
-        return units
+        return delassus_units(*self.blocks, q, scale, self.friction_bias)
 
     @cached_property
     def islands(self) -> Index64:
@@ -239,8 +238,7 @@ class GivenDelassus(FrictionProblem):
 
     @cached_property
     def parts(self) -> Index64:
-        labels: Index64 = delassus_parts(*self.blocks[:2])
-        return labels
+        return delassus_parts(*self.blocks[:2])
 
     def contact_velocity(self, impulse: Array) -> Array:
         return delassus.act(*self.blocks, self._by_contact(impulse), self.offset, False)

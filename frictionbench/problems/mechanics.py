@@ -224,8 +224,7 @@ class Mechanics(ReadOnly):
 
     def _units_at(self, q: Array, scale: Array) -> tuple[Array, Index64]:
         """The units (nc,) for free contact velocities q (nc*d,), and the islands (nc,) of contacts that share a unit."""
-        units: tuple[Array, Index64] = mechanical_units(*self._bodies, self._moves, self.bias, q, scale, self.friction_bias)
-        return units
+        return mechanical_units(*self._bodies, self._moves, self.bias, q, scale, self.friction_bias)
 
     @cached_property
     def _moves(self) -> Array:
@@ -277,8 +276,7 @@ class Mechanics(ReadOnly):
         """The part of each contact (nc,), numbered from 0. If the problem is mechanical, the parts of the velocities and of the
         joint equations follow, with -1 for those that are not connected to any contact."""
         J, M, F = self.contact_rows, self.mass_rows, self.joint_rows
-        parts: Index64 = mechanical_parts(J.start, J.column, M.start, M.column, F.start, F.column)
-        return parts
+        return mechanical_parts(J.start, J.column, M.start, M.column, F.start, F.column)
 
     def velocity(self, impulse: Array) -> Array:
         """v (nv,) after the contact impulses (nc, d) or (nc*d,), which satisfies the joint equations; computed without W."""

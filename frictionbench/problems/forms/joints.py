@@ -52,8 +52,7 @@ class FewJoints:
 
     def hold(self, velocity: Array, share: float = 1.0) -> Array:
         """The nearest velocity (nv,), in the kinetic metric, that satisfies the equations with share times the biases."""
-        nearest: Array = held.hold(*self.rows, share * self.bias, self.response, self.inverse, velocity)
-        return nearest
+        return held.hold(*self.rows, share * self.bias, self.response, self.inverse, velocity)
 
     def solution(self) -> Array:
         """A velocity that satisfies the equations, if there is one: the least-squares solution. Each velocity is scaled by the
@@ -69,8 +68,7 @@ class FewJoints:
 
     def rounding(self, velocity: Array) -> Array:
         """(nv,): the sum of the absolute values of the terms that `hold` adds to a velocity."""
-        size: Array = held.hold_rounding(*self.rows, self.bias, self.response, self.inverse, velocity, self.hold(velocity))
-        return size
+        return held.hold_rounding(*self.rows, self.bias, self.response, self.inverse, velocity, self.hold(velocity))
 
     def shares(self) -> tuple[Array, Array]:
         """The diagonal of J M^-1 F' X F M^-1 J' and the sums of the absolute values of its terms, each (nc*d,)."""
@@ -79,14 +77,12 @@ class FewJoints:
 
     def coupled(self) -> Array:
         """J M^-1 F' X F M^-1 J' (nc*d, nc*d), by which the joints reduce W."""
-        coupled: Array = self._coupling.T @ self.inverse @ self._coupling
-        return coupled
+        return self._coupling.T @ self.inverse @ self._coupling
 
     @cached_property
     def _coupling(self) -> Array:
         """F M^-1 J' (nj, nc*d)."""
-        coupling: Array = delassus.coupling(*self.contacts, self.response)
-        return coupling
+        return delassus.coupling(*self.contacts, self.response)
 
 
 @dataclass(eq=False)
@@ -155,12 +151,10 @@ class ManyJoints:
         """As in FewJoints; dense."""
         whitened = self.coupling.dense(len(self.bias))
         banded.whiten(self.factor, whitened)
-        coupled: Array = whitened @ whitened.T
-        return coupled
+        return whitened @ whitened.T
 
     def _hold(self, bias: Array, velocity: Array) -> Array:
-        held: Array = banded.hold(self.factor, *self.rows, *self.response, bias, velocity)
-        return held
+        return banded.hold(self.factor, *self.rows, *self.response, bias, velocity)
 
 
 JointEquations = FewJoints | ManyJoints
