@@ -5,14 +5,13 @@ import numpy as np
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
 
+ZERO = 1e-6  # relative to a contact's unit: smaller velocities, and impulses that change velocities by less, count as zero
 
-def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
-    """The mode of each planar contact in an answer (nc, 2): "o"pen, "s"ticking, sliding "l"eft or "r"ight.
 
-    An impulse up to tol unit/s and a velocity up to tol unit count as zero, with the contact's own s and unit.
-    """
+def mode(problem: FrictionProblem, impulse: Array) -> str:
+    """The mode of each planar contact in an answer (nc, 2): "o"pen, "s"ticking, sliding "l"eft or "r"ight."""
     require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
-    least = tol * problem.units
+    least = ZERO * problem.units
     opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= least
     slides = np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1) > least
     slip = np.where(slides, np.sign(problem.contact_velocity(impulse)[:, 1]), 0).astype(int)
@@ -23,7 +22,7 @@ def distance_to_next_mode(problem: FrictionProblem, impulse: Array) -> float:
     """The distance of a solution (nc, 2) from the nearest change of mode, as a velocity in the contact's unit; 0 on a tie.
 
     An open contact changes its mode when u_n reaches 0, a closed one when s r_n does, a sticking one when s |r_t| reaches its
-    limit, and a sliding one when u_t reaches 0. Infinity without contacts.
+    limit, and a sliding one when u_t reaches 0. Infinity if nothing moves, as without contacts.
     """
     require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
     if not problem.velocity_scale:

@@ -59,7 +59,7 @@ class Shape(Enum):
     NOT_CONVEX = "not convex"
 
 
-def simplicial(facets: Array, tie: float = 1e-12) -> Cone:
+def simplicial(facets: Array, tie: float) -> Cone:
     """The cone {x : facets x >= 0} of n independent facets."""
     generators = np.asarray(np.linalg.inv(facets).T, dtype=np.float64)
     return Cone(_unit(generators), ~np.eye(len(facets), dtype=bool), tie)

@@ -16,6 +16,7 @@ from frictionbench.problems.residual import residual
 
 NORM_ROUNDING = 8 * np.finfo(float).eps  # the rounding error of a norm and of a product, with a margin
 ROUND_OFF = 1e-13  # relative to a contact's unit: impulses that change the contact's velocity by less are neglected
+CHANGE, DRAWS = 1e-7, 3  # of q in the contacts' units, a hundred times the residuals of answers; random changes that are tried
 
 
 def backward_error(problem: FrictionProblem, impulse: Array) -> float:
@@ -57,30 +58,28 @@ def _least_change(problem: FrictionProblem, impulse: Array, scale: Array) -> flo
     return float(np.max(np.minimum(sliding, sticking)))
 
 
-def sensitivity(
-    problem: FrictionProblem, solve: Callable[[FrictionProblem], Array], change: float = 1e-7, draws: int = 3, seed: int = 0
-) -> float:
+def sensitivity(problem: FrictionProblem, solve: Callable[[FrictionProblem], Array]) -> float:
     """The largest |du| / |dq| over random relative changes of q, with velocities in the contacts' units; infinity if a
     perturbed problem is not solved.
 
-    solve returns the impulses (nc, d) of a problem; their residuals must be at most change / 100. If a problem has several
+    solve returns the impulses (nc, d) of a problem; their residuals must be at most CHANGE / 100. If a problem has several
     isolated solutions, a jump between them counts as ill-posedness.
     """
     nc, d = problem.contacts, problem.dimension
     if not nc:
         return 0.0
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     scale = problem.units[:, None]
     if not scale.all():
         return 0.0
     before = solve(problem)
     worst = 0.0
-    for _ in range(draws):
-        share = change * random.uniform(-1, 1, (nc, d))
+    for _ in range(DRAWS):
+        share = CHANGE * random.uniform(-1, 1, (nc, d))
         q = problem.q + (share * scale).ravel()
         moved = FrictionProblem.from_delassus(problem.W, q, problem.friction, d, problem.friction_bias)
         after = solve(moved)
-        if max(residual(problem, before), residual(moved, after)) > change / 100:
+        if max(residual(problem, before), residual(moved, after)) > CHANGE / 100:
             return np.inf
         du = moved.contact_velocity(after) - problem.contact_velocity(before)
         worst = max(worst, float(np.max(np.abs(du) / scale) / np.max(np.abs(share))))

@@ -92,9 +92,10 @@ def slots(seed: int = 0, points: int = 5, tilt: float = 0.01, excess: float = 1e
 def unlike_islands(
     seed: int = 0, islands: int = 4, contacts: int = 5, velocity_ratio: float = 1e4, friction: float = 0.5
 ) -> FrictionProblem:
-    """Several random planar problems (random) side by side, five contacts each, with velocities of different magnitudes.
+    """Several random planar problems (random) side by side, with velocities of different magnitudes.
 
-    velocity_ratio: the free velocities and gaps of the first island divided by those of the last, geometric in between.
+    contacts: of each. velocity_ratio: the free velocities and gaps of the first island divided by those of the last, geometric
+    in between.
     """
     n, nc = count("islands", islands), count("contacts", contacts)
     mu = number("friction", friction, least=0)

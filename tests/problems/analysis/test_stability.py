@@ -56,8 +56,8 @@ def test_sensitivity_of_well_and_ill_posed_instances() -> None:
 def test_sensitivity_of_a_slow_part_beside_a_fast_one() -> None:
     """As above, where q is changed by 1e-7 of each part's own velocity."""
     ill, well = np.array([[1.6, -1.2], [-1.2, 3.4]]), np.eye(2)
-    W = np.block([[ill, np.zeros((2, 2))], [np.zeros((2, 2)), well]])
-    whole = FrictionProblem.from_delassus(W, [0.5, -1.0, -1e9, 1e9], [1.5, 0.5], 2)
-    near = FrictionProblem.from_delassus(W, [1e-9, -1.0, -1e9, 1e9], [1.5, 0.5], 2)
+    W = np.block([[well, np.zeros((2, 2))], [np.zeros((2, 2)), ill]])
+    whole = FrictionProblem.from_delassus(W, [-1e9, 1e9, 0.5, -1.0], [0.5, 1.5], 2)
+    near = FrictionProblem.from_delassus(W, [-1e9, 1e9, 1e-9, -1.0], [0.5, 1.5], 2)
     assert sensitivity(whole, lemke) < 1e2
-    assert sensitivity(near, lemke, seed=1) > 1e4
+    assert sensitivity(near, lemke) > 1e4
