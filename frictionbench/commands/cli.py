@@ -4,7 +4,6 @@
 Large imports are inside the commands that need them, so that --help is fast.
 """
 
-import json
 import os
 import re
 import shlex
@@ -24,7 +23,7 @@ from typer.core import TyperArgument, TyperCommand
 from frictionbench.commands import options
 from frictionbench.harness.streams import Unwritable, standard_streams
 from frictionbench.results.conventions import DEFAULT_SCHEME, RankBy
-from frictionbench.results.files import printable
+from frictionbench.results.files import json_text, printable
 
 app = typer.Typer(
     help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",
@@ -88,7 +87,7 @@ def list_(what: options.Listing, as_json: options.AsJson = False) -> None:
     from frictionbench.commands.listing import listed, show
 
     if as_json:
-        typer.echo(json.dumps(listed(what), indent=1))
+        typer.echo(json_text(listed(what)))
     else:
         show(what)
 
@@ -308,7 +307,7 @@ def judge(
     with _resumable(written):
         run_plan(plan, written, workers, progress)
     page = write_judgement(written)
-    typer.echo(json.dumps(as_data(written), indent=1) if as_json else f"{summary(written)}\nreport: {page}")
+    typer.echo(json_text(as_data(written)) if as_json else f"{summary(written)}\nreport: {page}")
 
 
 @_command()

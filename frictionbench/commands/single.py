@@ -25,7 +25,7 @@ from frictionbench.reports.drawing.text import number, seconds
 from frictionbench.results import store
 from frictionbench.results.cells import counts
 from frictionbench.results.conventions import RankBy, count, ending, scene_title
-from frictionbench.results.files import printable
+from frictionbench.results.files import json_text, printable
 from frictionbench.results.schema import PROBLEM_FACTS, TABLES
 from frictionbench.results.store import Row
 from frictionbench.solvers import available, find
@@ -81,7 +81,7 @@ def solve_one(
     if as_json:
         data = {"problem": problem, **{name: facts[name] for name in ("summary", "contradiction")}, "tol": tol}
         data |= {"rank_by": rank_by, "solvers": [_data(row) for row in applicable], "advice": advice(rows, rank_by)}
-        print(json.dumps(data, indent=1))
+        print(json_text(data))
         return
     title = f"tolerance {number(tol)}, ranked {rank_by.words} ({rank_by.parts})"
     if record["dimension"] != SPATIAL:  # in space the exact problem is not an LCP

@@ -87,6 +87,13 @@ def read_parsed(path: Path, kind: type[T], missing: T | None = None) -> T:
     return missing if missing is not None and not path.exists() else parsed(read_json(path), kind, path)
 
 
+def json_text(value: Any) -> str:
+    """Return the value as valid JSON: numbers that are infinite or NaN become null."""
+    from pydantic_core import to_jsonable_python
+
+    return json.dumps(to_jsonable_python(value, inf_nan_mode="null", fallback=lambda other: other.item()), indent=1)
+
+
 def cleaned(value: Any) -> Any:
     """Replace characters that control a terminal, the writing direction or lines, except tabs and line ends, by question marks
     in a text or in all texts of a JSON value. Spaces of all kinds are kept, since paths contain them."""

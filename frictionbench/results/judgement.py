@@ -165,10 +165,10 @@ class Judged:
         (most, apart, fastest), (speed, free, middle) = creeping[-1], creeping[len(creeping) // 2]
         highest, usual = (f"{float(f'{1e3 * each:.2g}'):g} mm/s" for each in (most, speed))
         text = f"Contacts that should stick creep at up to {highest} ({fastest.file}), "
-        text += f"{rough_percent(most / apart)} of the velocity that they would have without impulses"
+        text += f"{rough_percent(most / apart if apart else math.inf)} of the velocity that they would have without impulses"
         text += f"; in the median of {len(creeping)} steps at {usual}. " if creeping[1:] else ". "
         soft = middle.notes.get("softness of contacts", 0.0)
-        if soft > SOFT * speed / free:
+        if soft * free > SOFT * speed:
             return text + f"The softness of the engine's contacts takes {rough_percent(soft)} of the impulse. {HARDER}"
         return text + TIGHTER
 

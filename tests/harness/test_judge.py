@@ -68,6 +68,7 @@ def test_judgements(folder) -> None:
     assert {name: one.known("creep") for name, one in found.items()} == creep
     for soft, cause in ((0.01, "make contacts harder"), (0.001, "tighten its tolerance")):  # creep: 2 %
         assert cause in Judged([creeping._replace(notes={"softness of contacts": soft})], pd.DataFrame()).creep
+    assert "inf %" in Judged([creeping._replace(free_velocity=0.0)], pd.DataFrame()).creep  # in a file of others
     impact, rest = (creeping._replace(creep=speed, notes={"softness of contacts": 0.01}) for speed in (0.05, 0.001))
     told = "median of 3 steps at 1 mm/s. The softness of the engine's contacts takes 1 % of the impulse. It is the likely cause"
     assert told in Judged([impact, rest, rest], pd.DataFrame()).creep

@@ -12,23 +12,20 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
-from pydantic_core import to_json
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.comparison.markdown import format_verdicts, markdown, rerun_command
 from frictionbench.results.cells import read
 from frictionbench.results.changes import GONE, Change, Flip
 from frictionbench.results.compare import Comparison
-from frictionbench.results.files import printable, replaced, write_text
+from frictionbench.results.files import json_text, printable, replaced, write_text
 
 
 def write_files(comparison: Comparison, folder: Path) -> None:
     """Write the files. Errors: OSError, ResultsError naming the file."""
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "comparison.md", markdown(comparison))
-    write_text(
-        folder / "comparison.json", to_json(data(comparison), indent=1, inf_nan_mode="null", fallback=_plain).decode() + "\n"
-    )
+    write_text(folder / "comparison.json", json_text(data(comparison)) + "\n")
     cells = pd.DataFrame() if comparison.unusable else read(comparison.current).table
     with replaced(folder / "junit.xml") as partial:
         ElementTree.ElementTree(junit(comparison, cells)).write(partial, encoding="utf-8", xml_declaration=True)
@@ -84,7 +81,3 @@ def message(change: Change) -> str:
         return f"{format_verdicts(change)}, residual {residuals} {change.reason}".strip()
     before, after = ("none" if side is None else f"{side:.6g}" for side in (change.before, change.after))
     return f"{change.name}: {before} → {after}" + (f", ×{change.ratio:.2f}" if np.isfinite(change.ratio) else "")
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else str(value)
