@@ -463,7 +463,7 @@ def _jobs(jobs: int | None) -> int:
 
 def tell_of_kernels(cache: Path, known: int = 0, ended: Event | None = None) -> None:
     """Say, with --quiet as well, that kernels are compiled: at once, or when the cache has grown before the command ended."""
-    while ended and len(list(cache.rglob("*.nbi"))) <= known:
+    while ended and (len(list(cache.rglob("*.nbi"))) <= known or ended.is_set()):
         if ended.wait(5.0):
             return
     told = "kernels are compiled at their first use, once: a minute for a few solvers, some minutes for all of them"

@@ -46,7 +46,7 @@ def test_compilation_is_announced_at_once_or_when_it_begins(monkeypatch, tmp_pat
 
 @pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
 def test_lists_are_json_too(what) -> None:
-    listed = json.loads(CliRunner().invoke(app, ["list", what, "--json"]).output)
+    listed = json.loads(CliRunner().invoke(app, ["list", what, "--json"]).stdout)
     assert {"scenes": "cubes", "solvers": "lemke", "suites": "smoke"}[what] in listed
     assert all(facts["summary"].endswith((".", ")")) for facts in listed.values())
     named = {"scenes": "arch  (planar)", "solvers": "lemke  (family pivoting; model lcp; ", "suites": "smoke  (takes "}[what]
