@@ -16,7 +16,7 @@ from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import new_shard
 from tests.helpers.command_line import frictionbench
-from tests.helpers.runs import quiet, small_plan, verdicts
+from tests.helpers.runs import quiet, run_of, small_plan, verdicts
 
 
 def test_run_writes_every_row_once_and_resumes(tmp_path, capsys) -> None:
@@ -41,9 +41,7 @@ def test_run_writes_every_row_once_and_resumes(tmp_path, capsys) -> None:
 def test_dense_matrices_beyond_the_memory_are_told_before_they_are_made(tmp_path) -> None:
     """A solver whose matrices cannot fit is skipped with their size; it does not crash."""
     dense, piles = ("lemke", "murty", "fischer_newton"), (Source("stack", {"blocks": 700, "push": 1.0}),)
-    plan = small_plan(sources=piles, solvers=(*dense, "interior_point"), tolerances=(1e-4,), simulations=(), memory_limit=2**28)
-    run(plan, tmp_path, 1, quiet())
-    rows = store.read_table(tmp_path, "solves").set_index("variant")
+    rows = run_of(tmp_path, *dense, "interior_point", sources=piles, memory_limit=2**28).set_index("variant")
     assert rows.loc[[*dense], "verdict"].tolist() == ["skipped"] * 3
     assert rows["reason"]["lemke"].startswith("its dense matrices need 0.5 GiB, and the memory is limited to 0.2")
     assert rows["verdict"]["interior_point"] == "solved"
@@ -89,17 +87,11 @@ def test_a_reply_without_a_verdict_is_a_crashed_row(verdict) -> None:
 
 
 def test_replayed_starts(tmp_path) -> None:
-    plan = small_plan(
-        sources=(Source("stopping_block", {}, pick=3, steps=6),),
-        starts=("cold", "warm", "shuffled"),
-        simulations=(),
-        tolerances=(1e-8,),
-    )
-    run(plan, tmp_path / "run", 1, quiet())
-    rows = store.read_table(tmp_path / "run", "solves")
-    of = rows[rows["solver"] == "nsgs"].groupby("start")["verdict"].agg(list).to_dict()
+    sources = (Source("stopping_block", {}, pick=3, steps=6),)
+    rows = run_of(tmp_path, "nsgs", sources=sources, starts=("cold", "warm", "shuffled"), tolerances=(1e-8,))
+    of = rows.groupby("start")["verdict"].agg(list).to_dict()
     assert of == {"cold": ["solved"] * 3, "warm": ["solved"] * 2, "shuffled": ["solved"] * 3}
-    sweeps = {start: rows.loc[(rows["solver"] == "nsgs") & (rows["start"] == start), "work"].map(json.loads) for start in of}
+    sweeps = {start: rows.loc[rows["start"] == start, "work"].map(json.loads) for start in of}
     # A block that slides on has the same impulse at every step: the warm start is the answer.
     assert max(work["sweeps"] for work in sweeps["warm"]) < max(work["sweeps"] for work in sweeps["cold"])
 

@@ -7,12 +7,10 @@ from frictionbench.harness.cells import reference
 from frictionbench.harness.cells.collect import collect, files_of, stored_start
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.plans.plan import Source, origin
-from frictionbench.harness.run import run
 from frictionbench.problems import InputError
-from frictionbench.results import store
 from frictionbench.solvers import Answer, Status
 from tests.helpers.friction_problems import block, spatial
-from tests.helpers.runs import quiet, small_plan
+from tests.helpers.runs import run_of
 
 MOTION = Source("stopping_block", {}, pick=3, steps=6)
 
@@ -61,9 +59,7 @@ def test_motion_ends_without_reference(tmp_path, false_claims):
 
 def test_failed_source_gives_skipped_rows(tmp_path):
     nothing = Source("stopping_block", {}, pick=3, steps=0)
-    plan = small_plan(sources=(nothing, Source("stack", {"blocks": 2, "push": 1.0})), simulations=(), tolerances=(1e-8,))
-    run(plan, tmp_path / "run", 1, quiet())
-    rows = store.read_table(tmp_path / "run", "solves")
+    rows = run_of(tmp_path, "lemke", "nsgs", sources=(nothing, Source("stack", {"blocks": 2, "push": 1.0})))
     empty, full = rows[rows["problem"] == ""], rows[rows["problem"] != ""]
     assert (len(empty), len(full)) == (2, 2)
     assert set(empty["verdict"]) == {"skipped"}
@@ -73,15 +69,10 @@ def test_failed_source_gives_skipped_rows(tmp_path):
 
 
 def test_equal_problems_of_two_sources(tmp_path):
-    plan = small_plan(
-        sources=(Source("stack", {"blocks": 2}), Source("stack", {"blocks": 2, "push": 1.0})),
-        simulations=(),
-        tolerances=(1e-8,),
-    )
-    run(plan, tmp_path / "run", 1, quiet())
-    rows = store.read_table(tmp_path / "run", "solves")
+    sources = (Source("stack", {"blocks": 2}), Source("stack", {"blocks": 2, "push": 1.0}))
+    rows = run_of(tmp_path, "lemke", "nsgs", sources=sources)
     assert rows["problem"].nunique() == 1
-    assert len(rows) == 2 * len(plan.solvers)
+    assert len(rows) == 2 * 2
     first = collect(tmp_path / "starts", MOTION)[-1]
     path = next((tmp_path / "starts" / "problems").glob(f"{first['problem']}.*.starts.npz"))
     assert stored_start(tmp_path / "starts", first["problem"], origin(first), "warm") is not None
