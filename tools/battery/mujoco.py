@@ -53,9 +53,9 @@ class MuJoCo:
 def _bouncing(e: float) -> str:
     """Return the solref for restitution e: the default time constant of 20 ms and the damping ratio with which a spring and
     damper rebound at e times the speed, or no damping for e = 1, as soft as contacts over several steps need. A spring that
-    does not pull rebounds at some speed for any damping: at 0.24 % with a ratio of 10, which is used for e = 0."""
+    does not pull rebounds at some speed for any damping: at 0.03 % with a ratio of 30, which is used for e = 0."""
     if e in (0, 1):
-        return 'solref="-5000 0"' if e else 'solref="0.02 10"'
+        return 'solref="-5000 0"' if e else 'solref="0.02 30"'
     return f'solref="0.02 {brentq(lambda ratio: _rebound(ratio) - e, 1e-9, 0.7)}"'
 
 
