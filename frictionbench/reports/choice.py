@@ -29,7 +29,7 @@ CHARGES = (1, 2, 10)  # time limits charged for a problem not solved: PAR1, PAR2
 LISTED = 8  # solvers listed for a kind of problem
 GLOSS = {
     "too few to rank": f"the weights leave {TOO_FEW} problems or fewer, of which resampling gives no meaningful interval",
-    "no clear winner": "the 95 % interval of the lead includes 1: other scenes, problems or repeats could reverse the order",
+    "no clear winner": "the 95 % interval of the lead includes 1.00: other scenes, problems or repeats could reverse the order",
 }
 
 
@@ -74,7 +74,7 @@ class Choice(NamedTuple):
         """Why no winner is named, as a key of GLOSS, or an empty text."""
         if self.interval is None:
             return "too few to rank"
-        return "no clear winner" if self.lead is not None and self.interval[0] <= 1 else ""
+        return "no clear winner" if self.lead is not None and round(self.interval[0], 2) <= 1 else ""
 
     @property
     def lead(self) -> float | None:

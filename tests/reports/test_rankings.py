@@ -112,6 +112,8 @@ def test_a_winner_has_an_interval_without_one():
     for one in (clear, doubtful):
         assert one.interval[0] < one.lead < one.interval[1]
     assert (clear.order[0], clear.unclear, doubtful.unclear) == ("a", "", "no clear winner")
+    near, above = (clear._replace(interval=(end, 2.0)).unclear for end in (1.004, 1.006))  # printed as 1.00 and 1.01
+    assert (near, above) == ("no clear winner", "")
 
 
 def test_problems_of_one_scene_do_not_make_a_lead_certain():
