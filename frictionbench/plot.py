@@ -48,7 +48,24 @@ def _chart(name: str, shown: str) -> Draw:
     """Return the function that draws the chart of this name. shown: the beginning of its docstring."""
 
     def draw(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
-        return _draw(name, results, ax, panel)
+        run = _run(results)
+        panels = {each.title: each for each in _panels(name, run)}
+        if not panels:
+            raise ValueError(f"{name}: this run has nothing to draw")
+        try:
+            chosen = panels[panel] if isinstance(panel, str) else list(panels.values())[panel]
+        except (LookupError, TypeError):
+            raise ValueError(f"panel: {name} has no panel {panel!r}; it has {', '.join(panels)}") from None
+        if ax is None:
+            from matplotlib import pyplot
+
+            ax = pyplot.gca()
+        widths = {setting: RC[setting] for setting in ("lines.linewidth", "lines.markersize")}
+        with mpl.rc_context({"text.parse_math": False} | widths):
+            chosen.draw(ax)
+            ax.set_title(plain(chosen.title))
+            _legend(ax, run, chosen)
+        return ax
 
     draw.__name__ = draw.__qualname__ = name
     draw.__doc__ = f"""{shown}
@@ -121,26 +138,6 @@ def _panels(chart: str, run: Run) -> list[Panel]:
     if panels is None or chart not in __all__:
         raise ValueError(f"chart: there is no chart {chart!r}")
     return [panel for panel in panels(run) if isinstance(panel, Panel)]
-
-
-def _draw(chart: str, results: Results | str | Path, ax: Axes | None, which: str | int) -> Axes:
-    run = _run(results)
-    panels = {panel.title: panel for panel in _panels(chart, run)}
-    if not panels:
-        raise ValueError(f"{chart}: this run has nothing to draw")
-    try:
-        panel = panels[which] if isinstance(which, str) else list(panels.values())[which]
-    except (LookupError, TypeError):
-        raise ValueError(f"panel: {chart} has no panel {which!r}; it has {', '.join(panels)}") from None
-    if ax is None:
-        from matplotlib import pyplot
-
-        ax = pyplot.gca()
-    with mpl.rc_context({"text.parse_math": False} | {name: RC[name] for name in ("lines.linewidth", "lines.markersize")}):
-        panel.draw(ax)
-        ax.set_title(plain(panel.title))
-        _legend(ax, run, panel)
-    return ax
 
 
 def _legend(ax: Axes, run: Run, panel: Panel) -> None:
