@@ -15,10 +15,9 @@ class Text(NamedTuple):
     body: str
 
 
-def reduced(name: str, runs: Mapping[str, pd.DataFrame] | None = None, **arguments: Mapping[str, Any]) -> Tables:
+def reduced(name: str, **arguments: Mapping[str, Any]) -> Tables:
     """The tables of a study, computed with these arguments by table."""
-    computed = {rows.__name__: pd.DataFrame(rows(**arguments.get(rows.__name__, {}))) for rows in running.study(name).rows}
-    return {**computed, **(runs or {})}
+    return {rows.__name__: pd.DataFrame(rows(**arguments.get(rows.__name__, {}))) for rows in running.study(name).rows}
 
 
 def text(name: str, tables: Tables) -> Text:

@@ -1,21 +1,19 @@
-"""Each study at reduced size: what its tables must show, and its text and figures from them; times are those of made rows."""
+"""Each study at reduced size: what its tables must show, and its text and figures from them."""
 
-import json
 import re
 from importlib.util import find_spec
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from studies.cone import SPACE
 from studies.outcomes import answers, digits
 from studies.study import order
-from studies.warm import COUNTS
 from tests.helpers.studies import reduced, text
 
+pytestmark = pytest.mark.slow  # claims on computed tables, which take seconds
 
-@pytest.mark.slow  # its claims on computed tables
+
 def test_springs_tend_to_the_rigid_motion_and_decide_between_two() -> None:
     found = reduced(
         "compliance",
@@ -31,7 +29,6 @@ def test_springs_tend_to_the_rigid_motion_and_decide_between_two() -> None:
     assert text("compliance", found).answer.startswith("Where the rigid motion is unique")
 
 
-@pytest.mark.slow  # its claims on computed tables
 def test_polygons_bend_the_path_and_approach_the_cone() -> None:
     found = reduced(
         "cone",
@@ -47,7 +44,6 @@ def test_polygons_bend_the_path_and_approach_the_cone() -> None:
     assert text("cone", found).answer.startswith("The cone")
 
 
-@pytest.mark.slow  # its claims on computed tables
 def test_the_jam_is_a_bent_line_and_the_block_is_unique_where_it_is_p0() -> None:
     found = reduced(
         "convexity",
@@ -65,7 +61,6 @@ def test_the_jam_is_a_bent_line_and_the_block_is_unique_where_it_is_p0() -> None
     assert list(dict.fromkeys(re.findall(r"convexity_(\w+)\.svg", account.body))) == ["jam", "block"]
 
 
-@pytest.mark.slow  # its claims on computed tables
 def test_hinges_drift_and_angles_do_not() -> None:
     found = reduced(
         "coordinates",
@@ -81,7 +76,6 @@ def test_hinges_drift_and_angles_do_not() -> None:
     assert text("coordinates", found).answer.startswith("In the same configuration W is the same")
 
 
-@pytest.mark.slow  # its claims on computed tables
 def test_events_are_exact_and_steps_are_of_first_order() -> None:
     found = reduced(
         "events",
@@ -99,7 +93,6 @@ def test_events_are_exact_and_steps_are_of_first_order() -> None:
     assert text("events", found).answer.startswith("Event-driven where accuracy is asked for")
 
 
-@pytest.mark.slow  # its claims on computed tables
 def test_the_rods_impulse_tends_to_the_limit() -> None:
     arguments = {"scenes": ("rod",), "solvers": ("lemke", "interior_point"), "steps": (0.02, 0.01, 0.005)}
     rows = reduced("inclusion", refinement=arguments)
@@ -110,7 +103,6 @@ def test_the_rods_impulse_tends_to_the_limit() -> None:
     assert "each solver's settles, to 5 % in the last halving, in 2 of 2 cases" in text("inclusion", rows).answer
 
 
-@pytest.mark.slow  # its claims on computed tables
 def test_the_predictor_corrector_solves_most_problems() -> None:
     found = reduced(
         "interior",
@@ -126,41 +118,6 @@ def test_the_predictor_corrector_solves_most_problems() -> None:
     assert text("interior", found).answer.startswith("In the plane, mostly")
 
 
-def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None:
-    found = reduced(
-        "neighbours",
-        ensembles={
-            "cases": ("rod at p < 0", "rod leaving at p < 0", "jam"),
-            "schemes": ("anitescu_potra",),
-            "solvers": ("lemke", "interior_point"),
-            "sizes": (1e-8,),
-        },
-        landings={"schemes": ("anitescu_potra", "event_driven"), "spins": (1e-6, 1e-4)},
-    )
-    ends = found["ensembles"].set_index(["case", "solver"])["apart"]
-    assert ends["rod at p < 0", "lemke"] < 1e-7
-    assert ends["rod leaving at p < 0", "lemke"] > 1e-3
-    assert ends["rod leaving at p < 0", "interior_point"] > 1e-3
-    landings = found["landings"].set_index(["scheme", "spin"])
-    assert landings.loc[("event_driven", 1e-6), "after"] == pytest.approx(landings["closed"].iloc[0], rel=0.01)
-    assert landings.loc[("anitescu_potra", 1e-6), "after"] < 1e-5
-    account = text("neighbours", found)
-    assert "yes: nearby trajectories end more than 20 times as far apart as they began, in " in account.answer
-
-
-def test_a_higher_order_is_kept_in_smooth_sliding_and_gaps_drift_less() -> None:
-    schemes = ("anitescu_potra", "stewart_trinkle", "trapezoid")
-    found = reduced("orders", errors={"schemes": schemes, "fractions": (3, 5, 10), "kinds": ("smooth sliding",)})
-    own = dict(tuple(found["errors"].groupby("scheme")))
-    assert abs(order(own["anitescu_potra"]["step"], own["anitescu_potra"]["error"]).value - 1) < 0.3
-    drift = {name: order(rows["step"], rows["drift"]).value for name, rows in own.items()}
-    assert 0.7 < drift["anitescu_potra"] < 1.4
-    assert drift["stewart_trinkle"] > 1.7
-    assert order(own["trapezoid"]["step"], own["trapezoid"]["error"]).value > 1.9
-    assert "keeps its second order in smooth sliding" in text("orders", found).answer
-
-
-@pytest.mark.slow  # its claims on computed tables
 def test_the_relaxation_errs_by_the_closed_forms() -> None:
     found = reduced("relaxation", errors={"frictions": (0.1, 0.4, 0.8), "steps": (1e-3,)}, gaps={"steps": (0.02, 0.01, 0.005)})
     gaps = found["gaps"]
@@ -174,30 +131,6 @@ def test_the_relaxation_errs_by_the_closed_forms() -> None:
     assert text("relaxation", found).answer.startswith("By the relaxation of Anitescu, not in general")
 
 
-def rows(variant: str, warm: int, shuffled: int) -> list[dict[str, object]]:
-    """Two motions of three problems; the first problem of each has no step before it."""
-    return [
-        {"variant": variant, "scene": scene, "problem": f"{scene}{k}", "step": k, "phase": "step", "start": start}
-        | {"verdict": "solved", "work": json.dumps({COUNTS[variant]: count})}
-        for scene in ("a", "b")
-        for k in range(3)
-        for start, count in (("cold", 1000 if k == 0 else 20), ("warm", warm), ("shuffled", shuffled))
-        if k or start != "warm"
-    ]
-
-
-def test_only_problems_with_all_three_starts_are_compared() -> None:
-    made = pd.DataFrame(rows("lemke", 5, 10) + rows("nsgs", 20, 30))
-    account = text("warm", {"solves": made})
-    assert account.answer.startswith("From the step before, methods take a median of 0.25 (lemke) to 1.00 (nsgs) of their work")
-    assert "for 1 of 2 the interval of the ratio of sums is below 1" in account.answer
-    assert "Of 4 problems with all three starts" in account.body
-    made.loc[(made["variant"] == "nsgs") & (made["step"] == 2) & (made["start"] == "warm"), "verdict"] = "unsolved"
-    account = text("warm", {"solves": made})
-    assert "From the step before fewer problems are solved by nsgs." in account.body
-
-
-@pytest.mark.slow  # its claims on computed tables
 def test_a_pile_of_discs_has_several_motions_and_digits_of_residual_are_digits_of_velocity() -> None:
     pile = (("disc_pile", {"rows": 5, "push": 0.1}),)
     found = reduced(
@@ -210,7 +143,6 @@ def test_a_pile_of_discs_has_several_motions_and_digits_of_residual_are_digits_o
     assert "1 have several" in text("outcomes", found).answer
 
 
-@pytest.mark.slow  # four methods are compiled; that a busy machine would find fewer answers
 def test_no_solve_is_ended_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("frictionbench.solvers.interface.TimeLimit", None)  # called where a solve has a time limit
     pyramid = (("pyramid", {"rows": 3, "push": 1.0}),)
@@ -218,7 +150,6 @@ def test_no_solve_is_ended_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None
     assert {row["tol"] for row in digits(pyramid, (0.8,), (1e-4,))} == {1e-4}
 
 
-@pytest.mark.slow  # its claims on computed tables
 def test_the_error_of_a_path_follows_the_tolerance() -> None:
     for package in ("mujoco", "dm_control", "gymnasium_robotics"):
         if find_spec(package) is None:
@@ -235,7 +166,6 @@ def test_the_error_of_a_path_follows_the_tolerance() -> None:
     assert text("exactness", found).answer.startswith("On 1 models the error")
 
 
-@pytest.mark.slow  # its claims on computed tables
 def test_substeps_help_while_each_converges() -> None:
     found = reduced("substeps", errors={"scenes": ("pyramid",), "budgets": (16, 64), "substeps": (1, 4, 16)})
     errors = found["errors"].set_index(["budget", "substeps"])["error"]
@@ -245,7 +175,6 @@ def test_substeps_help_while_each_converges() -> None:
     assert text("substeps", found).answer.startswith("Substeps: in 2 of 2 cases")
 
 
-@pytest.mark.slow  # its claims on computed tables
 def test_single_precision_reaches_what_is_coarse() -> None:
     cases = {"cases": ("ant-harsh-159", "cheetah-smooth-119")}
     found = reduced("precision", rounded=cases, reached=cases | {"limits": (50, 500)})

@@ -1,0 +1,96 @@
+"""Studies of made rows, and those at reduced size that take no seconds."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from studies.rankings import summary
+from studies.study import order
+from studies.warm import COUNTS
+from tests.helpers.studies import reduced, text
+
+SPEEDS = {"nsgs": 1.0, "proximal_newton": 3.0, "siconos[method=friction_3d_nsn_ac]": 9.0, "interior_point": 2.0}
+
+
+def runs() -> pd.DataFrame:
+    """Three problems that need friction, the last without full rank, and one that needs none; nsgs fails at 1e-8."""
+    rows = []
+    for problem, redundancy, idle in (("a", 0, False), ("b", 0, False), ("c", 3, False), ("d", 3, True)):
+        for tol in (1e-4, 1e-8):
+            common = {"problem": problem, "tol": tol, "dimension": 3, "redundancy": redundancy, "trivial": False, "idle": idle}
+            common |= {"form_time": 0.0, "setup_time": 0.0, "residual": 0.1, "contacts": 4, "velocities": 6}
+            for name, time in SPEEDS.items():
+                falls = (name == "nsgs" and tol == 1e-8) or ("nsn_ac" in name and redundancy)
+                rows.append(common | {"variant": name, "verdict": "unsolved" if falls else "solved", "solve_time": time})
+            rows += [common | {"variant": name, "verdict": "relaxed", "solve_time": 0.02} for name in ("apgd", "relaxation_ip")]
+    return pd.DataFrame(rows)
+
+
+def test_each_finding_has_its_verdict() -> None:
+    found = {"solves": runs()}
+    verdicts = {" ".join(row[0].split()[:2]): (row[1], row[-1]) for row in summary(found).numbers["rows"]}
+    assert verdicts["Gauss-Seidel is"][0].startswith("nsgs solves 3 of 3"), "the idle problem is left out"
+    broken = "3 of 3 answers of relaxation_ip break Coulomb's law, by a median residual of 0.1; its cost: see relaxation"
+    assert verdicts["Approximations common"] == (broken, "in part"), "no reality is in the problems"
+    full = "Siconos' 2 of 2 with full rank, 0 of 1 without; 0 of the 1 missed end by the limit, which is no divergence"
+    chance = "Fisher's one-sided exact test has p = 0.33, with 1 missed it cannot be below 0.33"
+    assert verdicts["Nonsmooth Newton"] == (f"{full}; {chance}", "in part")
+    assert text("rankings", found).answer.startswith("interior_point is within 2 times the fastest in 100 % of cases.")
+
+
+def rows(variant: str, warm: int, shuffled: int) -> list[dict[str, object]]:
+    """Two motions of three problems; the first problem of each has no step before it."""
+    return [
+        {"variant": variant, "scene": scene, "problem": f"{scene}{k}", "step": k, "phase": "step", "start": start}
+        | {"verdict": "solved", "work": json.dumps({COUNTS[variant]: count})}
+        for scene in ("a", "b")
+        for k in range(3)
+        for start, count in (("cold", 1000 if k == 0 else 20), ("warm", warm), ("shuffled", shuffled))
+        if k or start != "warm"
+    ]
+
+
+def test_only_problems_with_all_three_starts_are_compared() -> None:
+    made = pd.DataFrame(rows("lemke", 5, 10) + rows("nsgs", 20, 30))
+    account = text("warm", {"solves": made})
+    assert account.answer.startswith("From the step before, methods take a median of 0.25 (lemke) to 1.00 (nsgs) of their work")
+    assert "for 1 of 2 the interval of the ratio of sums is below 1" in account.answer
+    assert "Of 4 problems with all three starts" in account.body
+    made.loc[(made["variant"] == "nsgs") & (made["step"] == 2) & (made["start"] == "warm"), "verdict"] = "unsolved"
+    account = text("warm", {"solves": made})
+    assert "From the step before fewer problems are solved by nsgs." in account.body
+
+
+def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None:
+    found = reduced(
+        "neighbours",
+        ensembles={
+            "cases": ("rod at p < 0", "rod leaving at p < 0", "jam"),
+            "schemes": ("anitescu_potra",),
+            "solvers": ("lemke", "interior_point"),
+            "sizes": (1e-8,),
+        },
+        landings={"schemes": ("anitescu_potra", "event_driven"), "spins": (1e-6, 1e-4)},
+    )
+    ends = found["ensembles"].set_index(["case", "solver"])["apart"]
+    assert ends["rod at p < 0", "lemke"] < 1e-7
+    assert ends["rod leaving at p < 0", "lemke"] > 1e-3
+    assert ends["rod leaving at p < 0", "interior_point"] > 1e-3
+    landings = found["landings"].set_index(["scheme", "spin"])
+    assert landings.loc[("event_driven", 1e-6), "after"] == pytest.approx(landings["closed"].iloc[0], rel=0.01)
+    assert landings.loc[("anitescu_potra", 1e-6), "after"] < 1e-5
+    account = text("neighbours", found)
+    assert "yes: nearby trajectories end more than 20 times as far apart as they began, in " in account.answer
+
+
+def test_a_higher_order_is_kept_in_smooth_sliding_and_gaps_drift_less() -> None:
+    schemes = ("anitescu_potra", "stewart_trinkle", "trapezoid")
+    found = reduced("orders", errors={"schemes": schemes, "fractions": (3, 5, 10), "kinds": ("smooth sliding",)})
+    own = dict(tuple(found["errors"].groupby("scheme")))
+    assert abs(order(own["anitescu_potra"]["step"], own["anitescu_potra"]["error"]).value - 1) < 0.3
+    drift = {name: order(rows["step"], rows["drift"]).value for name, rows in own.items()}
+    assert 0.7 < drift["anitescu_potra"] < 1.4
+    assert drift["stewart_trinkle"] > 1.7
+    assert order(own["trapezoid"]["step"], own["trapezoid"]["error"]).value > 1.9
+    assert "keeps its second order in smooth sliding" in text("orders", found).answer
