@@ -1,6 +1,6 @@
 """What do published rankings look like under one verifier? Methods of published comparisons, measured again."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -15,24 +15,22 @@ from frictionbench.harness.plans.plan import Plan
 from frictionbench.problems import measured
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import Look, looks
-from studies.study import Study, Summary, Tables, finish
+from studies.study import Study, Summary, Tables, finish, listing, share
 
 LOOSE, TIGHT = 1e-4, 1e-8
 NSGS, PROXIMAL, NEWTON = ("nsgs", "friction_3d_nsgs"), ("proximal_newton", "friction_3d_prox"), ("friction_3d_nsn_ac",)
 THEIRS = (*NSGS, *PROXIMAL, *NEWTON)  # the kinds of method in Acary, Brémond and Huber 2018, ours and Siconos'
 RELAXED = ("apgd", "relaxation_ip")  # on the convex relaxation
 OTHERS = ("interior_point", "staggered", "nncg", "admm_coulomb", "apgd_coulomb", *RELAXED)
-SMALL = tuple(
-    source
-    for source in families.sources(families.SPACE_ONE, families.SPACE_SMALL, families.SPACE_MEDIUM)
-    if source.scene != "packed_spheres"
-)
+SMALL = families.sources(families.SPACE_ONE, families.SPACE_SMALL, families.SPACE_MEDIUM)
 LARGER = families.halves(families.SPACE_LARGE)
 NEAR_FASTEST = 2.0  # a universal method would be within this factor of the fastest time
 CHANCE = 0.05  # significance level for differences of shares
-VERDICTS = {True: "confirmed", None: "in part", False: "contradicted"}  # by whether the result agrees
+CONFIRMED, PARTLY, CONTRADICTED, UNDECIDED = VERDICTS = ("confirmed", "in part", "contradicted", "undecided")
+COUNTED = (CONFIRMED, PARTLY, CONTRADICTED)  # the verdicts that counts of these problems can give
 
-Shown = tuple[str, bool | None]  # the result as text, and whether it agrees
+Shown = tuple[str, str]  # the result as text, and the verdict
+Rows = list[tuple[str, str, str, str]]  # the finding, the result, the verdicts that are possible, and the verdict
 
 
 def plan() -> Plan:
@@ -49,15 +47,22 @@ def plan() -> Plan:
 
 def summary(tables: Tables) -> Summary:
     solves = needing(tables["solves"])
-    rows = [
-        (finding, shown[0], ", ".join(VERDICTS[each] for each in possible), VERDICTS[shown[1]])
-        for finding, (show, possible) in SHOWN.items()
-        if (shown := show(solves))
-    ]
+    rows = _rows(solves)
+    added = solves["scene"].eq("packed_spheres") & (solves["contacts"] <= 100)  # by the current version of the study
+    without = _rows(solves[~added])
+    one_less = [_rows(solves[solves["problem"] != problem]) for problem in solves["problem"].unique()]
+    tally = [(verdict, sum(row[-1] == verdict for row in rows)) for verdict in VERDICTS]
+    problems = solves["problem"].nunique()
     missed = solves[~solves["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])]
     numbers = {
         "rows": rows,
-        "generated": solves["problem"].nunique(),
+        "without": without,
+        "added": solves.loc[added, "problem"].nunique(),
+        "changed": _changed(rows, [without]),
+        "single": _changed(rows, one_less),
+        "tally": listing([f"{verdict} {number}" for verdict, number in tally if number]),
+        "generated": problems,
+        "half": share(problems // 2, problems),
         "missed": len(missed),
         "timeouts": int(missed["verdict"].eq(Verdict.TIMEOUT).sum()),
         "largest": solves["contacts"].max(),
@@ -69,6 +74,16 @@ def summary(tables: Tables) -> Summary:
         ),
     }
     return Summary(numbers, figures, _looks(solves))
+
+
+def _rows(solves: pd.DataFrame) -> Rows:
+    shown = [(finding, show(solves), ", ".join(possible)) for finding, (show, possible) in SHOWN.items()]
+    return [(finding, result[0], possible, result[1]) for finding, result, possible in shown if result]
+
+
+def _changed(rows: Rows, others: Sequence[Rows]) -> str:
+    """Return the numbers, from 1, of the rows whose verdict is another in some of the others; none if there are none."""
+    return listing([str(k + 1) for k in range(len(rows)) if any(other[k][-1] != rows[k][-1] for other in others)])
 
 
 def _looks(rows: pd.DataFrame) -> dict[str, Look]:
@@ -112,9 +127,8 @@ def _universal(rows: pd.DataFrame) -> Shown:
     good = rows[rows["solved"]]
     near = good["time"] <= NEAR_FASTEST * good.groupby(["problem", "tol"])["time"].transform("min")
     shares = near.groupby(good["name"]).sum() / len(rows[["problem", "tol"]].drop_duplicates())
-    best = str(shares.idxmax())
-    share = shares[best]
-    return f"{best} is within {NEAR_FASTEST:g} times the fastest in {100 * share:.0f} % of cases", bool(share < 0.9)
+    text = f"{shares.idxmax()} is within {NEAR_FASTEST:g} times the fastest in {100 * shares.max():.0f} % of cases"
+    return text, CONFIRMED if shares.max() < 0.9 else CONTRADICTED
 
 
 def _robust(rows: pd.DataFrame) -> Shown:
@@ -142,7 +156,7 @@ def _relaxed(rows: pd.DataFrame) -> Shown:
     off = done[done["verdict"] == Verdict.RELAXED]
     median = f", by a median residual of {off['residual'].median():.1g}" if len(off) else ""
     text = f"{len(off)} of {len(done)} answers of relaxation_ip break Coulomb's law{median}; its cost: see relaxation"
-    return text, None if len(off) > len(done) / 2 else False  # these problems show nothing about real ones
+    return f"{text}; the gap to reality is not measured", UNDECIDED
 
 
 def _full_rank(rows: pd.DataFrame) -> Shown | None:
@@ -159,20 +173,23 @@ def _full_rank(rows: pd.DataFrame) -> Shown | None:
     text = f"Siconos' {ranked} of {sum(counts[1])} with full rank, {lacking} of {sum(counts[0])} without"
     text += f"; {late} of the {missed} missed end by the limit, which is no divergence"
     text += f"; Fisher's one-sided exact test has p = {p:.2g}, with {missed} missed it cannot be below {least:.2g}"
-    return text, True if p <= CHANCE else None
+    return text, UNDECIDED if p > CHANCE else PARTLY if late > missed / 2 else CONFIRMED
 
 
-def _both(first: bool, second: bool) -> bool | None:
-    return first if first == second else None
+def _both(first: bool, second: bool) -> str:
+    return PARTLY if first != second else CONFIRMED if first else CONTRADICTED
 
 
-SHOWN: dict[str, tuple[Callable[[pd.DataFrame], Shown | None], Iterable[bool | None]]] = {  # and which verdicts it can have
-    "No solver is best for all problems (Acary, Brémond and Huber 2018).": (_universal, (True, False)),
-    "Gauss-Seidel is robust on rigid bodies and mostly fastest at 1e-4 (the same).": (_robust, VERDICTS),
-    "The proximal point with Newton's method is best at 1e-8 on most sets of rigid bodies (the same).": (_proximal, VERDICTS),
+SHOWN: dict[str, tuple[Callable[[pd.DataFrame], Shown | None], Sequence[str]]] = {  # and which verdicts it can have
+    "No solver is best for all problems (Acary, Brémond and Huber 2018).": (_universal, (CONFIRMED, CONTRADICTED)),
+    "Gauss-Seidel is robust on rigid bodies and mostly fastest at 1e-4 (the same).": (_robust, COUNTED),
+    "The proximal point with Newton's method is best at 1e-8 on most sets of rigid bodies (the same).": (
+        _proximal,
+        VERDICTS[:3],
+    ),
     "Nonsmooth Newton is efficient where W has full rank or contacts are few, and generally diverges where neither holds "
-    "(the same).": (_full_rank, (True, None)),
-    "Approximations common in robotics can widen the gap to reality (Le Lidec and others 2024).": (_relaxed, (None, False)),
+    "(the same).": (_full_rank, (CONFIRMED, PARTLY, UNDECIDED)),
+    "Approximations common in robotics can widen the gap to reality (Le Lidec and others 2024).": (_relaxed, (UNDECIDED,)),
 }
 
 STUDY = Study((), summary, plan)
