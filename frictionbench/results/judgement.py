@@ -41,8 +41,8 @@ CHOSEN_FROM = 2  # a table's steps are chosen from this many times as many with 
 SAME_NET_IMPULSE = 0.01  # relative difference of net impulses below which they count as the same
 SYMPTOM = "See 'An object at rest creeps' on the documentation's page 'What users of engines ask'."
 HARDER = (
-    "It is the likely cause: make contacts harder, in MuJoCo by solimp nearer 1, a larger impratio or noslip_iterations, in "
-    f"Drake by a smaller penetration allowance and stiction tolerance. {SYMPTOM}"
+    "It is the likely cause: make contacts harder, in MuJoCo by solimp nearer 1, a larger impratio or, with "
+    f"elliptic cones, noslip_iterations, in Drake by a smaller penetration allowance and stiction tolerance. {SYMPTOM}"
 )
 TIGHTER = (
     "The likely cause is a solver that stops early, or friction that the engine regularises: tighten its tolerance, raise its "
@@ -201,8 +201,12 @@ class Judged:
 
     @property
     def beside(self) -> list[dict[str, Any]]:
-        """Each solver's results on the steps with contacts: variant, solved, steps, percentiles of residual and of time, s."""
+        """Each solver's results on the steps with contacts: variant, solved, steps, percentiles of residual and of time, s.
+
+        Steps in which the zero impulse is an answer too exact to be told from the solver's are left out.
+        """
         each = pd.DataFrame({"problem": [one.problem for one in self.touching]}).merge(self.rows)  # equal steps share a problem
+        each = each[~(each["trivial"] & (each["verdict"] == Verdict.UNJUDGEABLE))]
         return [
             {
                 "variant": str(variant),

@@ -98,6 +98,10 @@ def test_worst_steps_are_peaks_then_the_next_and_equal_steps_count(folder) -> No
     assert [each.residual for each in found.worst(3)] == [9.0, 8.0, 4.0]
     assert [each.residual for each in found.worst(12)] == sorted(residuals[:7], reverse=True)
     assert [(each["variant"], each["solved"], each["steps"]) for each in found.beside] == [("hybrid", 40, 40), ("nsgs", 40, 40)]
+    needless = found.rows["variant"].eq("nsgs") & found.rows["problem"].eq(one.problem)  # the zero impulse is as exact
+    rows = found.rows.assign(trivial=needless, verdict=found.rows["verdict"].mask(needless, "unjudgeable"))
+    steps = [one, *(each for each in read_judgements(folder) if each.file == "deep.npz")]
+    assert [(each["solved"], each["steps"]) for each in Judged(steps, rows).beside] == [(2, 2), (1, 1)]
 
 
 def test_summary_and_page(folder, monkeypatch) -> None:
