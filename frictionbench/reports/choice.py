@@ -1,7 +1,8 @@
 """Which solver to choose: for each kind of problem, the solvers by mean time to a target, and the confidence in the first.
 
 The mean is the weighted shifted geometric mean of reports.accuracy, with problems not solved charged the time limit (PAR1), of
-solvers that ran on every problem of the kind. Solvers without a mean come last (docs/reading.md).
+solvers that ran in every class of the kind's problems; one that they skip is charged, too. Solvers without a mean come last
+(docs/reading.md).
 
 The lead is the mean of the second solver over that of the first. Its interval contains 95 % of DRAWS bootstrap samples, each of
 scenes (for robots' steps, models), then of the problems of each drawn scene, stratum by stratum, then of the repeats of each
@@ -58,7 +59,7 @@ class Place(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """The solvers that ran on all problems of a kind, the fastest first. common: the number of problems that all solvers with a
+    """The solvers that ran in all classes of a kind, the fastest first. common: the number of problems that all solvers with a
     mean solve. outside: the number of solvers with a mean from outside libraries. interval: that of the lead, None with too few
     problems. orders: the first three by each of CHARGES."""
 
@@ -236,7 +237,7 @@ def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
     robots = f" ({part})" if one.robots and not one.name.startswith("robots") else ""
     where = f"{one.name.capitalize()}, {count(one.problems, 'problem')}{robots}, to a verified residual of {power(target)}: "
     if target not in one.choices:
-        return f"{where}no solver that ran on all of them reaches it."
+        return f"{where}no solver that ran in all their classes reaches it."
     by_first, by_second = one.choices[target], other.choices[target]
     if len(by_first.places) == 1 and not (only := by_first.places[0]).law:
         return f"{where}{only.label} solves {only.solved}, {first.words} with a mean of {seconds(only.mean, 3)}."
@@ -251,7 +252,7 @@ def dependable(choice: Choice) -> str:
     method if it is a portfolio."""
     exact = [place for place in choice.places if not place.law]
     if not exact:
-        return "no solver of Coulomb's law ran on all of them"
+        return "no solver of Coulomb's law ran in all their classes"
     ours = len([place for place in exact if np.isfinite(place.mean)]) - choice.outside
     outside = f"{count(choice.outside, 'outside solver')} of Coulomb's law"
     compared = f"{count(ours, 'own method')} and {outside}" if choice.outside else "our own methods"
