@@ -62,7 +62,7 @@ def solve_one(
         record = facts["record"]
         rank_by = rank_by or (RankBy.BODIES if facts["mechanical"] else RankBy.FORM)
         if not as_json:
-            print(printable(f"{problem}: {facts['summary']}"), flush=True)
+            say(printable(f"{problem}: {facts['summary']}"))
         if facts["contradiction"] and not as_json:
             say(facts["contradiction"])
         cells = sorted(plan.solve_cells([record]), key=lambda cell: [cell.variant != name for name in FIRST])
@@ -207,7 +207,8 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
             remarks.append(printable(f"{label} {row['variant']}: {row['reason']}"))
     header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")
     spare = ("work", "status", "model residual", "form", "setup", "solve")
-    print(title, *columns(header, lines, spare), sep="\n")
+    say(title)
+    print(*columns(header, lines, spare), sep="\n")
     for remark in remarks:
         say(remark, "  ")
 

@@ -128,7 +128,7 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
     named = {name: table.reindex(columns=RESTRICTED[what]) for name, table in tables.items()}
     there = {str(text) for table in named.values() for text in table.stack().dropna()}
     if missing := [name for name in names if name not in there]:
-        raise ResultsError(f"{what}: {missing[0]} is not in this run; there are {', '.join(sorted(there))}")
+        raise ResultsError(f"{what}: {missing[0]} is not in this run; there are {'; '.join(sorted(there))}")
     return replace(run, **{name: table[named[name].isin(list(names)).any(axis=1)] for name, table in tables.items()})
 
 
