@@ -29,7 +29,7 @@ METHOD = (  # how the figures were measured, in words for reports
     "Times exclude compilation and loading.",
     "A rate is shown only if the verified residual of every answer is within the tolerance, contacts carry load, and friction "
     "is at work. Otherwise the reason is given instead. Solvers of another law are marked, and judged by Coulomb's law as "
-    "well. Rates are from one run and have no intervals.",
+    "well. Rates are from one run and have no intervals; they are rounded to two digits.",
     "MuJoCo's rollout has no row, because it takes models and states and detects contacts itself. Its constraint solver is "
     "listed under calls if it is installed. Its law is soft, so that 0 % verified is not a failure.",
 )
@@ -83,7 +83,7 @@ def rate_of(row: dict[str, Any]) -> list[str]:
     times, singles = (_seconds(row[name]) for name in ("times", "base_times"))
     if why := refusal(row) or ("" if len(times) and len(singles) else "not timed"):
         return [*names, why, "–"]
-    return [*names, f"{1 / times.min():,.0f}", f"{singles.min() / times.min():.2g}"]
+    return [*names, f"{float(f'{1 / times.min():.2g}'):,.0f}", f"{singles.min() / times.min():.2g}"]
 
 
 def refusal(row: dict[str, Any]) -> str:
