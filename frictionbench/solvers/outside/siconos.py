@@ -9,8 +9,8 @@ Licence: Apache-2.0. (The metadata of Debian's 4.4.0 state 4.5.0.)
 Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensionless Delassus matrix with a decoupled second
     tangent for friction_3d_ on planar problems, in Siconos' block storage, that of its own simulations, and dense where that
     is faster: for friction_2d_cpg and friction_2d_lemke, for admm and prox where W is more than half full and up to 100 and 80
-    contacts, for friction_2d_nsgs up to 48, for nsn_fb up to 16, for nsn_ac up to 4; for global_, in space only, the entries of
-    M and H = J' and q, dimensionless. Setup: none. Solve: one message to the child and its reply.
+    contacts, for friction_2d_nsgs up to 48, for vi_eg up to 32, for nsn_fb up to 16, for nsn_ac up to 4; for global_, in space
+    only, the entries of M and H = J' and q, dimensionless. Setup: none. Solve: one message to the child and its reply.
 Clock: around Siconos' problem object and the driver's call, in the child, of matrices in its storage. Solvers are compared by
     it, as a user of Siconos has no child: the column solve_time is this clock, and call_time the whole call.
 Charged: W's entries and the units cost some 40 µs at 2 contacts, and up to .2 ms after a child's call has emptied the caches.
@@ -51,14 +51,14 @@ from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 PYTHON = "/usr/bin/python3"
 _LCP = ("lcp_lemke", "lcp_pivot", "lcp_pivot_least_index", "lcp_newton_fb_fblsa", "lcp_newton_min_fblsa")
 _PLANAR = ("friction_2d_nsgs", "friction_2d_cpg", "friction_2d_lemke")
-_SPATIAL = tuple(f"friction_3d_{name}" for name in ("nsgs", "prox", "admm", "nsn_ac", "nsn_fb", "aclmfp", "tfp", "dsfp"))
+_SPATIAL = tuple(f"friction_3d_{name}" for name in ("nsgs", "vi_eg", "prox", "admm", "nsn_ac", "nsn_fb", "aclmfp", "tfp", "dsfp"))
 _GLOBAL = ("global_friction_3d_admm", "global_friction_3d_ipm")
 _METHODS = (*_LCP, *_PLANAR, *_SPATIAL, *_GLOBAL)
 # The contacts up to which W is dense, measured on 30 problems of 4 to 400 contacts and, for NSN_AC, on robots' steps: beyond,
 # block storage is faster, and Newton's methods, which then use another linear solver, fail less often. Sweeps in space are
 # never slower with block storage.
 _DENSE = {
-    **{"friction_2d_cpg": 10**9, "friction_2d_lemke": 10**9, "friction_2d_nsgs": 48},
+    **{"friction_2d_cpg": 10**9, "friction_2d_lemke": 10**9, "friction_2d_nsgs": 48, "friction_3d_vi_eg": 32},
     **{"friction_3d_admm": 100, "friction_3d_prox": 80, "friction_3d_nsn_ac": 4, "friction_3d_nsn_fb": 16},
 }
 _FULL = ("friction_3d_admm", "friction_3d_prox")  # dense also if most pairs of contacts share a body
