@@ -282,6 +282,7 @@ const shut = () => document.querySelectorAll("details:not([open], .raw)").length
 const before = shut();
 dispatchEvent(new Event("beforeprint")); seen.push(before > 0, shut());
 dispatchEvent(new Event("afterprint")); seen.push(shut() === before);
+seen.push(table.tHead.rows.length, table.tBodies[0].querySelector("th") === null);  // printed on each page
 document.documentElement.dataset.seen = seen.join(" ");
 """
 
@@ -294,7 +295,7 @@ def test_page_controls(tmp_path):
     path = write_report(write_folder(tmp_path / "run", [*rows, *(solve_row("s0", f"p{k}") for k in range(2, 9))]))
     with_more_script(path, HANDS)
     (opening,) = re.findall(r"<html[^>]*>", browse(path, "--dump-dom"))
-    wanted = "false true 0 true false true false 0 ascending s1 descending s0 false true true true 0 true"
+    wanted = "false true 0 true false true false 0 ascending s1 descending s0 false true true true 0 true 1 true"
     assert f'data-seen="{wanted}"' in opening
 
 

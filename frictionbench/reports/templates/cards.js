@@ -1,10 +1,11 @@
 "use strict";
 // Of each cell the words above its column: where there is no room for columns, rows are shown as cards (page.css). Words above
-// several columns are of the first of them, which begins a line.
+// several columns are of the first of them, which begins a line. Heads of a table that is printed on several pages are repeated.
 for (const table of document.querySelectorAll(".wide > table")) {
-  const heads = [];
+  const heads = [], top = table.createTHead();
   for (const row of table.rows) {
     if (!row.querySelector("th")) continue;
+    if (row.rowIndex === top.rows.length) top.append(row);
     let column = 0;
     for (const head of row.cells) {
       for (let k = 0; k < head.colSpan; k++, column++) heads[column] = [heads[column], k === 0 && head.textContent.trim().replaceAll("_", "_\u200b").replaceAll("e-", "e-\u2060")].filter(Boolean).join(", ");
