@@ -1,4 +1,4 @@
-"""Links, files, subpackages, commands, options and constants named in the documents exist."""
+"""Links, files, subpackages, commands, options and constants named in the documents exist; columns are those of the schema."""
 
 import csv
 import json
@@ -13,6 +13,7 @@ from frictionbench.harness.workers import pool, supervisor
 from frictionbench.problems.recorded import archive, fclib, siconos
 from frictionbench.results import store
 from tests.helpers.paths import ROOT
+from tools.columns import describe
 
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 each_document = pytest.mark.parametrize("document", DOCUMENTS, ids=[path.name for path in DOCUMENTS])
@@ -103,3 +104,8 @@ def test_security_limits() -> None:
     assert supervisor.FOREIGN_SECONDS == 180.0
     assert "three limits and 180 s" in text
     assert "tried again, three times in all" in text
+
+
+def test_page_of_columns_is_generated() -> None:
+    written = (ROOT / "docs" / "columns.md").read_text(encoding="utf-8")
+    assert written == describe(), "python -m tools.columns > docs/columns.md"

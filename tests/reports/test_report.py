@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pytest
 from markupsafe import Markup
@@ -15,8 +16,8 @@ from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
-from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
-from frictionbench.reports.tables import reliabilities, sentences
+from frictionbench.reports.run import Run, annotate, annotate_simulations, outcomes, read_run
+from frictionbench.reports.tables import gaps, hard_shares, reliabilities, sentences
 from frictionbench.reports.templates import environment
 from frictionbench.results.conventions import ENDINGS
 from frictionbench.results.histories import ConvergenceHistory, write_histories
@@ -364,3 +365,55 @@ def test_untested_targets_are_not_missed(tmp_path) -> None:
     loose = read_run(write_folder(tmp_path / "loose", [row | {"tol": 1e-2} for row in asked]))
     assert list(loose.times) == [1e-4]
     assert "within 1e-8" not in write_report(tmp_path / "asked").read_text()
+
+
+def test_outcomes_are_counted_by_problem() -> None:
+    distances = {
+        "one": [1e-9, 1e-12, 5e-4, np.nan],
+        "two": [0.0, 0.3, 0.3 + 1e-9, np.nan],
+        "three, one of them between": [0.05, 0.0, 0.3, 0.3001],
+        "unknown": [np.nan] * 4,
+        "enumerated": [0.0] * 4,
+        "infinitely many": [0.0] * 4,
+    }
+    solutions = {"enumerated": ("one", 1.0), "infinitely many": ("convex", np.nan)}
+    rows = pd.DataFrame(
+        [
+            {"problem": name, "outcome_distance": each, "solutions": shape, "outcomes": count}
+            for name, values in distances.items()
+            for shape, count in [solutions.get(name, (None, np.nan))]
+            for each in values
+        ]
+    )
+    found = rows.assign(found=outcomes(rows)).drop_duplicates("problem")["found"]
+    assert found.fillna(-1).tolist() == [1, 2, 3, -1, 1, 1]
+
+
+HEAVY, LARGE = {"mass_ratio": 1e6}, {"contacts": 200}
+ROWS = [
+    solve_row("one", "a", **HEAVY),
+    solve_row("one", "b", step=1, **HEAVY, **LARGE),
+    solve_row("one", "c", step=2),
+    solve_row("two", "a", verdict="wrong", residual=1.0, **HEAVY),
+    solve_row("two", "b", step=1, **HEAVY, **LARGE),
+    unanswered_row("two", "c", "timeout", step=2),
+    unanswered_row("three", "a", "skipped", **HEAVY),
+]
+
+
+def test_shares_by_label(tmp_path) -> None:
+    (found,) = hard_shares(read_run(write_folder(tmp_path, ROWS)))
+    assert found.problems == {"all": 3, "masses": 2, "large": 1, "none of these": 1}
+    table = found.table.set_index("label")
+    assert list(table.index) == ["one", "two"]  # a solver that was skipped everywhere has no share
+    assert table.loc["one"].to_list() == [1, 1, 1, 1]
+    assert table.loc["two"].to_list() == pytest.approx([1 / 3, 1 / 2, 1, 0])
+
+
+def test_plane_and_space_have_a_table_each(tmp_path) -> None:
+    """Solvers of the plane alone leave no gap in space, nor does a start that only some problems have."""
+    rows = [*ROWS, *(solve_row(name, "d", step=3, dimension=3, **HEAVY) for name in ("one", "four"))]
+    run = read_run(write_folder(tmp_path, [*rows, solve_row("one", "b", key="warm", start="warm", step=1, **HEAVY, **LARGE)]))
+    plane, space = hard_shares(run)
+    assert [(one.where, one.problems["all"]) for one in (plane, space)] == [("in the plane", 3), ("in space", 1)]
+    assert (set(space.table["label"]), gaps(run)) == ({"one", "four"}, 2)  # three has a row of one planar problem of three

@@ -12,8 +12,9 @@ from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded.native import save
 from frictionbench.results.files import ResultsError
 from tests.helpers.browser import browse, faults, in_browser
-from tests.helpers.made_results import solve_row, write_folder
+from tests.helpers.made_results import batch_row, solve_row, write_folder
 from tests.helpers.paths import ROOT
+from tools import performance
 from tools.publish.__main__ import publish
 from tools.publish.site import _csv
 from tools.publish.summary import read
@@ -131,3 +132,16 @@ def test_edited_summaries_are_refused(field: str, tmp_path: Path) -> None:
         path.write_text(json.dumps(edited), encoding="utf-8")
         with pytest.raises(ResultsError, match=f"{path.name}: .*{field}"):
             read(path)
+
+
+def test_rates_stand_in_a_table_for_each_batch(tmp_path: Path) -> None:
+    rows = [
+        batch_row("lemke", "calls"),
+        batch_row("lemke", "packed"),
+        batch_row("osqp", "calls", verified=0.5, verdict="relaxed"),
+    ]
+    told = performance.rates(write_folder(tmp_path, [], batches=rows))
+    assert "### 4 contacts in the plane: stack[blocks=2]" in told
+    assert "| lemke | packed | cold | 1,000 | 2 |" in told
+    assert "| osqp | calls | cold | 50 % verified | – |" in told
+    assert max(map(len, told.splitlines())) <= 128
