@@ -246,7 +246,7 @@ def residuals(packed: Packed, impulse: Array) -> Array:
 
 @lean_loop
 def _residuals(packed, impulse, by_velocity, by_contact, errors):  # type: ignore[no-untyped-def]
-    """Write `residuals` to found (N, 2). by_velocity (2, nv), by_contact (2, nc, d): workspace for the largest problem."""
+    """Write `residuals` to errors (N, 2). by_velocity (2, nv), by_contact (2, nc, d): workspace for the largest problem."""
     begin = packed.first[0, CONTACT]
     for k in range(len(errors)):
         r = impulse[packed.first[k, CONTACT] - begin : packed.first[k + 1, CONTACT] - begin]

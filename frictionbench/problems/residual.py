@@ -68,7 +68,7 @@ def contact_residuals(problem: FrictionProblem, impulse: Array, shift: float = 1
     """The residual of each contact (nc,) on the exact problem, or with shift 0 on its convex relaxation."""
     nc = problem.contacts
     if impulse.shape != (nc, problem.dimension):
-        return np.full(nc, np.inf)
+        return np.full(max(nc, 1), np.inf)  # infinity also where there is no contact
     u = problem.contact_velocity(impulse)
     if softness is not None:
         u = u + softness * impulse
@@ -156,7 +156,7 @@ def contact_floors(problem: FrictionProblem, impulse: Array, shift: float = 1.0)
     shift: as in contact_residuals. Infinity as in residual_floor."""
     nc = problem.contacts
     if impulse.shape != (nc, problem.dimension) or not np.isfinite(impulse).all():
-        return np.full(nc, np.inf)
+        return np.full(max(nc, 1), np.inf)
     u, terms = problem.contact_velocity(impulse), problem.velocity_size(impulse)
     law = problem.friction, problem.friction_bias
     return _floors(impulse, u, terms, problem.scale, *law, _units(problem, impulse, shift), shift)
@@ -254,10 +254,10 @@ def fclib_error(problem: FrictionProblem, impulse: Array) -> float:
 
     It depends on the units of mass (Acary, Brémond and Huber 2018, section 5.1).
     """
-    if not problem.contacts:
-        return 0.0
     if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
         return np.inf
+    if not problem.contacts:
+        return 0.0
     unit = float(np.abs(problem.q).max()) or 1.0  # in this unit squares of q neither overflow nor underflow
     with np.errstate(over="ignore", invalid="ignore"):
         r, g = impulse / unit, problem.contact_velocity(impulse) / unit

@@ -11,7 +11,7 @@ from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
 from frictionbench.problems.verify import verify
 from frictionbench.solvers import Status, available, find, solve, solver
-from tests.helpers.friction_problems import block, spatial
+from tests.helpers.friction_problems import block, nothing, spatial
 
 WARM = sorted(name for name, info in available().items() if info.warm_start and not info.missing)
 
@@ -83,6 +83,7 @@ def test_impulses_are_checked(problem):
                 method(too_many[:0])
         for measure in (residual, relaxation_residual, fclib_error, residual_floor):
             assert measure(one, too_many) == np.inf
+            assert measure(nothing(problem.dimension), too_many) == np.inf
     for method in (problem.lcp().impulse, problem.lcp().residual):
         with pytest.raises(InputError, match=r"^z: "):
             method(np.zeros(3))
