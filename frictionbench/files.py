@@ -10,8 +10,6 @@ from frictionbench.problems.friction import require_problem
 from frictionbench.problems.recorded import fclib, native
 from frictionbench.problems.recorded.native import EngineStep
 
-HDF5_SUFFIXES = (".hdf5", ".h5")
-
 
 def load(path: str | Path) -> FrictionProblem | LCP:
     """Read a problem from a file.
@@ -80,8 +78,8 @@ def save(
     """
     require_problem(problem)
     path = check.path("path", path)
-    if path.suffix not in (".npz", *HDF5_SUFFIXES):
-        raise InputError(f"path: {path} must end in .npz, {' or '.join(HDF5_SUFFIXES)}")
+    if path.suffix not in (".npz", *fclib.SUFFIXES):
+        raise InputError(f"path: {path} must end in .npz, {' or '.join(fclib.SUFFIXES)}")
     if impulse is not None or notes or step is not None:
         _save_step(problem, path, impulse, notes or {}, step)
     elif path.suffix == ".npz":

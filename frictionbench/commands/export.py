@@ -17,7 +17,7 @@ from frictionbench.problems.spec import parse
 from frictionbench.results import store
 from frictionbench.results.files import replaced
 
-SUFFIXES = ("", ".hdf5", ".h5", ".npz")
+SUFFIXES = ("", *fclib.SUFFIXES, ".npz")
 
 
 def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:

@@ -16,13 +16,13 @@ from frictionbench.harness.plans import families
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.problems import InputError
 from frictionbench.problems.check import require
-from frictionbench.problems.recorded import collection
+from frictionbench.problems.recorded import collection, fclib
 from frictionbench.results.conventions import COLD, WARM
 from frictionbench.solvers import available, find
 
 RECORDED, REPLAY = "recorded", "replay"  # the suites that accept recorded problems
 LADDER = (1e-4, 1e-6, 1e-8)  # tolerances, from those that simulations need to those that exact methods reach
-FORMATS = (".hdf5", ".h5", ".dat", ".npz")  # suffixes of files that problems.recorded reads
+FORMATS = (*fclib.SUFFIXES, ".dat", ".npz")  # suffixes of files that problems.recorded reads
 
 # Motions in space with closed forms, those of the battery of engines (tools/battery).
 PHENOMENA = (

@@ -27,6 +27,7 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.archive import sparse_matrix
 from frictionbench.problems.recorded.forms import from_global, from_local
 
+SUFFIXES = (".hdf5", ".h5")
 MAX_BYTES = 2**29  # bytes of all arrays of a file; larger ones are refused
 NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # disables filter plugins: a file could cause their code to be loaded
 MAX_SECONDS = 120.0  # seconds after which reading a file is aborted
