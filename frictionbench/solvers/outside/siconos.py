@@ -51,7 +51,7 @@ from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 PYTHON = "/usr/bin/python3"
 _LCP = ("lcp_lemke", "lcp_pivot", "lcp_pivot_least_index", "lcp_newton_fb_fblsa", "lcp_newton_min_fblsa")
 _PLANAR = ("friction_2d_nsgs", "friction_2d_cpg", "friction_2d_lemke")
-_SPATIAL = tuple(f"friction_3d_{name}" for name in ("nsgs", "vi_eg", "prox", "admm", "nsn_ac", "nsn_fb", "aclmfp", "tfp", "dsfp"))
+_SPATIAL = tuple(f"friction_3d_{n}" for n in ("nsgs", "vi_eg", "prox", "admm", "nsn_ac", "nsn_fb", "aclmfp", "tfp", "dsfp"))
 _GLOBAL = ("global_friction_3d_admm", "global_friction_3d_ipm")
 _METHODS = (*_LCP, *_PLANAR, *_SPATIAL, *_GLOBAL)
 # The contacts up to which W is dense, measured on 30 problems of 4 to 400 contacts and, for NSN_AC, on robots' steps: beyond,
