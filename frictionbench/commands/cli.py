@@ -528,10 +528,13 @@ def main() -> None:
 
 
 def _run() -> None:
-    removed = "python -OO removes descriptions that commands print" if sys.flags.optimize > 1 else ""
-    threads = os.environ.get("NUMBA_NUM_THREADS", "")
-    if wrong := removed or ("NUMBA_NUM_THREADS must be at least 1" if re.fullmatch(r"-\d+|0+", threads.strip()) else ""):
-        typer.echo(f"frictionbench: {wrong}", err=True)
+    wrong = {
+        "python -OO removes descriptions that commands print": sys.flags.optimize > 1,
+        "NUMBA_NUM_THREADS must be at least 1": re.fullmatch(r"-\d+|0+", os.environ.get("NUMBA_NUM_THREADS", "").strip()),
+        "a name that is not UTF-8 cannot be stored": any("\udc80" <= c <= "\udcff" for word in sys.argv for c in word),
+    }
+    for told in (told for told, applies in wrong.items() if applies):
+        typer.echo(f"frictionbench: {told}", err=True)
         sys.exit(2)
     try:
         for number in _SIGNALS:

@@ -66,8 +66,8 @@ class RankBy(StrEnum):
         return RankBy.BODIES if self is RankBy.FORM else RankBy.FORM
 
     def time(self, rows: "pd.DataFrame") -> "pd.Series[float]":
-        """Return the time of each row, s; NaN without a solve time."""
-        return rows[self.columns[:-1]].fillna(0.0).sum(axis=1) + rows["solve_time"]
+        """Return the time of each row, s, at least a clock's resolution, as axes are logarithmic; NaN without a solve time."""
+        return (rows[self.columns[:-1]].fillna(0.0).sum(axis=1) + rows["solve_time"]).clip(lower=1e-9)
 
 
 ANOTHER_LAW, POLYGON = "another law", "polygon"

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -36,6 +37,7 @@ LARGEST_SHARD = 2**28  # bytes
 LARGEST_TABLE = 2**30  # bytes after decompression
 MOST_VALUES = 2 * 10**7  # values in all columns of a table together
 LARGEST_MANIFEST = 32 * 2**20  # bytes
+LONGEST_TIME = 1e9  # s, thirty years
 LONGEST_TEXT = 20_000  # characters of a text value; a longer text, such as an exception that prints an array, is cut
 
 
@@ -155,7 +157,7 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
     path = folder / f"{table}.parquet"
     schema = arrow_schema(table)
     if not path.exists():
-        return _table([row for _, row in sorted(rows(folder, table).items())], schema).to_pandas()
+        return _possible(_table([row for _, row in sorted(rows(folder, table).items())], schema).to_pandas(), schema, path)
     try:
         with opened(path, LARGEST_TABLE) as file:
             found = set(pq.read_schema(file).names)
@@ -167,7 +169,23 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
             raise
         raise ResultsError(f"{path}: not a readable Parquet file ({' '.join(str(error).split())[:300]})") from None
     frame = data.to_pandas(ignore_metadata=True)
-    return frame.assign(**{name: frame[name].map(cleaned).astype(frame[name].dtype) for name in _texts(schema)})
+    frame = frame.assign(**{name: frame[name].map(cleaned).astype(frame[name].dtype) for name in _texts(schema)})
+    return _possible(frame, schema, path)
+
+
+def _possible(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> pd.DataFrame:
+    """Return the table with null for times that no clock shows. Errors: ResultsError naming a column with values of no run."""
+    right = {"key": frame["key"].notna(), "tol": frame["tol"].isna() | frame["tol"].between(0, 1, "right")}
+    if "dimension" in frame:
+        right["dimension"] = frame["dimension"].isna() | frame["dimension"].isin([2, 3])
+    for name, fits in right.items():
+        if not fits.all():
+            raise ResultsError(f"{path}: column {name} holds {frame[name][~fits].iloc[0]}, which no run writes")
+    for field in schema:
+        if field.metadata[b"unit"] == b"s":
+            shown = frame[field.name].map(lambda times: times is not None and np.all((times >= 0) & (times <= LONGEST_TIME)))
+            frame[field.name] = frame[field.name].where(shown.astype(bool), None)
+    return frame
 
 
 def _texts(schema: pa.Schema) -> list[str]:

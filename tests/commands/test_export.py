@@ -44,6 +44,11 @@ def test_a_problem_of_two_sources_is_written_once(collected, tmp_path) -> None:
     assert list(export(str(collected), tmp_path / "files")) == written  # as after an interruption
 
 
+def test_a_folder_without_problems_is_refused(tmp_path) -> None:
+    with pytest.raises(InputError, match=r"^DIR: .* holds no problems"):
+        list(export(str(write_folder(tmp_path / "run", [])), tmp_path / "files"))
+
+
 def test_problems_that_fclib_cannot_represent(collected, tmp_path) -> None:
     """In a folder they are .npz; a file of another kind is refused with the problem's name."""
     biased = tmp_path / "biased.npz"

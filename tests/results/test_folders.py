@@ -19,6 +19,7 @@ from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
 from frictionbench.results.cells import counts
 from frictionbench.results.compare import accept, compare
+from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import ResultsError
 from frictionbench.results.maps import maps_of
 from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
@@ -79,6 +80,9 @@ def test_unrepresentable_values_are_dropped(tmp_path) -> None:
     [
         (lambda table: table.drop_columns(["verdict"]), "column verdict is missing"),
         (lambda table: table.set_column(0, "key", pa.array([1] * len(table))), "column key is int64"),
+        (lambda table: _with("key", table, None), "column key holds nan"),
+        (lambda table: _with("tol", table, float("inf")), "column tol holds inf"),
+        (lambda table: _with("dimension", table, 7), "column dimension holds 7"),
         (lambda table: pa.table([pa.nulls(400_000, f.type) for f in SCHEMA], schema=SCHEMA), "values; the limit is"),
         (lambda table: _with_text(table, 10**6, 100), "GiB; the limit is"),
     ],
@@ -91,6 +95,22 @@ def test_invalid_tables_are_refused(tmp_path, monkeypatch, spoil: Callable[[pa.T
     with pytest.raises(ResultsError, match=rf"solves\.parquet: .*{told}"):
         store.read_table(folder, "solves")
     assert compare(folder, folder).exit_code == 2
+
+
+def _with(name: str, table: pa.Table, value: object) -> pa.Table:
+    return table.set_column(SCHEMA.names.index(name), SCHEMA.field(name), pa.array([value], SCHEMA.field(name).type))
+
+
+def test_times_that_no_clock_shows_are_unknown(tmp_path) -> None:
+    """As of a plug-in that replaces the clock; 0 is below a clock's resolution, and has no logarithm."""
+    given = (-1.0, 1e300, float("nan"), 0.0, 1.0)
+    rows = [solve_row("a", f"p{i}", **dict.fromkeys(("form_time", "setup_time", "solve_time"), t)) for i, t in enumerate(given)]
+    folder = write_folder(tmp_path, rows)
+    for _ in range(2):  # from the table, then from the shards
+        table = store.read_table(folder, "solves").set_index("key").sort_index()
+        np.testing.assert_array_equal(RankBy.BODIES.time(table), [np.nan] * 3 + [1e-9, 3.0])
+        assert [times is None or times[0] for times in table["solve_times"]] == [True, True, True, 0.0, 1.0]
+        (folder / "solves.parquet").unlink(missing_ok=True)
 
 
 def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
