@@ -54,7 +54,7 @@ def targets(rows: pd.DataFrame) -> tuple[float, ...]:
 def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES) -> pd.DataFrame:
     """Return a row per problem and label: class, stratum, dimension, reached, charged (s), and if reached form_time,
     setup_time, solve_time, time (s), work and repeats (s). unjudgeable: not reached, but some answer is within the target or
-    within its own rounding error, so that reaching the target cannot be decided.
+    within its own rounding error, so that reaching the target cannot be decided. skipped: at every tolerance.
 
     rows: annotated rows of the solves table for ranked problems.
     """
@@ -69,10 +69,11 @@ def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES)
     best = within.sort_values("time", kind="stable").drop_duplicates(pair).set_index(pair)
     best["repeats"] = [repeats(*times) for times in zip(*(best[f"{column}s"] for column in rank_by.columns), strict=True)]
     open_cells = rows[rows["answered"] & ~known & (rows["residual"] <= np.maximum(target, floor))]
-    ran = rows.assign(ran=measured(rows))
-    ran = ran[ran.groupby(["problem_class", "label"])["ran"].transform("any")]
+    ran = rows.assign(skipped=~measured(rows))
+    ran = ran[~ran.groupby(["problem_class", "label"])["skipped"].transform("all")]
     names = ("problem_class", "stratum", "dimension", "scene", "cluster", "model", "start", "host")
-    times = ran.groupby(pair, sort=False).agg(**{name: (name, "first") for name in names}, limit=("time_limit", "max"))
+    facts = {name: (name, "first") for name in names} | {"limit": ("time_limit", "max"), "skipped": ("skipped", "all")}
+    times = ran.groupby(pair, sort=False).agg(**facts)
     times = times.join(best[[*RankBy.BODIES.columns, "time", "work", "repeats"]])
     times["reached"] = times["time"].notna()
     times["unjudgeable"] = ~times["reached"] & times.index.isin(pd.MultiIndex.from_frame(open_cells[pair]))
@@ -92,6 +93,7 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
         problems=("reached", "size"),
         reached=("reached", "sum"),
         unjudgeable=("unjudgeable", "sum"),
+        skipped=("skipped", "sum"),
         form=("form_time", "median"),
         setup=("setup_time", "median"),
         solve=("solve_time", "median"),
@@ -140,7 +142,7 @@ def _completed(times: pd.DataFrame, name: str) -> pd.DataFrame:
         pairs = pd.MultiIndex.from_product([facts.index, group["label"].unique()], names=["problem_id", "label"])
         lacking = pairs.difference(pd.MultiIndex.from_frame(group[["problem_id", "label"]])).to_frame(index=False)
         lacking = lacking.join(facts, on="problem_id").assign(
-            reached=False, unjudgeable=False, model=lacking["label"].map(models)
+            reached=False, unjudgeable=False, skipped=True, model=lacking["label"].map(models)
         )
         parts.append(lacking.assign(charged=lacking["limit"]))
     return pd.concat([part for part in parts if len(part)] or parts, ignore_index=True).assign(problem_class=name)

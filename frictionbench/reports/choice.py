@@ -36,9 +36,9 @@ GLOSS = {
 
 class Place(NamedTuple):
     """A solver's place in an order. law: what it solves instead of Coulomb's law. reached, unjudgeable: numbers of problems
-    solved to the target, and of those in which rounding leaves it open. fastest: number of problems on which no solver is
-    faster. mean, p50, p99, worst: times, s; common: the mean over the problems that all solvers with a mean solve. written: the
-    share of form in its time. within: the share of problems solved within the budget."""
+    solved to the target, and of those in which rounding leaves it open. skipped, fastest: numbers of problems on which it did
+    not run, and on which no solver is faster. mean, p50, p99, worst: times, s; common: the mean over the problems that all
+    solvers with a mean solve. written: the share of form in its time. within: the share solved within the budget."""
 
     label: str
     law: str
@@ -46,6 +46,7 @@ class Place(NamedTuple):
     common: float
     reached: int
     unjudgeable: int
+    skipped: int
     fastest: int
     written: float
     p50: float
@@ -151,7 +152,7 @@ def choose(
     reached = _table(own, "reached").reindex(charged.index).astype(bool)
     problem = own.drop_duplicates("problem_id").set_index("problem_id").reindex(charged.index)
     weight, groups = accuracy.weights(problem), own.groupby("label")
-    facts = accuracy.percentiles(own, budget).assign(reached=groups["reached"].sum(), unjudgeable=groups["unjudgeable"].sum())
+    facts = accuracy.percentiles(own, budget).join(groups[["reached", "unjudgeable", "skipped"]].sum())
     models = groups[["model", "dimension"]].first().reindex(facts.index)
     facts["law"] = [law(*what) for what in models.itertuples(index=False)]
     facts["written"] = accuracy.share_of_form(own, ["label"])

@@ -86,6 +86,8 @@ def test_wrong_claim_counts_at_its_accuracy():
 def test_skipped_class_has_no_value():
     rows = annotated(solve_row("a", "p"), unanswered_row("b", "p", "skipped"), unanswered_row("c", "p", "crashed"))
     assert accuracy.times_to(rows, 1e-8)["label"].tolist() == ["a", "c"]
+    some = accuracy.times_to(annotated(solve_row("b", "p"), unanswered_row("b", "q", "skipped")), 1e-8)
+    assert (some["skipped"].tolist(), some["charged"].notna().all()) == ([False, True], True)
 
 
 def test_trivial_problems_are_excluded():
@@ -316,6 +318,7 @@ def test_common_denominator():
     assert reached == pytest.approx(shares.to_dict())
     assert reached == pytest.approx({"a": 1.0, "b": 0.5, "a, warm": 1.0})  # each scene has half of the weight
     assert by_label(run.summaries[1e-8], PLANE)["problems"].to_dict() == {"a": 10, "b": 10, "a, warm": 3}
+    assert by_label(run.summaries[1e-8], PLANE)["skipped"].to_dict() == {"a": 0, "b": 4, "a, warm": 0}
 
 
 def test_growth_exponent_by_hand():
