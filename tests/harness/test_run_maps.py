@@ -138,7 +138,7 @@ def test_page_shows_every_map(atlas) -> None:
     assert "<title>overlap 0.1, friction" in page
     assert "Every grid point is solved by hybrid*, lemke." in page
     maps = [file for file in write_paper(atlas, read_run(atlas)).iterdir() if file.match("map_*.svg")]
-    assert {"map_jam.svg", "map_times_steps_painleve_rod.svg", "map_work_jam.svg"} <= {file.name for file in maps}
+    assert {"map_jam.svg", "map_times_steps_painleve_rod.svg", "map_times_jam.svg"} <= {file.name for file in maps}
     assert {ElementTree.parse(file).getroot().tag[-3:] for file in maps} == {"svg"}
 
 

@@ -12,7 +12,7 @@ from frictionbench.reports.charts import (
     steps,
 )
 
-MAPS = (failure_maps.VERDICTS, failure_maps.TYPES, failure_maps.TIMES, failure_maps.WORK)
+MAPS = (failure_maps.VERDICTS, failure_maps.TYPES, failure_maps.TIMES)
 CHARTS = (
     *(stability.CHART, convergence.FORCES, *MAPS, pareto.CHART, speed_accuracy.CHART, convergence.CHART),
     *(profiles.CHART, profiles.WORK, profiles.WITHIN, growth.CHART, steps.CHART, energy.CHART),

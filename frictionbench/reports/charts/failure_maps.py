@@ -20,7 +20,6 @@ from frictionbench.reports.drawing.text import number, percent, seconds
 from frictionbench.reports.drawing.tiles import Drawing, Entry, Field, Grid, Tile
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
-from frictionbench.results.cells import counts
 from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, endings
 from frictionbench.results.maps import Axis, Map
@@ -71,12 +70,7 @@ def types(run: Run) -> list[Drawing]:
 
 def times(run: Run) -> list[Drawing]:
     """Return a drawing per map: the time of each solver; in closed loop its drift of energy and its penetration."""
-    return _drawings(run, lambda cells: _loop(cells) if cells.spec.steps else _each(cells, "time", seconds))
-
-
-def work(run: Run) -> list[Drawing]:
-    """Return a drawing per map of first problems: the work of each solver."""
-    return _drawings(run, lambda cells: [] if cells.spec.steps else _each(cells, "work", "{:.0f}".format))
+    return _drawings(run, lambda cells: _loop(cells) if cells.spec.steps else _times(cells))
 
 
 def _drawings(
@@ -188,10 +182,8 @@ def _types(cells: MapCells) -> list[tuple[str, Field]]:
     return [(label, _field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))) for label, rows in solved.items()]
 
 
-def _each(cells: MapCells, column: str, write: Callable[[float], str]) -> list[tuple[str, Field]]:
-    """Return a panel with a scale of the column for each label; counters are summed."""
-    values = cells.rows[column].map(_count) if column == "work" else cells.rows[column]
-    return [(label, _scale("", rows, values[rows.index], write)) for label, rows in cells.by_label.items()]
+def _times(cells: MapCells) -> list[tuple[str, Field]]:
+    return [(label, _scale("", rows, rows["time"], seconds)) for label, rows in cells.by_label.items()]
 
 
 def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
@@ -207,12 +199,6 @@ def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
         if others:
             notes.append(f"{', '.join(name for name, _ in alike)} are equal{f' in {field.title}' if field.title else ''}")
     return merged, "; ".join(notes) + "." * bool(notes)
-
-
-def _count(work: str) -> float:
-    """Return the sum of all counters of a row; NaN if there are none."""
-    counters = counts(work)
-    return float(sum(counters.values())) if counters else np.nan
 
 
 def _loop(cells: MapCells) -> list[tuple[str, Field]]:
@@ -255,13 +241,4 @@ TIMES = Chart(
     title="Time over the maps",
     caption="Form, setup and solve together; darker is faster. In closed loop the drift of energy relative to the scene's "
     "energy scale, the largest penetration, and the number of contact-free steps.",
-)
-WORK = Chart(
-    name="map_work",
-    panels=work,
-    section="maps",
-    folded=True,
-    title="Work over the maps",
-    caption="The sum of a method's deterministic counters (pivots, iterations, factorisations, sweeps). Only values within a "
-    "panel are comparable. Darker is less.",
 )
