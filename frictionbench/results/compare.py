@@ -200,29 +200,29 @@ def confirm(
         votes.update(alerts.keys())
         votes.subtract(_name(flip) for flip in differences["flips"] if not flip.worse)
         seen |= alerts
-    again = {variant for _, after in pairs for variant in after["variant"]}
-    first: dict[str, Any] = {name: getattr(comparison, name) for name in ("flips", "gone", "added", "work")}
     others = others or {}
-    repeated = again - others.keys()
-    known = {_name(change): change for kind in first.values() for change in kind}
-    alerted = {name: change for name, change in known.items() if change.worse and change.variant in repeated}
-    dismissed = {name for name, change in alerted.items() if votes[name] <= _threshold(change) * len(pairs)}
-    unseen = [found for name, found in seen.items() if both and name not in known and _is_loss(found[1])]
-    fresh = [found for found in unseen if votes[_name(found[1])] > _threshold(found[1]) * len(pairs)]
+    repeated = {variant for _, after in pairs for variant in after["variant"]} - others.keys()
+
+    def recurs(change: Change) -> bool:
+        return votes[_name(change)] > _threshold(change) * len(pairs)
+
+    first: dict[str, tuple[Change, ...]] = {kind: getattr(comparison, kind) for kind in ("flips", "gone", "added", "work")}
+    known = [change for changes in first.values() for change in changes]
+    dismissed = [change for change in known if change.worse and change.variant in repeated and not recurs(change)]
+    names = set(map(_name, known))
+    fresh = [found for name, found in seen.items() if both and name not in names and _is_loss(found[1]) and recurs(found[1])]
     remaining: dict[str, Any] = {
-        kind: (*(each for each in changes if _name(each) not in dismissed), *(new for of, new in fresh if of == kind))
+        kind: (*(change for change in changes if change not in dismissed), *(new for of, new in fresh if of == kind))
         for kind, changes in first.items()
     }
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
-    notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
-    for variant, names in others.items():
-        notes.append(f"{variant}: nothing is dismissed: {OTHER_CONTENT.format(', '.join(names[:MOST_NAMES]))}")
+    notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(set(map(_name, dismissed)))]
+    for variant, files in others.items():
+        notes.append(f"{variant}: nothing is dismissed: {OTHER_CONTENT.format(', '.join(files[:MOST_NAMES]))}")
     timed = {time.variant: time for time in (times(pairs, limits.slowdown) if both and limits.times else [])}
     return replace(
         comparison,
-        same=comparison.same
-        + sum(_name(flip) in dismissed for flip in comparison.flips)
-        - sum(kind in ("flips", "gone") for kind, _ in fresh),
+        same=comparison.same + sum(len(first[kind]) - len(remaining[kind]) for kind in ("flips", "gone")),
         **remaining,
         times=tuple(({time.variant: time for time in comparison.times} | timed).values()),
         untimed="" if timed else "no cell was timed in both versions" if both and limits.times else comparison.untimed,

@@ -25,6 +25,8 @@ def test_export_writes_what_the_suffix_says(tmp_path) -> None:
     with pytest.raises(InputError, match=r"^out: .*stack\.txt must end in .hdf5, .h5, .npz, or name a folder"):
         list(export("stack[blocks=2]", tmp_path / "stack.txt"))
     assert not (tmp_path / "stack.txt").exists()
+    with pytest.raises(InputError, match=r"^DIR: .* holds no problems"):
+        list(export(str(write_folder(tmp_path / "run", [])), tmp_path / "files"))
 
 
 @pytest.fixture
@@ -42,11 +44,6 @@ def test_a_problem_of_two_sources_is_written_once(collected, tmp_path) -> None:
     assert len(written) == len(set(written)) == len(json.loads(path.read_text(encoding="utf-8")))
     written[0].unlink()
     assert list(export(str(collected), tmp_path / "files")) == written  # as after an interruption
-
-
-def test_a_folder_without_problems_is_refused(tmp_path) -> None:
-    with pytest.raises(InputError, match=r"^DIR: .* holds no problems"):
-        list(export(str(write_folder(tmp_path / "run", [])), tmp_path / "files"))
 
 
 def test_problems_that_fclib_cannot_represent(collected, tmp_path) -> None:

@@ -64,9 +64,8 @@ def test_environments_in_which_no_command_runs(environment) -> None:
 
 
 def test_a_name_that_is_not_utf8(tmp_path) -> None:
-    code, told = shell(f"{SHELL} run smoke --out {tmp_path}/$'\\xff'")
-    assert (code, told) == (2, "frictionbench: a name that is not UTF-8 cannot be stored\n")
-    assert not list(tmp_path.iterdir())
+    told = shell(f"{SHELL} run smoke --out {tmp_path}/$'\\xff'")
+    assert (told, [*tmp_path.iterdir()]) == ((2, "frictionbench: a name that is not UTF-8 cannot be stored\n"), [])
 
 
 def test_error_of_our_own(monkeypatch, capsys) -> None:

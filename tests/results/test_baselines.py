@@ -103,12 +103,10 @@ def test_history_uses_common_cells(tmp_path):
 
 def test_names_with_the_separators_of_a_baseline(tmp_path):
     """Else what a plug-in loaded would be unknown, and a version of --code that lacks it would not be refused."""
-    plugin = {"source": "a.py", "solvers": {"a": {}, "a[file=c:x]": {}}}
-    settings = SETTINGS | {"plugins": [plugin]}
+    settings = SETTINGS | {"plugins": [{"source": "a.py", "solvers": {"a": {}, "a[file=c:x]": {}}}]}
     loaded = {"a.py": "/x/a.py", "/x/t; 2.txt": "/x/t; 2.txt", "/x/t\n3: 4.txt": "/x/t 3: 4.txt"}
-    content = dict(zip(loaded.values(), ("1" * 64, "2" * 64, "3" * 64), strict=True))
-    made = run(tmp_path / "run", settings=settings, loaded={"a.py": loaded}, content=content)
-    accept(made, tmp_path / "made.tsv")
-    stored, now = (cells.read(path).loaded for path in (tmp_path / "made.tsv", made))
-    assert stored == now
-    assert now["a[file=c:x]"] == {"a.py": "1" * 12, "t, 2.txt": "2" * 12, "t 3: 4.txt": "3" * 12}
+    content = {place: str(i) * 64 for i, place in enumerate(loaded.values())}
+    accept(run(tmp_path / "run", settings=settings, loaded={"a.py": loaded}, content=content), tmp_path / "made.tsv")
+    for path in "made.tsv", "run":
+        known = cells.read(tmp_path / path).loaded["a[file=c:x]"]
+        assert known == {"a.py": "0" * 12, "t, 2.txt": "1" * 12, "t 3: 4.txt": "2" * 12}

@@ -279,23 +279,31 @@ def test_a_solver_that_fails_at_times(runs, shown):
     assert confirm(seen, times[:2] + steady + steady[:1], both=True, limits=Limits()).exit_code == 0
 
 
-@pytest.mark.parametrize("lost", ["times", "cells", "counters"])
-def test_what_is_lost_in_the_repeats_alone(runs, lost):
+@pytest.mark.parametrize(
+    ("lost", "named"),
+    [
+        ({"form_times": None, "setup_times": None, "solve_times": None}, "timed cells"),
+        ({"verdict": "skipped"}, "a-p0-1e-08 solved → skipped"),
+        ({"work": "{}"}, "pivots"),
+    ],
+)
+def test_what_is_lost_in_the_repeats_alone(runs, lost, named):
     """In three of eight, of which the others show a time twice as long in too few pairs for an interval."""
-    without = {
-        "times": solve_row("a", "p0", form_times=None, setup_times=None, solve_times=None),
-        "cells": unanswered_row("a", "p0", "skipped"),
-        "counters": solve_row("a", "p0", work="{}"),
-    }[lost]
-    seen, gone = runs(pivots([9]), pivots([9])), cells.read(runs(pivots([9]), [without]).current).table
-    before = cells.read(seen.baseline).table
-    slow = [(before, before.assign(seconds=2 * before["seconds"]))] * 5
-    found = confirm(seen, [(before, gone)] * 3 + slow, both=True, limits=Limits())
-    named = {"times": "timed cells", "cells": "a-p0-1e-08 solved → skipped", "counters": "pivots"}[lost]
-    assert (found.exit_code, found.counts["same"]) == (1, int(lost != "cells"))
-    assert named in told(found.worse)
+    seen = runs(pivots([9]), pivots([9]))
+    before, gone = (cells.read(path).table for path in (seen.baseline, runs([], [pivots([9])[0] | lost]).current))
+    slow = before.assign(seconds=2 * before["seconds"])
+    for steady in ([(before, slow)] * 5, []):
+        found = confirm(seen, [(before, gone)] * 3 + steady, both=True, limits=Limits())
+        assert (told(found.worse), found.counts["same"]) == ([named], int("verdict" not in lost))
     assert confirm(seen, [(before, gone)] * 2 + [(before, before)] * 6, both=True, limits=Limits()).exit_code == 0
-    assert named in told(confirm(seen, [(before, gone)] * 3, both=True, limits=Limits()).worse)
+
+
+def test_a_counter_that_grows_in_one_cell_and_is_gone_in_another(runs):
+    """In three of eight repeats, which confirms the loss alone."""
+    seen = runs(pivots([10, 10]), [*pivots([20]), solve_row("a", "p1", work="{}")])
+    before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
+    found = confirm(seen, [(before, after)] * 3 + [(before, before)] * 5, both=True, limits=Limits())
+    assert [[one.after for one in each.worse] for each in (seen, found)] == [[20, None], [None]]
 
 
 def test_a_timeout_in_most_repeats_is_an_alert(runs, tmp_path):

@@ -105,12 +105,12 @@ def test_times_that_no_clock_shows_are_unknown(tmp_path) -> None:
     """As of a plug-in that replaces the clock; 0 is below a clock's resolution, and has no logarithm."""
     given = (-1.0, 1e300, float("nan"), 0.0, 1.0)
     rows = [solve_row("a", f"p{i}", **dict.fromkeys(("form_time", "setup_time", "solve_time"), t)) for i, t in enumerate(given)]
-    folder = write_folder(tmp_path, rows)
+    write_folder(tmp_path, rows)
     for _ in range(2):  # from the table, then from the shards
-        table = store.read_table(folder, "solves").set_index("key").sort_index()
+        table = store.read_table(tmp_path, "solves").set_index("key").sort_index()
         np.testing.assert_array_equal(RankBy.BODIES.time(table), [np.nan] * 3 + [1e-9, 3.0])
         assert [times is None or times[0] for times in table["solve_times"]] == [True, True, True, 0.0, 1.0]
-        (folder / "solves.parquet").unlink(missing_ok=True)
+        (tmp_path / "solves.parquet").unlink(missing_ok=True)
 
 
 def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
