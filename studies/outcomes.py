@@ -20,9 +20,11 @@ from studies.motions import problem_of
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require
 
 TOL = 1e-8
+SAME = 1e-8  # relative to the change by contact: refined answers are nearer or farther apart by orders of magnitude
 STARTS = 3  # random starts of the methods that take one
 LADDER = tuple(10.0**-k for k in range(1, 13))
 FRICTIONS = (0.1, 0.3, 0.5, 0.8, 1.2, 2.0, 5.0)
+MODEST = 0.8  # mu
 SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("disc_pile", {"rows": 5, "push": 0.1}),
     ("disc_pile", {"rows": 10, "push": 0.1}),
@@ -50,11 +52,11 @@ def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STAR
             outcomes: list[Array] = []
             for method, start, answer in found(problem, starts):
                 finest = None if answer is None else refined(problem, answer)
-                apart = [] if finest is None else [velocity_distance(problem, finest, each) for each in outcomes]
-                near = [k for k, distance in enumerate(apart) if distance is not None and distance <= ANOTHER_OUTCOME]
-                if finest is not None and not near:
+                apart = [] if finest is None else [velocity_distance(problem, finest, each) or 0.0 for each in outcomes]
+                nearest = min(apart, default=np.inf)
+                if finest is not None and nearest > SAME:
                     outcomes.append(finest)
-                outcome = near[0] if near else len(outcomes) - 1
+                outcome = apart.index(nearest) if nearest <= SAME else len(outcomes) - 1
                 yield {
                     "scene": name,
                     "settings": json.dumps(settings),  # but for friction
@@ -66,6 +68,7 @@ def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STAR
                     "refined": finest is not None,
                     "outcome": outcome if finest is not None else -1,  # numbered in the order found
                     "distance": (apart[0] if apart else 0.0) if finest is not None else np.nan,  # from the first outcome
+                    "nearest": nearest if apart else np.nan,  # the least distance from the outcomes found before
                 }
 
 
@@ -90,7 +93,7 @@ def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADD
             problem = problem_of(name, settings | {"friction": friction})
             refinements = [refined(problem, answer) for _, _, answer in found(problem, 0) if answer is not None]
             finest = [r for r in refinements if r is not None]
-            if len(finest) < 2 or any((velocity_distance(problem, r, finest[0]) or 0.0) > 1e-9 for r in finest[1:]):
+            if len(finest) < 2 or any((velocity_distance(problem, r, finest[0]) or 0.0) > SAME for r in finest[1:]):
                 continue
             for method in METHODS[problem.dimension]:
                 for tol in ladder:
@@ -119,9 +122,14 @@ def summary(tables: Tables) -> Summary:
         apart=("distance", "max"),
     )
     several = problems[problems["outcomes"] > 1]
-    require(len(several) and (several["apart"] > ANOTHER_OUTCOME).all(), "some problems have several outcomes")
+    require(len(several), "some problems have several outcomes")
+    equal = known["nearest"] <= SAME
+    below, above = known["nearest"][equal].max(), known["nearest"][~equal].min()
+    require(below < SAME / 100 and above > SAME * 10, "answers are much nearer than the threshold, or farther apart")
     least = several.reset_index().groupby("scene")["friction"].min()
-    cold = known[known["start"] == "zero"].merge(several.reset_index()[PROBLEM])
+    every = known[known["start"] == "zero"]
+    cold = every.merge(several.reset_index()[PROBLEM])
+    modest = problems.index.get_level_values("friction") <= MODEST
     measured = ladder[(ladder["residual"] < 0.1) & (ladder["residual"] > 1e-11) & (ladder["error"] > 0)]
     gain = measured["error"] / measured["residual"]
     # far away although the residual is small
@@ -133,8 +141,12 @@ def summary(tables: Tables) -> Summary:
             (f"{mu:g}", *(f"{(group > 1).sum()} of {group.size}" for _, group in rows.groupby("dimension")["outcomes"]))
             for mu, rows in problems.groupby("friction")
         ],
+        "modest": _several(problems[modest]),
+        "large": _several(problems[~modest]),
+        "below": f"{below:.0e}",
+        "above": f"{above:.0e}",
         "most": several["outcomes"].max(),
-        "low": f"{several['apart'].min():.2g}",
+        "low": f"{several['apart'].min():.1g}",
         "high": f"{several['apart'].max():.2g}",
         "median": f"{several['apart'].median():.2g}",
         "largest": problems["contacts"].max(),
@@ -143,7 +155,7 @@ def summary(tables: Tables) -> Summary:
         "least": listing([f"{name} from mu = {mu:g}" for name, mu in least.items()]),
         "never": listing(sorted(set(problems.reset_index()["scene"]) - set(least.index))),
         "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
-        "agreements": listing([f"{pair} on {where}" for pair, where in _agreements(cold).items()]),
+        "agreements": [(*pair, share, _agreements(cold).get(pair, "–")) for pair, share in _agreements(every).items()],
         "offered": int(problems.index.isin(ladder["friction"].unique(), level="friction").sum()),
         "agreeing": int((ladder["method"].eq("nsgs") & ladder["tol"].eq(ladder["tol"].max())).sum()),  # nsgs answers each
         "answers": len(measured),
@@ -165,14 +177,19 @@ def summary(tables: Tables) -> Summary:
     return Summary(numbers, figures)
 
 
-def _agreements(cold: pd.DataFrame) -> dict[str, str]:
-    """Return for each pair of methods, started from zero, on how many problems that both solve their outcomes agree."""
-    table = cold.pivot_table(index=PROBLEM, columns="method", values="outcome")
+def _several(problems: pd.DataFrame) -> str:
+    several = problems["outcomes"] > 1
+    return f"{several.sum()} of {len(several)} problems, up to {problems['apart'].max():.2g} apart"
+
+
+def _agreements(cold: pd.DataFrame) -> dict[tuple[str, str], str]:
+    """Return where and for which two methods, started from zero, on how many problems that both solve their outcomes agree."""
     agreements = {}
-    for one, other in combinations(table.columns, 2):
-        both = table[[one, other]].dropna()
-        if len(both):
-            agreements[f"{one} and {other}"] = f"{(both[one] == both[other]).sum()} of {len(both)}"
+    for dimension, where in ((2, "the plane"), (3, "space")):
+        table = cold[cold["dimension"] == dimension].pivot_table(index=PROBLEM, columns="method", values="outcome")
+        for one, other in combinations(table.columns, 2):
+            both = table[[one, other]].dropna()
+            agreements[where, f"{one} and {other}"] = f"{(both[one] == both[other]).sum()} of {len(both)}"
     return agreements
 
 

@@ -10,11 +10,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import GRAVITY
+from frictionbench.problems import GRAVITY, refined, velocity_distance
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
 from frictionbench.solvers import solve
 from studies.motions import apart, coulomb, path, relaxed
+from studies.outcomes import SAME, STARTS, found
 from studies.study import Row, Study, Summary, Tables, curve, finish, listing, order, require
 
 PILES: dict[str, dict[str, Any]] = {
@@ -40,7 +41,9 @@ def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEP
     pushes = (*((SUDDEN, 1.0, step) for step in steps), (SMOOTH, 10.0 * ANY, ANY))  # m/s in a step
     for (name, size), (kind, push, step), friction in product(PILES.items(), pushes, frictions):
         problem = fb.scene(name, **size, push=push, friction=friction, step=step).problem()
-        v, w = problem.velocity(coulomb(problem)), problem.velocity(relaxed(problem))
+        w, answers = problem.velocity(relaxed(problem)), [answer for *_, answer in found(problem, STARTS) if answer is not None]
+        finest = [r for answer in (coulomb(problem), *answers) if (r := refined(problem, answer)) is not None]
+        distances = [apart(problem, w, problem.velocity(r)) for r in finest]
         counts = {
             spec: answer.work[unit] if fb.residual(problem, answer.impulse) <= 1e-8 else None
             for spec, unit in (("anitescu_hart", "relaxations"), ("staggered", "rounds"))
@@ -51,8 +54,10 @@ def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEP
             "push": kind,  # by 1 m/s at once, or by 10 m/s^2
             "friction": friction,  # mu
             "step": step,  # s
-            # |v_relaxed - v_Coulomb|_M / |v*|_M
-            "error": apart(problem, w, v),
+            # |v_relaxed - v_Coulomb|_M / |v*|_M for the nearest and the farthest motion that was found by Coulomb's law
+            "error": min(distances),
+            "farthest": max(distances),
+            "several": any((velocity_distance(problem, r, finest[0]) or 0.0) > SAME for r in finest),  # motions
             **counts,
         }
 
@@ -79,24 +84,33 @@ def gaps(friction: float = 0.6, speed: float = 1.0, steps: Iterable[float] = (0.
 
 def summary(tables: Tables) -> Summary:
     errors, gaps = tables["errors"], tables["gaps"]
-    hop, smooth = gaps.iloc[-1], order(gaps["step"], gaps["smooth"])
+    hop, gap = gaps.iloc[-1], order(gaps["step"], gaps["smooth"])
     require(np.allclose(gaps["smooth"], gaps["smooth_predicted"], rtol=0.02), "the smooth gap is h mu |v_t|")
     require(abs(hop["hop"] / hop["hop_predicted"] - 1) < 0.05, "the hop is that of the closed form")
     usual = errors[errors["friction"].between(0.1, 0.8)]
     by_step = usual[usual["push"] == SUDDEN].groupby("step")["error"].median()
     require(by_step.iloc[0] >= by_step.iloc[-1], "smaller steps do not lessen the error of sudden pushes")
-    smooth_errors = usual[usual["push"] == SMOOTH].set_index(["scene", "friction"])["error"]
-    by_pile = usual.groupby(["push", "scene"])["error"].agg(["median", "max"])
+    smooth = usual[usual["push"] == SMOOTH].set_index(["scene", "friction"]).sort_index()
+    nearest = smooth["error"]
+    by_pile = usual.groupby(["push", "scene"]).agg(median=("error", "median"), most=("farthest", "max"))
+    between = usual[(usual["push"] == SUDDEN) & usual["several"]]
     counts = errors.groupby("friction")[["anitescu_hart", "staggered"]].agg(["count", "median"])
     low, high = counts.index.min(), counts.index[counts["anitescu_hart"]["count"] > 0].max()
     arrived, cases = errors[["anitescu_hart", "staggered"]].notna(), errors[["scene", "friction"]]
     numbers = {
-        **{f"most_{push}": _percent(error) for push, error in by_pile["max"].groupby("push").max().items()},
-        "rows": [(name, *map(_percent, [*by_pile.loc[(SUDDEN, name)], *smooth_errors[name].sort_index()])) for name in PILES],
-        "frictions": [f"{mu:g}" for mu in sorted(smooth_errors.index.unique("friction"))],
-        "same": int((smooth_errors < ANSWER_ERROR).sum()),
-        "pairs": len(smooth_errors),
-        "least": _percent(smooth_errors[smooth_errors >= ANSWER_ERROR].min()),
+        **{f"most_{push}": _percent(error) for push, error in by_pile["most"].groupby("push").max().items()},
+        "rows": [
+            (name, *map(_percent, by_pile.loc[(SUDDEN, name)]), *map(_range, smooth.loc[name].itertuples())) for name in PILES
+        ],
+        "frictions": [f"{mu:g}" for mu in smooth.index.unique("friction")],
+        "same": int((nearest < ANSWER_ERROR).sum()),
+        "pairs": len(smooth),
+        "least": _percent(nearest[nearest >= ANSWER_ERROR].min()),
+        "several": int(errors["several"].sum()),
+        "where": listing(
+            [f"{pile} from mu = {mu:g}" for pile, mu in errors[errors["several"]].groupby("scene")["friction"].min().items()]
+        ),
+        "between": f"{100 * (between['farthest'] - between['error']).max():.2g} %",
         "arrived": arrived.sum(),
         "lost": {
             name: listing([f"{pile} at mu = {mu:g} ({n})" for (pile, mu), n in cases[~same].value_counts(sort=False).items()])
@@ -108,7 +122,7 @@ def summary(tables: Tables) -> Summary:
         "coarsest_error": _percent(by_step.iloc[-1]),
         "hop": f"{1000.0 * hop['hop']:.1f}",
         "hop_predicted": f"{1000.0 * hop['hop_predicted']:.1f}",
-        "smooth": f"{smooth.value:.2f}",
+        "smooth": f"{gap.value:.2f}",
         "at_low": f"{counts['anitescu_hart']['median'][low]:.0f}",
         "low": f"{low:g}",
         "at_high": f"{counts['anitescu_hart']['median'][high]:.0f}",
@@ -126,6 +140,12 @@ def summary(tables: Tables) -> Summary:
 
 def _percent(error: float) -> str:
     return "0" if error < ANSWER_ERROR else f"{100 * error:.2g} %"
+
+
+def _range(row: Any) -> str:
+    """Return the errors for the nearest and the farthest motion, one if they are equal as shown."""
+    near, far = _percent(row.error), _percent(row.farthest)
+    return near if near == far else f"{near.removesuffix(' %')} to {far}"
 
 
 def _errors(ax: Axes, errors: pd.DataFrame) -> None:
