@@ -203,6 +203,7 @@ def summary(tables: Tables) -> Summary:
     ball, problems = tables["ball"], tables["problems"]
     cone, polygons = ball[ball["facets"] == 0].iloc[0], ball[ball["facets"] > 0]
     bends = polygons.groupby("facets")["from_cone"].agg(["mean", "max"])
+    off = polygons.groupby("facets")["from_parabola"].mean()
     slope = order(bends.index, bends["mean"])
     errors = problems[problems["error"] > KINK].groupby(["facets", "number"])["error"].mean()
     erring = errors.groupby("facets").median()
@@ -218,10 +219,12 @@ def summary(tables: Tables) -> Summary:
     inner, rounds = clocks.median(), counts.median()
     numbers = {
         "coarse": coarse,
-        "coarse_bend": f"{100 * bends['mean'].iloc[0]:.1f}",
+        "coarse_bend": f"{1000 * bends['mean'].iloc[0]:.2g}",
+        "coarse_off": f"{1000 * off.iloc[0]:.2g}",
         "length": f"{cone['length']:.2f}",
         "fine": fine,
-        "fine_bend": f"{1000 * bends['mean'].iloc[-1]:.2f}",
+        "fine_bend": f"{1000 * bends['mean'].iloc[-1]:.2g}",
+        "fine_off": f"{1000 * off.iloc[-1]:.2g}",
         "slope": slope,
         "step_ms": f"{1000 * cone['step']:g}",
         "from_parabola": f"{1000 * cone['from_parabola']:.1f}",

@@ -63,6 +63,11 @@ def block(
             }
 
 
+def finer(draws: int = 1500) -> Iterator[Row]:
+    """The block with mu H/w = 1.5 and more velocities, the first of which are those of the grid."""
+    yield from block((3.0,), (0.5,), draws)
+
+
 def motions(names: Iterable[str] = EXAMPLES, steps: int | None = None, most: int = 60) -> Iterator[Row]:
     """The problems of simulated motions, at most `most` spread over each, and the recorded steps with few contacts.
 
@@ -101,7 +106,7 @@ def listed(problem: FrictionProblem) -> Census | None:
 
 
 def summary(tables: Tables) -> Summary:
-    jam, block, motions = (tables[name] for name in ("jam", "block", "motions"))
+    jam, block, motions, more = (tables[name] for name in ("jam", "block", "motions", "finer"))
     inside, beyond = jam[jam["share"] <= 1], jam[jam["share"] > 1]
     require(jam["residual"].max() < RESIDUAL_ROUNDING, "the closed form solves the jam")
     require(inside["middle_residual"].max() < RESIDUAL_ROUNDING, "the sliding solutions of the jam form a segment")
@@ -125,6 +130,7 @@ def summary(tables: Tables) -> Summary:
         "aspect": listing([f"{aspect:g}" for aspect in high["aspect"].unique()], "or"),
         "share": f"{high['several_velocities'].iloc[0]} of {high['draws'].iloc[0]}",
         "points_of_block": len(block),
+        "more": f"{more['several_velocities'].sum()} of {more['draws'].sum()}",
         "unseen": share(0, int(high["draws"].iloc[0])),
         "problems": motions["problems"].sum(),
         "unique": motions["one"].sum(),
@@ -174,4 +180,4 @@ def _shares(ax: Axes, block: pd.DataFrame) -> None:
     ax.set(xlabel="mu", ylabel="height over width")
 
 
-STUDY = Study((jam, block, motions), summary)
+STUDY = Study((jam, block, finer, motions), summary)

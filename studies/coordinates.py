@@ -12,9 +12,11 @@ import frictionbench as fb
 from frictionbench.problems import SCHEMES, ReducedScene, simulation, start
 from frictionbench.reports.drawing.figures import Panel
 from studies.motions import exact
-from studies.study import Row, Study, Summary, Tables, finish, order, require
+from studies.study import Row, Study, Summary, Tables, finish, listing, order, require
 
 NAMES = {"angles": "slider_crank_angles", "hinges": "slider_crank"}
+SPEEDS = {150.0: 0.004, 10.0: 0.04, 1.0: 0.02}  # of the crank, rad/s, and durations, s
+FAST, STABILISED = max(SPEEDS), "stewart_trinkle"
 
 
 def drifts(
@@ -45,26 +47,28 @@ def drifts(
 def free(
     schemes: Iterable[str] = ("anitescu_potra", "moreau", "stewart_trinkle"),
     counts: Iterable[int] = (10, 20, 40, 80, 160),
-    duration: float = 0.004,
 ) -> Iterator[Row]:
     """The same mechanism with enough clearance that nothing touches: the order of each scheme in each form."""
-    known = fb.scene(NAMES["angles"], step=duration, duration=duration, clearance=0.01)
-    assert isinstance(known, ReducedScene)
-    end = known.place(SCHEMES["event_driven_newton"](known, start(known), exact).q)
-    for scheme, count, (form, name) in product(schemes, counts, NAMES.items()):
-        made = fb.scene(name, step=duration / count, duration=duration, clearance=0.01)
-        *_, last = simulation(made, exact, SCHEMES[scheme])
-        found = made.place(last.q) if isinstance(made, ReducedScene) else last.q
-        yield {
-            "scheme": scheme,
-            "step": duration / count,  # s
-            "form": form,  # angles or hinges
-            "error": float(np.abs(found - end).max()),  # of a body's coordinate at the end, m or rad
-        }
+    for speed, duration in SPEEDS.items():
+        known = fb.scene(NAMES["angles"], step=duration, duration=duration, clearance=0.01, speed=speed)
+        assert isinstance(known, ReducedScene)
+        end = known.place(SCHEMES["event_driven_newton"](known, start(known), exact).q)
+        for scheme, count, (form, name) in product(schemes, counts, NAMES.items()):
+            made = fb.scene(name, step=duration / count, duration=duration, clearance=0.01, speed=speed)
+            *_, last = simulation(made, exact, SCHEMES[scheme])
+            found = made.place(last.q) if isinstance(made, ReducedScene) else last.q
+            yield {
+                "speed": speed,  # of the crank at the start, rad/s
+                "scheme": scheme,
+                "step": duration / count,  # s
+                "form": form,  # angles or hinges
+                "error": float(np.abs(found - end).max()),  # of a body's coordinate at the end, m or rad
+            }
 
 
 def summary(tables: Tables) -> Summary:
-    drifts = tables["drifts"]
+    drifts, free = tables["drifts"], tables["free"]
+    slow = free[(free["form"] == "hinges") & (free["scheme"] == STABILISED)].groupby("speed")
     angles, hinges = (drifts[drifts["form"] == form] for form in ("angles", "hinges"))
     require(angles["drift"].max() < 1e-12, "nothing drifts in angles")
     slopes = {scheme: order(rows["step"], rows["drift"]) for scheme, rows in hinges.groupby("scheme")}
@@ -80,7 +84,8 @@ def summary(tables: Tables) -> Summary:
         "drift": f"{hinges['drift'].max():.0e}",
         "drifts": told,
         "ends": ends,
-        "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in tables["free"].groupby("form")),
+        "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in free[free["speed"] == FAST].groupby("form")),
+        "slow": listing([f"{order(rows['step'], rows['error'])} at {speed:g} rad/s" for speed, rows in slow]),
     }
     figures = {"drift": (Panel("drift", partial(_drift, hinges=hinges)), Panel("error", partial(_error, drifts=drifts)))}
     return Summary(numbers, figures)

@@ -103,14 +103,12 @@ def summary(tables: Tables) -> Summary:
     whole, names = stepped.dropna(subset="error"), list(dict.fromkeys(errors["scene"]))
     best = [_best(name, driven, whole) for name in names]
     smaller = [row for row in best if row["error"] < row["stepped"]]
-    cheaper = [row for row in smaller if row["work"] < row["steps"]]
     stopped = ends[ends["reason"] != ""]
     slopes = {key: order(group["setting"], group["error"]) for key, group in whole.groupby(["scene", "scheme"])}
     low, middle, high = np.quantile([slope.value for key, slope in slopes.items() if key[1] != HIGHER], [0.25, 0.5, 0.75])
     numbers = {
         "smaller": len(smaller),
         "scenes": len(names),
-        "cheaper": len(cheaper),
         "followed": len(ends) - len(stopped),
         "motions": len(ends),
         "best": best,

@@ -66,7 +66,7 @@ def summary(tables: Tables) -> Summary:
     ratio = (random["plain_work"] / random["relaxation_work"]).median()
     tall = piles[piles["blocks"] == piles["blocks"].max()]
     numbers = {
-        "random_plain": share(random["plain"].sum(), len(random)),
+        "random": len(random),
         "random_relaxation": random["relaxation"].sum(),
         "random_paths": random["paths"].sum(),
         "modest": share(modest["plain"].sum(), len(modest)),

@@ -13,7 +13,7 @@ import frictionbench as fb
 from frictionbench.harness.plans import robots
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.solvers import find
-from studies.study import Row, Study, Summary, Tables, curve, finish, listing, require
+from studies.study import Row, Study, Summary, Tables, curve, finish, listing, require, share
 
 METHODS = ("nsgs", "apgd_coulomb", "admm_coulomb")
 PRECISIONS = {"double": "", "single": "[precision=single]"}
@@ -54,6 +54,8 @@ def summary(tables: Tables) -> Summary:
     table, rounding = tables["reached"], tables["rounded"]["residual"]
     least = table.groupby(["method", "precision", "case"])["residual"].min()
     coarse = (least <= TARGETS[0]).groupby("precision").sum()
+    fine = (least <= TARGETS[1]).unstack("precision")  # noqa: PD010
+    lost = (~fine["single"])[fine["double"]].groupby("method").agg(["sum", "count"])
     require(coarse["single"] == coarse["double"], "no step is lost within 1e-4 in single precision")
     pair = table.pivot_table(index=["method", "case", "limit"], columns="precision", values="seconds")
     slower = (pair["single"] / pair["double"])[lambda ratio: ratio.index.get_level_values("limit") == table["limit"].max()]
@@ -64,6 +66,7 @@ def summary(tables: Tables) -> Summary:
         "rounded_worst": f"{rounding.max():.0e}",
         "at_coarse": _solved(least, TARGETS[0]),
         "at_fine": _solved(least, TARGETS[1]),
+        "lost": listing([f"{share(*lost.loc[name])} ({name})" for name in METHODS]),
         "floors": listing(
             [f"{least[name, 'single'].median():.0e} to {least[name, 'single'].quantile(0.9):.0e} ({name})" for name in METHODS]
         ),

@@ -16,7 +16,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import binom
 
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.reports.drawing.figures import Panel
@@ -96,11 +95,9 @@ def order(x: ArrayLike, y: ArrayLike) -> Slope:
 
 
 def middle(values: ArrayLike) -> str:
-    """Format the median of independent values, with an interval of at least 95 % between two values; infinite below six."""
-    kept = np.sort(np.asarray(values, dtype=float))
-    k = int(binom.ppf(0.025, len(kept), 0.5))
-    low, high = (kept[k - 1], kept[-k]) if k else (-np.inf, np.inf)
-    return f"{np.median(kept):.0e} ({low:.0e} to {high:.0e})"
+    """Format the median, with the least and the largest value."""
+    low, median, high = np.quantile(np.asarray(values, dtype=float), [0, 0.5, 1])
+    return f"{median:.0e} ({low:.0e} to {high:.0e})"
 
 
 def listing(items: Sequence[str], last: str = "and") -> str:

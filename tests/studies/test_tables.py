@@ -49,6 +49,7 @@ def test_the_jam_is_a_bent_line_and_the_block_is_unique_where_it_is_p0() -> None
         "convexity",
         jam={"points": 9},
         block={"frictions": (0.5, 3.0), "aspects": (1.0,), "draws": 30},
+        finer={"draws": 30},
         motions={"names": ("example_4",), "steps": 30, "most": 3},
     )
     jam, block = found["jam"], found["block"]
@@ -70,10 +71,11 @@ def test_hinges_drift_and_angles_do_not() -> None:
     drifts = found["drifts"]
     assert drifts[drifts["form"] == "angles"]["drift"].max() < 1e-12
     assert drifts[drifts["form"] == "hinges"]["drift"].min() > 1e-6
-    free = {form: order(rows["step"], rows["error"]).value for form, rows in found["free"].groupby("form")}
+    fast = found["free"].query("speed == 150")
+    free = {form: order(rows["step"], rows["error"]).value for form, rows in fast.groupby("form")}
     assert free["hinges"] > 1.8, "SHAKE with one Newton step, gravity small beside the reactions"
     assert free["angles"] < 1.2
-    assert text("coordinates", found).answer.startswith("In the same configuration W is the same")
+    assert text("coordinates", found).answer.startswith("By algebra, in the same configuration W is the same")
 
 
 def test_events_are_exact_and_steps_are_of_first_order() -> None:
