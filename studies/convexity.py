@@ -63,11 +63,6 @@ def block(
             }
 
 
-def finer(draws: int = 1500) -> Iterator[Row]:
-    """The block with mu H/w = 1.5 and more velocities, the first of which are those of the grid."""
-    yield from block((3.0,), (0.5,), draws)
-
-
 def motions(names: Iterable[str] = EXAMPLES, steps: int | None = None, most: int = 60) -> Iterator[Row]:
     """The problems of simulated motions, at most `most` spread over each, and the recorded steps with few contacts.
 
@@ -78,14 +73,14 @@ def motions(names: Iterable[str] = EXAMPLES, steps: int | None = None, most: int
         few = [problem for problem in met if 0 < problem.contacts <= MOST_CONTACTS]
         yield {"source": name, **counted(few[:: -(-len(few) // most) or 1])}
     kept = [fb.instance("recorded_step", case=case) for case in recorded_steps()]
-    yield {"source": "recorded steps", **counted([problem for problem in kept if problem.dimension == 2])}
+    few = [problem for problem in kept if problem.dimension == 2 and 0 < problem.contacts <= MOST_CONTACTS]
+    yield {"source": "recorded steps", **counted(few)}
 
 
 def counted(problems: list[FrictionProblem]) -> Row:
-    """Count the problems with few contacts, those whose solutions are all enumerated, and the shapes of their solution sets."""
-    few = [problem for problem in problems if 0 < problem.contacts <= MOST_CONTACTS]
-    found = [one for problem in few if (one := listed(problem)) is not None]
-    return {"problems": len(few), "listed": len(found), **tally(found)}
+    """Count the problems, those whose solutions are all enumerated, and the shapes of their solution sets."""
+    found = [one for problem in problems if (one := listed(problem)) is not None]
+    return {"problems": len(problems), "listed": len(found), **tally(found)}
 
 
 def tally(found: list[Census]) -> Row:
@@ -106,7 +101,7 @@ def listed(problem: FrictionProblem) -> Census | None:
 
 
 def summary(tables: Tables) -> Summary:
-    jam, block, motions, more = (tables[name] for name in ("jam", "block", "motions", "finer"))
+    jam, block, motions = (tables[name] for name in ("jam", "block", "motions"))
     inside, beyond = jam[jam["share"] <= 1], jam[jam["share"] > 1]
     require(jam["residual"].max() < RESIDUAL_ROUNDING, "the closed form solves the jam")
     require(inside["middle_residual"].max() < RESIDUAL_ROUNDING, "the sliding solutions of the jam form a segment")
@@ -130,7 +125,6 @@ def summary(tables: Tables) -> Summary:
         "aspect": listing([f"{aspect:g}" for aspect in high["aspect"].unique()], "or"),
         "share": f"{high['several_velocities'].iloc[0]} of {high['draws'].iloc[0]}",
         "points_of_block": len(block),
-        "more": f"{more['several_velocities'].sum()} of {more['draws'].sum()}",
         "unseen": share(0, int(high["draws"].iloc[0])),
         "problems": motions["problems"].sum(),
         "unique": motions["one"].sum(),
@@ -180,4 +174,4 @@ def _shares(ax: Axes, block: pd.DataFrame) -> None:
     ax.set(xlabel="mu", ylabel="height over width")
 
 
-STUDY = Study((jam, block, finer, motions), summary)
+STUDY = Study((jam, block, motions), summary)

@@ -9,14 +9,20 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import SCHEMES, ReducedScene, simulation, start
+from frictionbench.problems import SCHEMES, ReducedScene, simulation
 from frictionbench.reports.drawing.figures import Panel
 from studies.motions import exact
-from studies.study import Row, Study, Summary, Tables, finish, listing, order, require
+from studies.study import Array, Row, Study, Summary, Tables, finish, listing, order, require
 
 NAMES = {"angles": "slider_crank_angles", "hinges": "slider_crank"}
 SPEEDS = {150.0: 0.004, 10.0: 0.04, 1.0: 0.02}  # of the crank, rad/s, and durations, s
-FAST, STABILISED = max(SPEEDS), "stewart_trinkle"
+
+
+def places(form: str, scheme: str, step: float, duration: float, **settings: float) -> list[Array]:
+    """Return the bodies' coordinates (9,) at the start and after each step."""
+    made = fb.scene(NAMES[form], step=step, duration=duration, **settings)
+    run = [now.q for now in simulation(made, exact, SCHEMES[scheme])]
+    return [made.place(q) for q in run] if isinstance(made, ReducedScene) else run
 
 
 def drifts(
@@ -25,23 +31,16 @@ def drifts(
     duration: float = 0.04,
 ) -> Iterator[Row]:
     """Drift at the hinges, and distance from the event-driven motion, in the two forms."""
-    known = fb.scene(NAMES["angles"], step=duration, duration=duration)
-    assert isinstance(known, ReducedScene)
-    end = known.place(SCHEMES["event_driven_newton"](known, start(known), exact).q)
-    for scheme in schemes:
-        for count in counts:
-            for form, name in NAMES.items():
-                made = fb.scene(name, step=duration / count, duration=duration)
-                run = [step.q for step in simulation(made, exact, SCHEMES[scheme])]
-                bodies = [made.place(q) for q in run] if isinstance(made, ReducedScene) else run
-                full = fb.scene(NAMES["hinges"])
-                yield {
-                    "scheme": scheme,
-                    "step": duration / count,  # s
-                    "form": form,  # angles or hinges
-                    "drift": max(float(np.abs(full.joints(q)[0]).max()) for q in bodies),  # the largest gap of a hinge, m
-                    "error": float(np.abs(bodies[-1] - end).max()),  # of a body's coordinate at the end, m or rad
-                }
+    end, full = places("angles", "event_driven_newton", duration, duration)[-1], fb.scene(NAMES["hinges"])
+    for scheme, count, form in product(schemes, counts, NAMES):
+        bodies = places(form, scheme, duration / count, duration)
+        yield {
+            "scheme": scheme,
+            "step": duration / count,  # s
+            "form": form,  # angles or hinges
+            "drift": max(float(np.abs(full.joints(q)[0]).max()) for q in bodies),  # the largest gap of a hinge, m
+            "error": float(np.abs(bodies[-1] - end).max()),  # of a body's coordinate at the end, m or rad
+        }
 
 
 def free(
@@ -50,25 +49,22 @@ def free(
 ) -> Iterator[Row]:
     """The same mechanism with enough clearance that nothing touches: the order of each scheme in each form."""
     for speed, duration in SPEEDS.items():
-        known = fb.scene(NAMES["angles"], step=duration, duration=duration, clearance=0.01, speed=speed)
-        assert isinstance(known, ReducedScene)
-        end = known.place(SCHEMES["event_driven_newton"](known, start(known), exact).q)
-        for scheme, count, (form, name) in product(schemes, counts, NAMES.items()):
-            made = fb.scene(name, step=duration / count, duration=duration, clearance=0.01, speed=speed)
-            *_, last = simulation(made, exact, SCHEMES[scheme])
-            found = made.place(last.q) if isinstance(made, ReducedScene) else last.q
+        wide = {"clearance": 0.01, "speed": speed}
+        end = places("angles", "event_driven_newton", duration, duration, **wide)[-1]
+        for scheme, count, form in product(schemes, counts, NAMES):
             yield {
                 "speed": speed,  # of the crank at the start, rad/s
                 "scheme": scheme,
                 "step": duration / count,  # s
                 "form": form,  # angles or hinges
-                "error": float(np.abs(found - end).max()),  # of a body's coordinate at the end, m or rad
+                # of a body's coordinate at the end, m or rad
+                "error": float(np.abs(places(form, scheme, duration / count, duration, **wide)[-1] - end).max()),
             }
 
 
 def summary(tables: Tables) -> Summary:
     drifts, free = tables["drifts"], tables["free"]
-    slow = free[(free["form"] == "hinges") & (free["scheme"] == STABILISED)].groupby("speed")
+    slow = free[(free["form"] == "hinges") & (free["scheme"] == "stewart_trinkle")].groupby("speed")
     angles, hinges = (drifts[drifts["form"] == form] for form in ("angles", "hinges"))
     require(angles["drift"].max() < 1e-12, "nothing drifts in angles")
     slopes = {scheme: order(rows["step"], rows["drift"]) for scheme, rows in hinges.groupby("scheme")}
@@ -84,7 +80,7 @@ def summary(tables: Tables) -> Summary:
         "drift": f"{hinges['drift'].max():.0e}",
         "drifts": told,
         "ends": ends,
-        "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in free[free["speed"] == FAST].groupby("form")),
+        "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in free[free["speed"] == max(SPEEDS)].groupby("form")),
         "slow": listing([f"{order(rows['step'], rows['error'])} at {speed:g} rad/s" for speed, rows in slow]),
     }
     figures = {"drift": (Panel("drift", partial(_drift, hinges=hinges)), Panel("error", partial(_error, drifts=drifts)))}

@@ -102,19 +102,16 @@ def summary(tables: Tables) -> Summary:
     require(driven["error"].notna().all(), "the event-driven scheme follows all scenes")
     whole, names = stepped.dropna(subset="error"), list(dict.fromkeys(errors["scene"]))
     best = [_best(name, driven, whole) for name in names]
-    smaller = [row for row in best if row["error"] < row["stepped"]]
     stopped = ends[ends["reason"] != ""]
     slopes = {key: order(group["setting"], group["error"]) for key, group in whole.groupby(["scene", "scheme"])}
-    low, middle, high = np.quantile([slope.value for key, slope in slopes.items() if key[1] != HIGHER], [0.25, 0.5, 0.75])
+    quartiles = np.quantile([slope.value for key, slope in slopes.items() if key[1] != HIGHER], [0.25, 0.5, 0.75])
     numbers = {
-        "smaller": len(smaller),
+        "smaller": sum(row["error"] < row["stepped"] for row in best),
         "scenes": len(names),
         "followed": len(ends) - len(stopped),
         "motions": len(ends),
         "best": best,
-        "low": f"{low:.1f}",
-        "middle": f"{middle:.1f}",
-        "high": f"{high:.1f}",
+        "quartiles": listing([f"{quartile:.1f}" for quartile in quartiles]),
         "second": listing([f"{slope} in {key[0].replace('_', ' ')}" for key, slope in slopes.items() if key[1] == HIGHER]),
         "failed": len(stepped) - len(whole),
         "stepped": len(stepped),

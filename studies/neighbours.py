@@ -123,7 +123,6 @@ def summary(tables: Tables) -> Summary:
     require(not inside["parted"].any(), "neighbours of the rod on the ground stay neighbours")
     parted = pairs[pairs["parted"]]
     silent = pairs[pairs["none"]]
-    told = [f"{case} ({_pairs(group)})" for case, group in parted.groupby("case")]
     jam = rows[(rows["case"] == JAM) & ~rows["none"]].drop_duplicates(["scheme", "solver"])
     between = jam.groupby("scheme")["velocity"].agg(widest).max()  # between solvers with one scheme
     edge = rows[(rows["case"] == EDGE) & rows["parted"]]
@@ -132,24 +131,21 @@ def summary(tables: Tables) -> Summary:
     small = others[others["after"] < 0.1 * others["closed"]].groupby("scheme")["delay"].max()
     error = abs(events["after"].iloc[0] / events["closed"].iloc[0] - 1)
     require(error < 0.01, "the event-driven spin is that of the closed form")
-    without = [f"{case} ({_pairs(group)})" for case, group in silent.groupby("case")]
-    late = [f"{name} up to {delay:.1g} s" for name, delay in small.items()]
     numbers = {
         "parted": listing(sorted(parted["case"].unique())),
         "jam": f"differ by up to {between:.2g} m/s" if between > SAME_VELOCITY else "are the same",
         "gain": f"{(inside['apart'] / inside['size']).max():.2g}",
         "parted_limit": f"{PARTED:g}",
-        "cases": "; ".join(told),
+        "cases": "; ".join(f"{case} ({_pairs(group)})" for case, group in parted.groupby("case")),
         "edge_most": f"{edge['most_apart'].max():.2g}",
         "edge": f"{edge['apart'].max():.1g}",
         "spin": f"{events['spin'].iloc[0]:.0e}",
         "delay": f"{events['delay'].iloc[0]:.1g}",
         "after": f"{events['after'].iloc[0]:.3f}",
         "closed": f"{events['closed'].iloc[0]:.3f}",
-        "late": listing(late),
+        "late": listing([f"{name} up to {delay:.1g} s" for name, delay in small.items()]),
         "longest": f"{others['delay'].max():.1g}",
-        "without": without,
-        "without_names": "; ".join(without),
+        "without": [f"{case} ({_pairs(group)})" for case, group in silent.groupby("case")],
     }
     figures = {"edges": (Panel("order of two hits", partial(_landings, landings=landings)),)}
     return Summary(numbers, figures)

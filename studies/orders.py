@@ -18,7 +18,6 @@ from studies.study import Array, Row, Slope, Study, Summary, Tables, curve, fini
 ERROR_ROUNDING = 1e-10  # m: errors and drifts below it have no order
 HIGHER = "trapezoid"
 SLOPES_APART = 0.5  # largest difference between the slopes of the halves and the whole if the order has converged
-SHOWN = 0.01  # the last digit of slopes as they are shown
 MOTIONS: dict[str, tuple[str, dict[str, Any], float]] = {
     # kind: scene, settings and duration; no event falls on a step of all grids
     "pendulum": ("pendulum", {}, 0.4),
@@ -134,9 +133,8 @@ def summary(tables: Tables) -> Summary:
 
 
 def _settled(slope: Slope) -> bool:
-    """Whether the three slopes are near, and that of the whole is between those of the halves: otherwise errors jump."""
-    low, high = sorted((slope.small, slope.large))
-    return max(slope) - min(slope) <= SLOPES_APART and low - SHOWN <= slope.value <= high + SHOWN
+    """Whether the slopes are near, and that of the whole, to a digit, between those of the halves: otherwise errors jump."""
+    return max(slope) - min(slope) <= SLOPES_APART and min(slope[1:]) - 0.01 <= slope.value <= max(slope[1:]) + 0.01
 
 
 def _drift(kind: str, drifts: dict[tuple[str, str], Slope], errors: pd.DataFrame) -> str:

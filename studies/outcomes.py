@@ -14,7 +14,6 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem, refined, velocity_distance
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
-from frictionbench.results.conventions import ANOTHER_OUTCOME, count
 from frictionbench.solvers import solve
 from studies.motions import problem_of
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require
@@ -24,7 +23,6 @@ SAME = 1e-8  # relative to the change by contact: refined answers are nearer or 
 STARTS = 3  # random starts of the methods that take one
 LADDER = tuple(10.0**-k for k in range(1, 13))
 FRICTIONS = (0.1, 0.3, 0.5, 0.8, 1.2, 2.0, 5.0)
-MODEST = 0.8  # mu
 SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("disc_pile", {"rows": 5, "push": 0.1}),
     ("disc_pile", {"rows": 10, "push": 0.1}),
@@ -50,8 +48,7 @@ def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STAR
         for friction in frictions:
             problem = problem_of(name, settings | {"friction": friction})
             outcomes: list[Array] = []
-            for method, start, answer in found(problem, starts):
-                finest = None if answer is None else refined(problem, answer)
+            for method, start, finest in found(problem, starts):
                 apart = [] if finest is None else [velocity_distance(problem, finest, each) or 0.0 for each in outcomes]
                 nearest = min(apart, default=np.inf)
                 if finest is not None and nearest > SAME:
@@ -65,15 +62,14 @@ def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STAR
                     "contacts": problem.contacts,
                     "method": method,
                     "start": start,  # zero, or the seed of a random start
-                    "refined": finest is not None,
-                    "outcome": outcome if finest is not None else -1,  # numbered in the order found
+                    "outcome": outcome if finest is not None else -1,  # numbered in the order found; -1 without an answer
                     "distance": (apart[0] if apart else 0.0) if finest is not None else np.nan,  # from the first outcome
                     "nearest": nearest if apart else np.nan,  # the least distance from the outcomes found before
                 }
 
 
 def found(problem: FrictionProblem, starts: int) -> Iterator[tuple[str, str, Array | None]]:
-    """Yield the answers of all methods, from zero and from random starts; None if a method has none within its work limit."""
+    """Yield the refined answers of all methods, from zero and from random starts; None without one within the work limit."""
     random = np.random.default_rng(1)
     scale = problem.units / problem.scale
     for method in METHODS[problem.dimension]:
@@ -83,7 +79,8 @@ def found(problem: FrictionProblem, starts: int) -> Iterator[tuple[str, str, Arr
                 start = scale[:, None] * random.standard_normal((problem.contacts, problem.dimension))
                 start[:, 0] = np.abs(start[:, 0])
             answer = solve(problem, method, tol=TOL, start=start)
-            yield method, str(seed) if seed else "zero", answer.impulse if answer.status is fb.Status.SOLVED else None
+            solved = answer.status is fb.Status.SOLVED
+            yield method, str(seed) if seed else "zero", refined(problem, answer.impulse) if solved else None
 
 
 def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADDER) -> Iterator[Row]:
@@ -91,8 +88,7 @@ def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADD
     for name, settings in scenes:
         for friction in frictions:
             problem = problem_of(name, settings | {"friction": friction})
-            refinements = [refined(problem, answer) for _, _, answer in found(problem, 0) if answer is not None]
-            finest = [r for r in refinements if r is not None]
+            finest = [r for *_, r in found(problem, 0) if r is not None]
             if len(finest) < 2 or any((velocity_distance(problem, r, finest[0]) or 0.0) > SAME for r in finest[1:]):
                 continue
             for method in METHODS[problem.dimension]:
@@ -114,7 +110,7 @@ PROBLEM = ["scene", "settings", "friction"]
 
 def summary(tables: Tables) -> Summary:
     rows, ladder = tables["answers"], tables["digits"]
-    known = rows[rows["refined"]]
+    known = rows[rows["outcome"] >= 0]
     problems = known.groupby(PROBLEM).agg(
         dimension=("dimension", "first"),
         contacts=("contacts", "first"),
@@ -129,11 +125,8 @@ def summary(tables: Tables) -> Summary:
     least = several.reset_index().groupby("scene")["friction"].min()
     every = known[known["start"] == "zero"]
     cold = every.merge(several.reset_index()[PROBLEM])
-    modest = problems.index.get_level_values("friction") <= MODEST
     measured = ladder[(ladder["residual"] < 0.1) & (ladder["residual"] > 1e-11) & (ladder["error"] > 0)]
     gain = measured["error"] / measured["residual"]
-    # far away although the residual is small
-    other = measured["error"] > np.maximum(100 * measured["residual"], ANOTHER_OUTCOME)
     numbers = {
         "problems": len(problems),
         "several": len(several),
@@ -141,8 +134,10 @@ def summary(tables: Tables) -> Summary:
             (f"{mu:g}", *(f"{(group > 1).sum()} of {group.size}" for _, group in rows.groupby("dimension")["outcomes"]))
             for mu, rows in problems.groupby("friction")
         ],
-        "modest": _several(problems[modest]),
-        "large": _several(problems[~modest]),
+        "by_size": [
+            (f"{(part['outcomes'] > 1).sum()} of {len(part)}", f"{part['apart'].max():.2g}")
+            for _, part in problems.groupby(problems.index.get_level_values("friction") > 0.8)
+        ],
         "below": f"{below:.0e}",
         "above": f"{above:.0e}",
         "most": several["outcomes"].max(),
@@ -159,13 +154,10 @@ def summary(tables: Tables) -> Summary:
         "offered": int(problems.index.isin(ladder["friction"].unique(), level="friction").sum()),
         "agreeing": int((ladder["method"].eq("nsgs") & ladder["tol"].eq(ladder["tol"].max())).sum()),  # nsgs answers each
         "answers": len(measured),
-        "slope": f"{order(measured['residual'][~other], measured['error'][~other]).value:.2f}",
+        "slope": f"{order(measured['residual'], measured['error']).value:.2f}",
         "gain": f"{np.median(gain):.1f}",
-        "far": f"{measured['residual'][other].min():.0e}" if other.any() else "",
-        "within": f"{np.quantile(gain[~other], 0.95):.1f}",
-        "worst": f"{gain[~other].max():.0f}",
-        "other": int(other.sum()),
-        "other_problems": count(len(measured[other].groupby(["scene", "friction"])), "problem"),
+        "within": f"{np.quantile(gain, 0.95):.1f}",
+        "worst": f"{gain.max():.0f}",
     }
     figures = {
         name: tuple(
@@ -175,11 +167,6 @@ def summary(tables: Tables) -> Summary:
         for name, draw, shown in (("digits", _draw_digits, measured), ("apart", _draw_apart, several.reset_index()))
     }
     return Summary(numbers, figures)
-
-
-def _several(problems: pd.DataFrame) -> str:
-    several = problems["outcomes"] > 1
-    return f"{several.sum()} of {len(several)} problems, up to {problems['apart'].max():.2g} apart"
 
 
 def _agreements(cold: pd.DataFrame) -> dict[tuple[str, str], str]:

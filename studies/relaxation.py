@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import GRAVITY, refined, velocity_distance
+from frictionbench.problems import GRAVITY, velocity_distance
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
 from frictionbench.solvers import solve
@@ -41,8 +41,7 @@ def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEP
     pushes = (*((SUDDEN, 1.0, step) for step in steps), (SMOOTH, 10.0 * ANY, ANY))  # m/s in a step
     for (name, size), (kind, push, step), friction in product(PILES.items(), pushes, frictions):
         problem = fb.scene(name, **size, push=push, friction=friction, step=step).problem()
-        w, answers = problem.velocity(relaxed(problem)), [answer for *_, answer in found(problem, STARTS) if answer is not None]
-        finest = [r for answer in (coulomb(problem), *answers) if (r := refined(problem, answer)) is not None]
+        w, finest = problem.velocity(relaxed(problem)), [r for *_, r in found(problem, STARTS) if r is not None]
         distances = [apart(problem, w, problem.velocity(r)) for r in finest]
         counts = {
             spec: answer.work[unit] if fb.residual(problem, answer.impulse) <= 1e-8 else None
@@ -88,29 +87,28 @@ def summary(tables: Tables) -> Summary:
     require(np.allclose(gaps["smooth"], gaps["smooth_predicted"], rtol=0.02), "the smooth gap is h mu |v_t|")
     require(abs(hop["hop"] / hop["hop_predicted"] - 1) < 0.05, "the hop is that of the closed form")
     usual = errors[errors["friction"].between(0.1, 0.8)]
-    by_step = usual[usual["push"] == SUDDEN].groupby("step")["error"].median()
+    sudden = usual[usual["push"] == SUDDEN]
+    by_step = sudden.groupby("step")["error"].median()
     require(by_step.iloc[0] >= by_step.iloc[-1], "smaller steps do not lessen the error of sudden pushes")
     smooth = usual[usual["push"] == SMOOTH].set_index(["scene", "friction"]).sort_index()
     nearest = smooth["error"]
     by_pile = usual.groupby(["push", "scene"]).agg(median=("error", "median"), most=("farthest", "max"))
-    between = usual[(usual["push"] == SUDDEN) & usual["several"]]
     counts = errors.groupby("friction")[["anitescu_hart", "staggered"]].agg(["count", "median"])
     low, high = counts.index.min(), counts.index[counts["anitescu_hart"]["count"] > 0].max()
     arrived, cases = errors[["anitescu_hart", "staggered"]].notna(), errors[["scene", "friction"]]
     numbers = {
         **{f"most_{push}": _percent(error) for push, error in by_pile["most"].groupby("push").max().items()},
         "rows": [
-            (name, *map(_percent, by_pile.loc[(SUDDEN, name)]), *map(_range, smooth.loc[name].itertuples())) for name in PILES
+            (name, *map(_percent, by_pile.loc[(SUDDEN, name)]), *map(_percent, smooth["error"][name], smooth["farthest"][name]))
+            for name in PILES
         ],
         "frictions": [f"{mu:g}" for mu in smooth.index.unique("friction")],
         "same": int((nearest < ANSWER_ERROR).sum()),
         "pairs": len(smooth),
         "least": _percent(nearest[nearest >= ANSWER_ERROR].min()),
         "several": int(errors["several"].sum()),
-        "where": listing(
-            [f"{pile} from mu = {mu:g}" for pile, mu in errors[errors["several"]].groupby("scene")["friction"].min().items()]
-        ),
-        "between": f"{100 * (between['farthest'] - between['error']).max():.2g} %",
+        "where": listing(sorted(errors[errors["several"]]["scene"].unique())),
+        "between": _percent((sudden["farthest"] - sudden["error"]).max()),
         "arrived": arrived.sum(),
         "lost": {
             name: listing([f"{pile} at mu = {mu:g} ({n})" for (pile, mu), n in cases[~same].value_counts(sort=False).items()])
@@ -138,14 +136,10 @@ def summary(tables: Tables) -> Summary:
     return Summary(numbers, figures)
 
 
-def _percent(error: float) -> str:
-    return "0" if error < ANSWER_ERROR else f"{100 * error:.2g} %"
-
-
-def _range(row: Any) -> str:
-    """Return the errors for the nearest and the farthest motion, one if they are equal as shown."""
-    near, far = _percent(row.error), _percent(row.farthest)
-    return near if near == far else f"{near.removesuffix(' %')} to {far}"
+def _percent(error: float, farthest: float = 0.0) -> str:
+    """Format an error, and the range up to that from the farthest motion if it is another one as shown."""
+    low, high = ("0" if one < ANSWER_ERROR else f"{100 * one:.2g} %" for one in (error, farthest))
+    return low if high in (low, "0") else f"{low.removesuffix(' %')} to {high}"
 
 
 def _errors(ax: Axes, errors: pd.DataFrame) -> None:

@@ -65,13 +65,8 @@ def summary(tables: Tables) -> Summary:
         for name, group in motions.groupby(level="variant")
     }
     names = sorted(ratios, key=lambda name: ratios[name][WARM][0])
-    gained = [name for name in names if ratios[name][WARM][2] < 1]
-    nearer = [name for name in names if ratios[name][WARM][0] < ratios[name][SHUFFLED][0]]
     free = (counts[WARM] == 0).groupby("variant").mean()
-    at_once = [f"{name} in {100 * free[name]:.0f} %" for name in names if free[name] > 0]
-    lost = [name for name in names if answers.loc[name, WARM] < answers.loc[name, COLD]]
     middle = (motions[WARM] / motions[COLD]).groupby("variant").median()
-    ends = middle.idxmin(), middle.idxmax()
     texts = [
         f"{name} ({COUNTS[name]}) {'{:.2f} ({:.2f} to {:.2f})'.format(*ratios[name][WARM])}, "
         f"{middle[name]:.2f} in the median motion, from another step {ratios[name][SHUFFLED][0]:.2f}"
@@ -79,18 +74,17 @@ def summary(tables: Tables) -> Summary:
     ]
     numbers = {
         "middle_low": f"{middle.min():.2f}",
-        "middle_first": ends[0],
+        "middle_first": middle.idxmin(),
         "middle_high": f"{middle.max():.2f}",
-        "middle_last": ends[1],
-        "gained": len(gained),
+        "middle_last": middle.idxmax(),
+        "gained": sum(ratios[name][WARM][2] < 1 for name in names),
         "methods": len(names),
         "problems": problems.iloc[0],
         "ratios": "; ".join(texts),
-        "nearer": len(nearer),
+        "nearer": sum(ratios[name][WARM][0] < ratios[name][SHUFFLED][0] for name in names),
         "shuffled_better": sum(ratios[name][SHUFFLED][0] < 1 for name in names),
-        "at_once": listing(at_once),
-        "lost": lost,
-        "lost_names": listing(lost),
+        "at_once": listing([f"{name} in {100 * free[name]:.0f} %" for name in names if free[name] > 0]),
+        "lost": listing([name for name in names if answers.loc[name, WARM] < answers.loc[name, COLD]]),
     }
     figures = {
         "ratios": (
