@@ -69,17 +69,15 @@ def summary(tables: Tables) -> Summary:
     require(angles["drift"].max() < 1e-12, "nothing drifts in angles")
     slopes = {scheme: order(rows["step"], rows["drift"]) for scheme, rows in hinges.groupby("scheme")}
     paired = angles.merge(hinges, on=["scheme", "step"], suffixes=("", "_hinges"))
-    finer = paired[paired["step"] == paired["step"].min()]
-    told = ", ".join(
-        f"{scheme} {hinges[hinges['scheme'] == scheme]['drift'].min():.0e} m, order {slope}" for scheme, slope in slopes.items()
-    )
-    ends = ", ".join(
-        f"{row.scheme} {row.error:.1e} in angles and {row.error_hinges:.1e} on hinges" for row in finer.itertuples()
-    )
+    finest = paired[paired["step"] == paired["step"].min()]
     numbers = {
         "drift": f"{hinges['drift'].max():.0e}",
-        "drifts": told,
-        "ends": ends,
+        "drifts": ", ".join(
+            f"{name} {hinges['drift'][hinges['scheme'] == name].min():.0e} m, order {slope}" for name, slope in slopes.items()
+        ),
+        "ends": ", ".join(
+            f"{row.scheme} {row.error:.1e} in angles and {row.error_hinges:.1e} on hinges" for row in finest.itertuples()
+        ),
         "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in free[free["speed"] == max(SPEEDS)].groupby("form")),
         "slow": listing([f"{order(rows['step'], rows['error'])} at {speed:g} rad/s" for speed, rows in slow]),
     }

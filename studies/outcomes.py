@@ -135,8 +135,8 @@ def summary(tables: Tables) -> Summary:
             for mu, rows in problems.groupby("friction")
         ],
         "by_size": [
-            (f"{(part['outcomes'] > 1).sum()} of {len(part)}", f"{part['apart'].max():.2g}")
-            for _, part in problems.groupby(problems.index.get_level_values("friction") > 0.8)
+            ("above" if large else "up to", f"{(part['outcomes'] > 1).sum()} of {len(part)}", f"{part['apart'].max():.2g}")
+            for large, part in problems.groupby(problems.index.get_level_values("friction") > 0.8)
         ],
         "below": f"{below:.0e}",
         "above": f"{above:.0e}",

@@ -183,4 +183,6 @@ def test_single_precision_reaches_what_is_coarse() -> None:
     assert found["rounded"]["residual"].between(1e-10, 1e-6).all()
     assert last.loc["single", "max"] < 1e-5
     assert last.loc["double", "max"] < last.loc["single", "min"]
-    assert text("precision", found).answer.startswith("Of 2 steps of robots the methods bring, ")
+    assert text("precision", found).answer.startswith(
+        "With arrays in single precision, and the law within a contact in double, the methods bring as many of 2 steps"
+    )
