@@ -70,10 +70,9 @@ def test_hinges_drift_and_angles_do_not() -> None:
     drifts = found["drifts"]
     assert drifts[drifts["form"] == "angles"]["drift"].max() < 1e-12
     assert drifts[drifts["form"] == "hinges"]["drift"].min() > 1e-6
-    fast = found["free"].query("speed == 150")
-    free = {form: order(rows["step"], rows["error"]).value for form, rows in fast.groupby("form")}
-    assert free["hinges"] > 1.8, "SHAKE with one Newton step, gravity small beside the reactions"
-    assert free["angles"] < 1.2
+    free = found["free"].groupby(["speed", "form"]).apply(lambda rows: order(rows["step"], rows["error"]).value)
+    assert free[150, "hinges"] > 1.8, "SHAKE with one Newton step, gravity small beside the reactions"
+    assert free[150, "angles"] < 1.2
     assert text("coordinates", found).answer.startswith("By algebra, in the same configuration W is the same")
 
 
@@ -183,6 +182,4 @@ def test_single_precision_reaches_what_is_coarse() -> None:
     assert found["rounded"]["residual"].between(1e-10, 1e-6).all()
     assert last.loc["single", "max"] < 1e-5
     assert last.loc["double", "max"] < last.loc["single", "min"]
-    assert text("precision", found).answer.startswith(
-        "With arrays in single precision, and the law within a contact in double, the methods bring as many of 2 steps"
-    )
+    assert "bring as many of 2 steps of robots" in text("precision", found).answer
