@@ -25,6 +25,13 @@ def parse_duration(text: str) -> float:
     return value
 
 
+def parse_folder(text: str) -> Path:
+    """Return a folder's path. Errors: BadParameter for an option, such as -q, which would be taken as the name."""
+    if text.startswith("-"):
+        raise typer.BadParameter(f"{text!r} is no name of a folder: other commands would read it as an option")
+    return Path(text)
+
+
 def _quantity(text: str, units: dict[str, float]) -> float:
     """Parse a number with a unit, in the unit of which `units` gives the number per base unit; 0 if it is unreadable."""
     match = re.fullmatch(rf"\s*(\d+\.?\d*|\.\d+)\s*({'|'.join(units)})\s*", text)
@@ -91,9 +98,8 @@ By = Annotated[RankBy, typer.Option("--rank-by", help=_BY)]
 ByOfProblem = Annotated[
     RankBy | None, typer.Option("--rank-by", help=f"{_BY} By default bodies, but form where a problem is given by its matrix.")
 ]
-Out = Annotated[
-    Path | None, typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings.")
-]
+_OUT = "Results folder; by default one below runs/ for these settings."
+Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", parser=parse_folder, help=_OUT)]
 Config = Annotated[
     Path | None,
     typer.Option(

@@ -63,9 +63,10 @@ def test_environments_in_which_no_command_runs(environment) -> None:
     assert (code, len(told.splitlines())) == (2, 1)
 
 
-def test_a_name_that_is_not_utf8(tmp_path) -> None:
-    told = shell(f"{SHELL} run smoke --out {tmp_path}/$'\\xff'")
-    assert (told, [*tmp_path.iterdir()]) == ((2, "frictionbench: a name that is not UTF-8 cannot be stored\n"), [])
+@pytest.mark.parametrize(("name", "told"), [("$'\\xff'", "not UTF-8 cannot be stored"), ("-q", "read it as an option")])
+def test_names_that_are_refused(tmp_path, name, told) -> None:
+    code, said = shell(f"cd {tmp_path} && {SHELL} run smoke --out {name}")
+    assert (code, told in " ".join(said.split()), [*tmp_path.iterdir()]) == (2, True, [])
 
 
 def test_error_of_our_own(monkeypatch, capsys) -> None:
