@@ -163,7 +163,7 @@ def test_the_error_of_a_path_follows_the_tolerance() -> None:
     moved = found["tasks"].set_index(["way", "task"])["moved"]
     assert moved["reference", "hinge"] < 1e-9 < moved["MuJoCo", "hinge"]
     assert moved["interior point", "grasp"] < 1 < moved["1e-10", "grasp"], "both exact"
-    assert text("exactness", found).answer.startswith("On 1 models the error")
+    assert text("exactness", found).answer.startswith("On 1 models, chosen by their cost")
 
 
 def test_substeps_help_while_each_converges() -> None:
