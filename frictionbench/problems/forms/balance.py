@@ -10,7 +10,7 @@ Parts are numbered from 0; nodes without a connection to any contact have -1. Ke
 import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.forms.islands import top
+from frictionbench.problems.forms.islands import numbered, top
 
 
 @kernel
@@ -21,7 +21,7 @@ def mechanical_parts(start, column, m_start, m_column, f_start, f_column):  # ty
     _connect(parent, 0, start, column, nc)
     _connect(parent, nc, m_start, m_column, nc)
     _connect(parent, nc + nv, f_start, f_column, nc)
-    return _numbered(parent, nc)
+    return numbered(parent, nc)
 
 
 @kernel
@@ -29,7 +29,7 @@ def delassus_parts(first, neighbours):  # type: ignore[no-untyped-def]
     """Parts (nc,) of the contacts, from the sparsity pattern of W by blocks."""
     parent = np.arange(len(first) - 1)
     _connect(parent, 0, first, neighbours, 0)
-    return _numbered(parent, len(parent))
+    return numbered(parent, len(parent))
 
 
 @part
@@ -38,18 +38,6 @@ def _connect(parent, begin, start, column, offset):  # type: ignore[no-untyped-d
     for i in range(len(start) - 1):
         for k in range(start[i], start[i + 1]):
             parent[top(parent, begin + i)] = top(parent, offset + column[k])
-
-
-@part
-def _numbered(parent, nc):  # type: ignore[no-untyped-def]
-    number, labels, count = np.full(len(parent), -1), np.empty(len(parent), np.int64), 0
-    for i in range(len(parent)):
-        root = top(parent, i)
-        if i < nc and number[root] < 0:
-            number[root] = count
-            count += 1
-        labels[i] = number[root]
-    return labels
 
 
 @kernel

@@ -251,15 +251,20 @@ def _bearing(start, node, push, read, nodes, closes, q, s, b_f, needed, speed, t
 def islands(start, node, push, read, nodes):  # type: ignore[no-untyped-def]
     """(nc,): the island of each contact, numbered from 0 in the order of their first contacts."""
     nc = len(start) - 1
-    parent = _components(start, node, push, read, nodes, np.ones(nc, np.bool_))
-    number, island, count = np.full(nc + nodes, -1, np.int64), np.empty(nc, np.int64), 0
-    for i in range(nc):
-        tree = top(parent, i)
-        if number[tree] < 0:
-            number[tree] = count
+    return numbered(_components(start, node, push, read, nodes, np.ones(nc, np.bool_)), nc)[:nc]
+
+
+@part
+def numbered(parent, nc):  # type: ignore[no-untyped-def]
+    """The number of each node's tree in a forest, from 0 in the order of the first nc nodes; -1 for trees without these."""
+    number, labels, count = np.full(len(parent), -1), np.empty(len(parent), np.int64), 0
+    for i in range(len(parent)):
+        root = top(parent, i)
+        if i < nc and number[root] < 0:
+            number[root] = count
             count += 1
-        island[i] = number[tree]
-    return island
+        labels[i] = number[root]
+    return labels
 
 
 @part

@@ -79,7 +79,8 @@ def run(
     problem, system = prepared
     sharp = tol / problem.spread  # relative to the largest unit, in which the system measures all contacts
     nothing = np.zeros_like(system.offset)
-    if not _closing(problem, tol) and measure(problem, nothing) <= tol:  # contacts that do not move converge slowly
+    closing = (problem.q[:: problem.dimension] < -tol * problem.units).any()
+    if not closing and measure(problem, nothing) <= tol:  # contacts that do not move converge slowly
         return Answer(nothing, Status.SOLVED, {"iterations": 0, "factorisations": 0})
     space, workspace = space_of(system), new_work(system, last_step(system))
     best = nothing_yet(*nothing.shape)
@@ -111,11 +112,6 @@ def run(
     if status is Status.TIME_LIMIT and measure(problem, impulse) > measure(problem, nothing):
         impulse = nothing
     return Answer(impulse, status, work, tuple(history))
-
-
-def _closing(problem: FrictionProblem, tol: float) -> bool:
-    """Whether a contact closes in the free motion, faster than tol permits."""
-    return bool((problem.q[:: problem.dimension] < -tol * problem.units).any())
 
 
 def _is_polished(best: Best, tol: float, prepared: Prepared, measure: Measure, polish: Polish) -> bool:
