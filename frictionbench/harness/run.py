@@ -21,7 +21,7 @@ from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.rows import known_row, no_problem
 from frictionbench.harness.convergence import record_histories
-from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SolveCell, origin, owner, plugin_of
+from frictionbench.harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin, owner, plugin_of
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
@@ -105,7 +105,9 @@ def _run(
     remaining = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
     if cells and not remaining:
         progress.tell(f"{count(len(cells), 'cell')} had been run before, and none is left")
-    tasks = [_task(cell, records, plan) for cell in remaining]
+    limits = {"solves": plan.time_limit, "simulations": plan.simulation_limit, "batches": plan.time_limit}
+    solved = {cell.key: records[cell.origin] for cell in remaining if isinstance(cell, SolveCell)}
+    tasks = [cell_task(cell, limits[cell.table], plan.plugins, solved.get(cell.key)) for cell in remaining]
     writer, record = f"{os.getpid()}-{secrets.token_hex(4)}", dependencies.LoadRecord(folder)
     with ExitStack() as opened:
         shards = {table: opened.enter_context(new_shard(folder, table, writer)) for table in TABLES}
@@ -199,12 +201,6 @@ def _loaded_by(plan: Plan, cell: Cell) -> tuple[str, str]:
         return name, ""
     info, _ = find(cell.variant)
     return "", info.name if info.needs else ""
-
-
-def _task(cell: Cell, records: dict[str, Record], plan: Plan) -> Task:
-    if isinstance(cell, SolveCell):
-        return cell_task(cell, plan.time_limit, plan.plugins, records[cell.origin])
-    return cell_task(cell, plan.time_limit if isinstance(cell, BatchCell) else plan.simulation_limit, plan.plugins)
 
 
 def cell_task(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Record | None = None) -> Task:

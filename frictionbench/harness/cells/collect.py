@@ -106,10 +106,15 @@ def collect(folder: Path, source: Source, described: bool = True) -> list[Record
         if name not in records:
             with replaced(store / f"{name}.npz") as file:
                 save(problem, file)
-            if isinstance(collected, LCP):
-                record = lcp_facts(source, collected)
+            if isinstance(collected, LCP):  # it has no contacts
+                facts = {"size": collected.size, "trivial": bool((collected.q >= 0).all()), "idle": False}
+                record = blank_facts(source, name, 0, "lcp") | facts
+            elif described:
+                record = _answered_facts(folder, source, collected)
             else:
-                record = _answered_facts(folder, source, collected) if described else _size_facts(source, collected)
+                contacts, dimension = collected.problem.contacts, collected.problem.dimension
+                facts = {"contacts": contacts, "dimension": dimension, "size": lcp_size(collected.problem)}
+                record = blank_facts(source, name, collected.step, collected.phase) | facts
             digests = {COLD: ""} | {start: _digest(impulses) for start, impulses in starts.items()}
             records[name] = record | {"starts": digests, "repeats": source.repeats}
             if starts:
@@ -300,18 +305,6 @@ def facts(source: Source, collected: Collected) -> Record:
     if answer is not None and planar and 0 < nc <= MAX_PERTURBED:
         row["mode_distance"] = distance_to_next_mode(problem, answer)
     return row
-
-
-def _size_facts(source: Source, collected: Collected) -> Record:
-    """Return the facts that need no solution: the number of contacts, the dimension and the size of the LCP."""
-    problem = collected.problem
-    sizes = {"contacts": problem.contacts, "dimension": problem.dimension, "size": lcp_size(problem)}
-    return blank_facts(source, problem.hash, collected.step, collected.phase) | sizes
-
-
-def lcp_facts(source: Source, lcp: LCP) -> Record:
-    """Return the columns of a row that describe a bare LCP, which has no contacts."""
-    return blank_facts(source, lcp.hash, 0, "lcp") | {"size": lcp.size, "trivial": bool((lcp.q >= 0).all()), "idle": False}
 
 
 def _idle(problem: FrictionProblem) -> bool:
