@@ -89,7 +89,7 @@ def summary(tables: Tables) -> Summary:
     numbers = {
         "split": f"{split.sum()} of {len(split)}",
         "gain": f"{gain[split].median():.2g}",
-        "gains": f"{gain[split].min():.2g} to {gain[split].max():.2g}",
+        "gains": f"{gain[split].min():.2g} to {gain[split].max():.3g}",
         "gain_all": f"{gain.median():.2g}",
         "close": (second < 1.1 * best["error"]).sum(),
         "cancel": f"{(pairs['error'] < 0.9 * pairs['error_exact']).sum()} of {len(pairs)}",
