@@ -64,10 +64,7 @@ Solvers = Annotated[
     ),
 ]
 Trusted = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--solver", metavar="FILE|NAME", help="A plug-in that may be run; the results folder names it, but is not trusted."
-    ),
+    list[str] | None, typer.Option("--solver", metavar="FILE|NAME", help="A plug-in of the results that may be run again.")
 ]
 Tolerances = Annotated[
     str | None, typer.Option("--tol", metavar="T,T,...", help="Tolerances on the residual, like 1e-4,1e-6,1e-8.")
@@ -77,8 +74,7 @@ LIMIT_HELP = "Limit in seconds for form, setup and solve together, enforced."
 Limit = Annotated[float, typer.Option("--time-limit", metavar="S", help=LIMIT_HELP)]
 SuitesLimit = Annotated[float | None, typer.Option("--time-limit", metavar="S", help=LIMIT_HELP)]
 Jobs = Annotated[
-    int | None,
-    typer.Option("--jobs", metavar="N", min=1, help="Worker processes, one core each; by default all cores but one."),
+    int | None, typer.Option("--jobs", metavar="N", min=1, help="Workers, one core each; by default all cores but one.")
 ]
 Data = Annotated[
     list[str] | None,
@@ -101,10 +97,7 @@ ByOfProblem = Annotated[
 _OUT = "Results folder; by default one below runs/ for these settings."
 Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", parser=parse_folder, help=_OUT)]
 Config = Annotated[
-    Path | None,
-    typer.Option(
-        "--config", metavar="FILE|DIR", help="Options from a TOML file or a run's folder; the command line has precedence."
-    ),
+    Path | None, typer.Option("--config", metavar="FILE|DIR", help="Options from a TOML file or a run; those given prevail.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of text.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show only results and errors, no progress.")]
