@@ -172,7 +172,7 @@ def choose(
         [Place(label=str(label), **facts.loc[label].to_dict()) for label in facts.index],
         len(charged),
         int(shared.sum()),
-        sum(label in outside for label in ranked),
+        sum(label in outside for label in ranked if not facts["law"][label]),
         interval,
         {charge: list(mean[ranked].sort_values(kind="stable").index[:3]) for charge, mean in means.items()},
     )
