@@ -158,17 +158,20 @@ def test_repeats_widen_the_interval():
 
 
 def test_the_first_screen_tells_the_most_dependable_choice():
-    """A portfolio that solves all and is rarely the fastest, a method that misses one, and one of an outside library."""
+    """A portfolio that solves all and is rarely the fastest, a method that misses one, and two of outside libraries, of which
+    one solves another law, which is the same on these problems."""
+    solvers = ("mixed", 2e-3, "1", "coulomb"), ("quick", 1e-3, "1", "coulomb"), ("theirs", 5e-3, "lib 2", "coulomb")
     rows = [
-        solve_row(name, f"p{i}", scene=f"s{i}", solve_time=time, members="quick" if name == "mixed" else None, version=version)
-        for name, time, version in (("mixed", 2e-3, "1"), ("quick", 1e-3, "1"), ("theirs", 5e-3, "lib 2"))
+        solve_row(name, f"p{i}", scene=f"s{i}", solve_time=time, version=version, model=model)
+        | {"members": "quick" if name == "mixed" else None}
+        for name, time, version, model in (*solvers, ("convex", 9e-3, "lib 3", "relaxation"))
         for i in range(8)
     ]
     rows[8] |= {"verdict": "unsolved", "residual": 1.0}
     run = replace(run_of(*rows), manifest={"versions": {"frictionbench": "1"}})
     found = first(run)
     facts = {place.label: (place.reached, place.fastest) for place in found.places}
-    assert facts == {"mixed*": (8, 1), "theirs": (8, 0), "quick": (7, 7)}
+    assert facts == {"mixed*": (8, 1), "theirs": (8, 0), "quick": (7, 7), "convex": (8, 0)}
     assert (found.common, found.outside) == (7, 1)
     common = {place.label: place.common for place in found.places}
     assert common["quick"] == pytest.approx(2e-3)  # with the millisecond of form and setup, and no charge
