@@ -10,7 +10,7 @@
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
 # make studies install, also the models of robots of other packages, run all studies and put their page and figures into docs/;
-#              13 minutes of the processor. What is missing of the packages that a study needs ends it before docs/ is touched
+#              some 20 minutes of the processor. What is missing of the packages that a study needs ends it before docs/ is touched
 # make docs    the documentation as a site, docs/_build/html; its links are checked, and that it loads nothing from elsewhere
 # make release  wheel and sdist into dist/, checked by twine and installed into an empty environment
 # make placeholders  list what the owner fills in before a release; exit 1 while there is something

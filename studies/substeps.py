@@ -19,7 +19,7 @@ from studies.motions import coulomb
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing
 
 STEP, DURATION = 0.01, 0.5  # s
-FINER = 2  # ratio of the smallest substep to the reference's step
+FINER = 8  # ratio of the smallest substep to the reference's step
 SCENES: dict[str, tuple[str, dict[str, Any]]] = {
     "pushed stack": ("stack", {"blocks": 5, "push": 1.0, "friction": 0.3}),
     "heavy on light": ("stack", {"blocks": 5, "push": 1.0, "friction": 0.3, "mass_ratio": 100.0}),
