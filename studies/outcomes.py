@@ -125,6 +125,7 @@ def summary(tables: Tables) -> Summary:
     least = several.reset_index().groupby("scene")["friction"].min()
     every = known[known["start"] == "zero"]
     cold = every.merge(several.reset_index()[PROBLEM])
+    agreeing = _agreements(cold)
     measured = ladder[(ladder["residual"] < 0.1) & (ladder["residual"] > 1e-11) & (ladder["error"] > 0)]
     gain = measured["error"] / measured["residual"]
     numbers = {
@@ -150,7 +151,7 @@ def summary(tables: Tables) -> Summary:
         "least": listing([f"{name} from mu = {mu:g}" for name, mu in least.items()]),
         "never": listing(sorted(set(problems.reset_index()["scene"]) - set(least.index))),
         "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
-        "agreements": [(*pair, share, _agreements(cold).get(pair, "–")) for pair, share in _agreements(every).items()],
+        "agreements": [(*pair, share, agreeing.get(pair, "–")) for pair, share in _agreements(every).items()],
         "offered": int(problems.index.isin(ladder["friction"].unique(), level="friction").sum()),
         "agreeing": int((ladder["method"].eq("nsgs") & ladder["tol"].eq(ladder["tol"].max())).sum()),  # nsgs answers each
         "answers": len(measured),

@@ -38,8 +38,8 @@ def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
 
     Files in a folder are named by their content, so that existing ones, as after an interruption, are kept.
     """
-    named = {}
     require(bool(records), "DIR", f"{folder} holds no problems")
+    named = {}
     for record in records:
         scene = re.sub(r"[^A-Za-z0-9_.-]", "_", record["scene"])
         named[f"{scene}-{record['step']:05d}-{record['contacts']}-{record['problem']}"] = record

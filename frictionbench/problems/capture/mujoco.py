@@ -28,9 +28,7 @@ from frictionbench.problems.recorded.native import EngineStep
 
 Mask = NDArray[np.bool_]
 TORSION, ROLLING = 3, 4  # the first rows of a contact for torsional friction and for rolling friction
-GAP_ROUNDING = (
-    8 * np.finfo(float).eps
-)  # times the distances and radii of which a gap is the difference: smaller gaps count as 0
+GAP_ROUNDING = 8 * np.finfo(float).eps  # of the distances and radii of which a gap is the difference; smaller ones are 0
 
 
 def mujoco(model: Any, data: Any) -> EngineStep:
