@@ -26,11 +26,11 @@ FURTHER = (
     *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
 )
 IN_SPACE = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "lemke[facets=16]", RELAXATION[0])
-# Solvers of outside libraries that solve the most in the suite `peers`, or are the fastest of their library, in double
+# Outside solvers that solve the most in `peers` or of robots' steps, or are the fastest of their library, in double
 # precision: for Coulomb's law in the plane and in space, and for the LCP in the plane, where it is equivalent.
 OUTSIDE = (
-    "siconos[method=friction_3d_prox,settings=tuned]",
-    "siconos[method=friction_3d_nsgs,settings=newton]",
+    *("siconos[method=friction_3d_prox,settings=tuned]", "siconos[method=friction_3d_vi_eg]"),
+    *("siconos[method=friction_3d_nsgs]", "siconos[method=friction_3d_nsgs,settings=newton]"),
     "pinocchio[method=admm,settings=tuned]",
 )
 OUTSIDE_LCP = ("path[settings=tuned]", "quantecon[settings=default]")
