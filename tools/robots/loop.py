@@ -7,7 +7,8 @@ from the same start and with the same controls. A line each: steps, how many wit
 time of the solver's call in ms; the time of the whole step, from collisions to the new positions, in ms (median, 99th
 percentile, longest) and its share within 1 ms; the largest energy defect over the largest kinetic energy; the deepest
 penetration that a step begins with, in mm or mrad; the largest error of an equality at the end. Of MuJoCo the whole step is
-mj_step, and in place of the count is the median residual of every tenth step as captured, with its soft constraints.
+mj_step. In place of the count are medians over every tenth step, as `judge` measures it (problems.measures), so that overlaps
+which are left do not count: the residual, and the largest defect of friction in the same unit.
 """
 
 import sys
@@ -19,6 +20,7 @@ import mujoco as mj
 import numpy as np
 
 import frictionbench as fb
+from frictionbench.problems.measures import judged, violations
 from tools.robots.models import MODELS, begin
 
 TOL, LIMIT, WARMED = 1e-8, 8.0, 20  # residual; processor time, s; steps before measurements, in which kernels are compiled
@@ -31,6 +33,7 @@ class Tally:
 
     def __init__(self) -> None:
         self.residual: list[float] = []
+        self.friction: list[float] = []  # of MuJoCo's steps: the largest defect of friction, over the contact's unit
         self.seconds: list[float] = []  # whole steps
         self.solving: list[float] = []
         self.defect = self.kinetic = self.depth = self.drift = 0.0
@@ -49,8 +52,8 @@ class Tally:
         """Return the columns from `steps` on."""
         ms = 1e3 * np.array(self.seconds)
         solved = f"{sum(size <= TOL for size in self.residual)} of {len(self.residual)}"
-        if not self.solving:  # MuJoCo's law is soft, so that no step can be within the tolerance
-            solved = f"{np.median(self.residual):.1g}, median of {len(self.residual)}"
+        if self.friction:  # MuJoCo's law is soft, so that no step can be within the tolerance
+            solved = f"{np.median(self.residual):.1g}, friction {np.median(self.friction):.1g}, of {len(self.residual)}"
         times = [f"{1e3 * np.median(self.solving):.3g}" if self.solving else ""]
         times += [f"{value:.3g}" for value in (*np.percentile(ms, [50, 99]), ms.max())]
         sizes = self.defect / max(self.kinetic, 1e-300), 1e3 * self.depth, 1e3 * self.drift
@@ -84,7 +87,9 @@ def run(name: str, solver: str, seconds: float | None) -> Tally:
 def _judge(model: Any, data: Any, tally: Tally) -> None:
     step = fb.capture.mujoco(model, data)
     if step.problem.contacts:
-        tally.residual.append(fb.residual(step.problem, step.impulse))
+        problem = judged(step)
+        tally.residual.append(fb.residual(problem, step.impulse))
+        tally.friction.append(float((np.max(violations(problem, step.impulse)[1:], axis=0) / problem.units).max()))
 
 
 def main(seconds: float, names: Sequence[str]) -> None:

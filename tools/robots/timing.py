@@ -54,12 +54,9 @@ class Timed(NamedTuple):
 def section(names: tuple[str, ...] = ()) -> str:
     """Return the section in Markdown."""
     titles = [f"{'warm' if warm else 'cold'} {tol:g}" for tol, warm in WAYS]
-    lines = [
-        HEAD,
-        "| model | velocities | contacts | joints | steps | MuJoCo | "
-        f"first | {' | '.join(titles)} | worst | problem | pinocchio | unsolved |",
-    ]
-    lines.append("|---|" + "--:|" * (len(titles) + 10))
+    before = ("model", "velocities", "contacts", "joints", "steps", "MuJoCo", "first")
+    columns = (*before, *titles, "worst", "problem", "pinocchio", "unsolved")
+    lines = [HEAD, f"| {' | '.join(columns)} |", "|---|" + "--:|" * (len(columns) - 1)]
     ratios, worst = [], []
     for model in MODELS:
         if not names or model.name in names:
