@@ -47,7 +47,7 @@ def test_page_says_what_is_skipped_and_what_failed(monkeypatch) -> None:
 
 
 def test_orders_are_slopes_over_all_steps() -> None:
-    assert table.order_of(["8e-3 ± 1e-3", "4e-3", "1e-3", "2.5e-4"]) == "1.7 (1.0, 2.0)"
+    assert table.order_of(["8e-3 ± 1e-3", "4e-3", "1e-3", "2.5e-4"]) == "1.7 ± 0.1 (1.0, 2.0)"
     for last in ("-1e-3", "1e-3 ± 3e-3", "–", "failed: ValueError"):
         assert table.order_of(["8e-3", "4e-3", "2e-3", last]) == "–"
 

@@ -66,20 +66,21 @@ def section(one: Phenomenon, usable: dict[str, Make]) -> str:
 
 
 def order_of(errors: list[str]) -> str:
-    """Return the least-squares slope of log error over log step, for all steps and for the larger and the smaller half of
-    them; a dash if one is no number, signs differ, error bars reach 0, or all are below own.TOLERANCE."""
+    """Return the least-squares slope of log error over log step, ± a bound of what the error bars can change in it, and in
+    brackets the slopes of the larger and the smaller half of the steps; a dash if one is no number, signs differ, error bars
+    reach 0, or all are below own.TOLERANCE."""
     read = [ERROR.fullmatch(error) for error in errors]
     means, bars = np.array([one.groups("0") if one else ("nan", "0") for one in read], dtype=float).T
     if abs(np.sign(means).sum()) != len(means) or (abs(means) <= bars).any() or abs(means).max() < own.TOLERANCE:
         return "–"
     x, y = np.log(STEPS), np.log(abs(means))
     whole, large, small = (np.polyfit(x[at], y[at], 1)[0].round(1) + 0.0 for at in (slice(None), slice(2), slice(-2, None)))
-    return f"{whole:.1f} ({large:.1f}, {small:.1f})"
+    most = abs(x - x.mean()) @ -np.log1p(-bars / abs(means)) / x.var() / len(x)
+    return f"{whole:.1f} ± {most:.1f} ({large:.1f}, {small:.1f})"
 
 
 def _error(one: Phenomenon, make: Make, step: float) -> str:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(action="ignore"):
         try:
             off = np.atleast_1d(one.measure(make, step)) - one.exact
             return f"{off.mean():.1e}" if len(off) == 1 else f"{off.mean():.1e} ± {np.ptp(off) / 2:.0e}"

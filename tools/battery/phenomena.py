@@ -66,7 +66,8 @@ def heavy_on_light(make: Make, step: float) -> float:
 
 
 def rebound(make: Make, step: float, restitution: float = 0.0) -> list[float]:
-    """The speed upwards after a ball with restitution e has fallen 0.2 m, the largest in the time that follows."""
+    """The speed upwards after a ball with restitution e has fallen 0.2 m, the largest in the time that follows. MuJoCo has no
+    e: its rows show the stiffness and damping that we chose."""
     found = []
     for phase in PHASES:
         begun = GRAVITY * phase * step  # initial speed of the ball, which starts later on the same trajectory
@@ -134,8 +135,7 @@ def tipping(make: Make, step: float) -> float:
             world.tilt(float(share * np.arctan(middle)))
             world.run(TILTING / 75)
         world.run(1.5)
-        tipped = world.position(0)[2] < 0.15
-        low, high = (low, middle) if tipped else (middle, high)
+        low, high = (low, middle) if world.position(0)[2] < 0.15 else (middle, high)  # tipped, or not
     return (low + high) / 2
 
 
