@@ -11,7 +11,7 @@ constraints (problems.capture.mujoco). The step is that of Anitescu and Potra (1
     A (v+ - v*) = J' r + F' lam,    F v+ = 0,    Coulomb's law between r and J v+ + b,    b = max(gap, 0) / h,    q+ = q + h v+,
 
 with limits and dry friction as rows of J. As b >= 0 and the equalities have no right-hand side, v+ = 0 satisfies all
-constraints on the velocity, however deep the penetrations are: the step has a solution.
+constraints on the velocity, however deep the penetrations are: with polygons as friction cones the step has a solution.
 
 Penetrations and errors of equalities are corrected in the positions, not by velocities, so that this adds no momentum. A depth
 of SLOP times the model's mean size is left, so that MuJoCo lists resting contacts in every step: otherwise a contact

@@ -71,7 +71,7 @@ trivial            flag      no contact, no friction, or zero impulses are the a
 idle               flag      friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8
 solutions          text      shape of the set of solutions: none, one, convex, isolated, not convex; null if not enumerated
 outcomes           whole     number of distinct velocities among the solutions; null if not enumerated or infinite
-existence          text      proof that a solution exists: gaps, pointed (theorems), counted (enumeration); none: proof of none
+existence          text      proof that a solution exists: gaps, pointed (of LCPs), counted (enumeration); none: proof of none
 proved_infeasible  flag      proof that contacts or joints contradict each other (Farkas); sought if there is no reference
 sensitivity        real  1   relative change of the solution's velocities over that of q; large for ill-posed problems
 mode_distance      real  1   distance of a solution from the nearest change of mode, as a relative velocity; 0 on a tie

@@ -7,6 +7,7 @@ import pytest
 
 from frictionbench.harness.plans.hard import METHODS, TOL, admitted
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.analysis.labels import FACETS
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.catalogue import instances, make_instance, scene
 from frictionbench.problems.residual import residual, residual_floor
@@ -45,7 +46,9 @@ def test_a_solution_is_known(row) -> None:
     else:
         assert problem.mechanical
         assert not problem.joint_bias.any()
-        assert THRESHOLDS["gaps"](problem) or THRESHOLDS["pointed"](problem)
+        assert THRESHOLDS["gaps"](problem), "with polygons there is a solution"
+        wider = problem.replace(friction=problem.friction / np.cos(np.pi / FACETS))  # the polygons contain the circles
+        assert THRESHOLDS["pointed"](wider) is ("masses_1e8" not in row["parameters"]), "docs/hard.md"
 
 
 @pytest.mark.parametrize(

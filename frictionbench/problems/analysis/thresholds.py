@@ -6,8 +6,8 @@
     pointed    the friction cone is pointed: no contact impulses cancel, so impulses are bounded by the data
     gaps       no bias is negative: nothing overlaps
 
-A solution exists if no bias is negative, because a secondary ray needs v'q < 0 with v'Qv = 0, which implies v'q = v'b
-(Anitescu and Potra 1997). It also exists if the cone is pointed, because then v'Qv = 0 implies v = (0, 0, lambda).
+The LCP, in space that of polygons, has a solution if no bias is negative, as a secondary ray needs v'q < 0 with v'Qv = 0, hence
+v'q = v'b (Anitescu and Potra 1997). It also has one if the cone is pointed, because then v'Qv = 0 implies v = (0, 0, lambda).
 """
 
 from collections.abc import Callable

@@ -4,7 +4,7 @@
 
 with Coulomb's law between the impulse r and the velocity u = J v+ at the contacts that touch at q. The constraints are on
 velocities: gaps are neither anticipated nor corrected, so a body penetrates an obstacle by up to h times its speed before it is
-stopped, and the drift is O(h). The bias is zero, so every problem has a solution and no contact adds energy.
+stopped, and the drift is O(h). The bias is zero, so every LCP has a solution and no contact adds energy.
 
 If a touching contact approaches and e > 0, an impact precedes the step (problems.schemes.impact).
 """

@@ -4,7 +4,7 @@
 
 with Coulomb's law between r and u = J v+ + phi/h e_n at all contacts within reach of the step. The linearised gaps are
 nonnegative at the end of the step, and a contact that remains open has no impulse. The drift is O(h^2). If all gaps are
-nonnegative, every problem has a solution. An overlap phi < 0 is corrected at the speed |phi|/h, which adds the energy -c phi/h.
+nonnegative, every LCP has a solution. An overlap phi < 0 is corrected at the speed |phi|/h, which adds the energy -c phi/h.
 If a body overlaps with two opposite walls, there may be no solution.
 
 The scheme reduces the approach velocity of a body so that its gap just closes. If e > 0 and a contact would close within the
