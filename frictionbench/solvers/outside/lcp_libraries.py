@@ -38,8 +38,9 @@ class Drake:
     Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgram with that one constraint. Solve: a new
         solver object, as a reused one starts from its last basis, and its Solve.
     Clock: none.
-    Settings: its defaults; there are no options. With perturbation=1e-10 the LCP is given q + 1e-10 rand, as its ratio test has
-        no rule for ties; our lemke perturbs, too, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
+    Settings: its defaults; there are no options. With perturbation=1e-10 the LCP is given q + 1e-10 rand against ties, as by
+        our lemke. Of tied variables its ratio test takes, by its source, one not yet taken in this basis, and fails if none
+        is left; whether it fails for this was not seen, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
         'drake[method=unrevised]' --solver 'drake[method=unrevised,perturbation=1e-10]'`.
     Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
     Flaws: with large mass ratios UnrevisedLemke fails and MobyLcp, whose retries solve with M + lambda I, lambda up to 1e-4 at
