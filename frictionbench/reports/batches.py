@@ -12,6 +12,7 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.templates import environment
+from frictionbench.results.cells import repeats
 from frictionbench.results.conventions import DRAWN, NEARBY, WAYS, law, scene_title
 from frictionbench.results.files import write_text
 from frictionbench.results.store import read_manifest, read_table
@@ -80,7 +81,7 @@ def rate_of(row: dict[str, Any]) -> list[str]:
     """Return the entries of a row of a table of batches, as METHOD describes, or the reason and a dash where it has no rate."""
     other = law(row["model"] or "coulomb", row["dimension"])
     names = [f"{row['variant']} ({other})" if other else str(row["variant"]), str(row["way"]), str(row["start"])]
-    times, singles = (_seconds(row[name]) for name in ("times", "base_times"))
+    times, singles = (repeats(row[name]) for name in ("times", "base_times"))
     if why := refusal(row) or ("" if len(times) and len(singles) else "not timed"):
         return [*names, why, "–"]
     return [*names, f"{float(f'{1 / times.min():.2g}'):,.0f}", f"{singles.min() / times.min():.2g}"]
@@ -99,9 +100,3 @@ def refusal(row: dict[str, Any]) -> str:
     if not row["residual"] <= row["tol"]:
         return "residual above the tolerance"
     return "" if row["verdict"] == Verdict.SOLVED else str(row["verdict"])
-
-
-def _seconds(values: Any) -> np.ndarray:
-    """Return the positive, finite entries of a list of times; none if the value is not a list."""
-    times = np.asarray([] if values is None or np.ndim(values) != 1 else values, dtype=float)
-    return times[np.isfinite(times) & (times > 0)]

@@ -279,11 +279,36 @@ def _speed(by: RankBy, choice: Choice) -> str:
     name = f"{best.label} ({best.law})" if best.law else best.label
     form = f" ({percent(best.written)} of it is form)" if by is RankBy.BODIES else ""
     mean = f"{by.words} {name} has the least mean, {seconds(best.mean, 3)}{form}"
+    if ahead := _ahead(choice):
+        return f"{mean}, {ahead}"
+    return f"{mean}; {choice.unclear}" if choice.unclear else mean
+
+
+def _ahead(choice: Choice) -> str:
+    """Return the lead and its interval in words, or an empty text if one of them is missing."""
     if choice.interval is None or choice.lead is None:
-        return f"{mean}; {choice.unclear}" if choice.unclear else mean
-    ahead, other = f"{ratio(choice.lead)} times ahead of", choice.places[1].label
-    low, high = choice.interval
-    return f"{mean}, {ahead} {other} ({ratio(low)} to {ratio(high)})" + (f": {choice.unclear}" if choice.unclear else "")
+        return ""
+    ends = " to ".join(map(ratio, choice.interval)) + ")" + (f": {choice.unclear}" if choice.unclear else "")
+    return f"{ratio(choice.lead)} times ahead of {choice.places[1].label} ({ends}"
+
+
+def disturbed(run: Run) -> str:
+    """Return sentences on the cells that waited for their core while they were timed, and on the leads by the shortest repeat
+    of each cell, which waiting lengthens least; empty if none waited.
+
+    Leaving out such cells would leave out problems, rather those with long cells, and whole strata.
+    """
+    rows = run.rows[run.rows["disturbed"].eq(True) & run.rows["solve_time"].notna()]
+    if rows.empty:
+        return ""
+    times = run.times[run.outer_targets[-1]]
+    shortest = [one.min() if isinstance(one, np.ndarray) and len(one) else np.nan for one in times["repeats"]]
+    times = times.assign(charged=pd.Series(shortest, times.index).fillna(times["charged"]), repeats=None)
+    found = [(name, choose(times, problems, labels)) for name, problems, labels, first in _kinds(run) if first]
+    leads = [f"{name} {one.places[0].label} is {ahead}" for name, one in found if one and (ahead := _ahead(one))]
+    text = f"Of {len(run.rows)} cells {len(rows)} shared or waited for their core while they were timed"
+    text += f", {(rows['solve_times'].map(np.size) == 1).sum()} of them timed once"
+    return f"{text}. By the shortest repeat of each cell, {run.rank_by.words}, {'; '.join(leads)}." if leads else f"{text}."
 
 
 def _charges(choice: Choice) -> str:

@@ -24,7 +24,7 @@ def write_markdown(folder: Path, run: Run) -> Path:
 def _sentences(run: Run) -> list[str]:
     ranked = {one.rank_by: choice.choices(one) for one in (run, run.ranked_by(run.rank_by.other))}
     headlines = choice.headline(ranked, run.outer_targets[-1])
-    lines = [tables.setting(run), *headlines, tables.exclusions(run), tables.disturbed(run)]
+    lines = [tables.setting(run), *headlines, tables.exclusions(run), choice.disturbed(run)]
     return [*filter(None, lines), *(f"**{what}**: {names}." for what, names in tables.sentences(run))]
 
 

@@ -18,7 +18,7 @@ from frictionbench.reports.accuracy import OVERALL
 from frictionbench.reports.batches import has_batches, write_batches
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.choice import GLOSS, LISTED, choices, headline
+from frictionbench.reports.choice import GLOSS, LISTED, choices, disturbed, headline
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.recorded import motions, recorded_problems
@@ -98,7 +98,7 @@ def _head(run: Run, rankings: Records) -> Values:
         "ranked": run.ranked["problem_id"].nunique(),
         "wrong_simulations": int((run.simulations["verdict"] == Verdict.WRONG).sum()),
         "classes": run.rows["problem_class"].nunique(),
-        "disturbed": tables.disturbed(run),
+        "disturbed": disturbed(run),
         "exclusions": tables.exclusions(run),
         "oversubscribed": tables.workers_on_all_cores(run.manifest),
         "gaps": tables.gaps(run),

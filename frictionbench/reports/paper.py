@@ -18,6 +18,7 @@ from matplotlib.artist import Artist
 
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.choice import disturbed
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import NO_HANDLES, legend_size, save_sheet
 from frictionbench.reports.drawing.text import plain
@@ -55,7 +56,7 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
     for table in made:
         write_text(paper / f"{table.name}.tex", booktabs(table))
     captions = {table.name: table.caption for table in made} | captions
-    write_text(paper / "captions.tex", captions_file(captions, setting(run), paper))
+    write_text(paper / "captions.tex", captions_file(captions, f"{setting(run)} {disturbed(run)}".rstrip(), paper))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
     return paper
 

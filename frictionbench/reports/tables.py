@@ -228,15 +228,6 @@ def exclusions(run: Run) -> str:
     return text + "."
 
 
-def disturbed(run: Run) -> str:
-    """Return sentences on the number of cells that were disturbed while they were timed, empty for none."""
-    rows = run.rows[run.rows["disturbed"].eq(True) & run.rows["solve_time"].notna()]
-    if rows.empty:
-        return ""
-    text = f"Of {len(run.rows)} cells {len(rows)} shared or waited for their core while they were timed"
-    return text + ". The intervals resample the repeats. To time these cells again, repeat the run's command with --retake."
-
-
 def workers_on_all_cores(manifest: dict[str, Any]) -> int:
     """Return the number of workers if they left no core to the main process, else 0; also 0 if the manifest does not tell."""
     workers, cores = manifest.get("workers"), manifest.get("machine", {}).get("cores")

@@ -182,10 +182,10 @@ def _counted(work: Any, **counters: float) -> str:
 
 
 def repeats(*steps: Any) -> np.ndarray:
-    """Return the sum over the steps for each repeat, or an empty array if steps differ in their numbers of repeats."""
+    """Return the sum over the steps for each repeat, if it is a time, or an empty array if their numbers of repeats differ."""
     times = [np.asarray([] if step is None else step, dtype=float) for step in steps]
     total = sum(times[1:], times[0]) if len({len(one) for one in times}) == 1 else np.empty(0)
-    return total[np.isfinite(total)]
+    return total[np.isfinite(total) & (total > 0)]
 
 
 def _typed(rows: pd.DataFrame) -> pd.DataFrame:

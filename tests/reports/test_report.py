@@ -79,8 +79,7 @@ def test_unsolved_is_charged_at_limit(miss):
 
 def test_wrong_claim_counts_at_its_accuracy():
     rows = annotated(solve_row("a", "p", 1e-8, verdict="wrong", residual=1e-5))
-    assert accuracy.times_to(rows, 1e-4)["reached"].tolist() == [True]
-    assert accuracy.times_to(rows, 1e-6)["reached"].tolist() == [False]
+    assert [accuracy.times_to(rows, target)["reached"].item() for target in (1e-4, 1e-6)] == [True, False]
 
 
 def test_skipped_class_has_no_value():
@@ -237,11 +236,9 @@ def test_charts_on_page_and_in_paper(tmp_path):
 
 
 def test_which_solver_by_hand():
-    def entry(name, *times, **given):
-        sizes = (2, 2, 50)
+    def entry(name, *times):
         return [
-            solve_row(name, f"p{i}", solve_time=t, contacts=c, **given)
-            for i, (t, c) in enumerate(zip(times, sizes, strict=True))
+            solve_row(name, f"p{i}", solve_time=t, contacts=c) for i, (t, c) in enumerate(zip(times, (2, 2, 50), strict=True))
         ]
 
     rows = [*entry("a", 1e-3, 1e-3, 1.0), *entry("b", 4e-3, 4e-3, 1e-2)]

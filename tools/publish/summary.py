@@ -198,7 +198,7 @@ def _checks(run: Run, facts: pd.DataFrame, version: str) -> list[list[Any]]:
         ("problems", *held(run.folder, set(run.rows["problem"]) - {""})),
         ("version", "dirty" not in version, f"The code is {version}{', a changed checkout' * ('dirty' in version)}."),
         ("friction at work", idle <= 0.5, f"{100 * idle:.0f} % of the problems are trivial or idle and not ranked."),
-        ("timing noise", True, tables.disturbed(run) or "No cell waited for its core."),
+        ("timing noise", True, choice.disturbed(run) or "No cell waited for its core."),
         ("cores", not crowded, "Workers had all cores." if crowded else "A core was left free, or there was one worker."),
     ]
     return [[what, bool(holds), text] for what, holds, text in checks]
