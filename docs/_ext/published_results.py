@@ -5,6 +5,7 @@ of a suite, `published-headlines` the sentences of the newest of each suite, `pu
 `standard` in the newest of each suite, `published-leads` the leads of several runs of the same problems, by version.
 """
 
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -145,7 +146,7 @@ class PublishedRanks(OfSummaries):
 
 
 class PublishedLeads(OfSummaries):
-    """By suite with several runs of the same problems: in each run the lead of the newest run's first over its next two."""
+    """By suite with several runs of the same problems: in each run the newest run's first beside its next two, as lead says."""
 
     def body(self, published: list[Entry]) -> list[nodes.Node]:
         parts: list[nodes.Node] = []
@@ -166,8 +167,23 @@ def version(run: Entry, last: Entry) -> str:
 
 
 def lead(run: Entry, where: str, first: str, other: str) -> nodes.paragraph:
+    """The mean of the other solver over that of the first. If they are the first two of this run, its interval follows, as its
+    headline gives it, and whether it leaves the order undecided."""
     found = means(run.summary, where)
-    return nodes.paragraph(text=f"{found[other] / found[first]:.2f}" if first in found and other in found else "–")
+    if not {first, other} <= found.keys():
+        return nodes.paragraph(text="–")
+    text = f"{found[other] / found[first]:.2f}"
+    if [*found][:2] == [first, other] and (ends := interval(run.summary, where)):
+        text += f" ({' to '.join(ends)})" + ", undecided" * (float(ends[0]) <= 1)
+    return nodes.paragraph(text=text)
+
+
+def interval(run: Summary, where: str) -> tuple[str, ...]:
+    """The ends of the interval of the lead from bodies, as the headline prints them; empty if it has none. An end printed as
+    1.00 is undecided, since the samples give no further digit."""
+    line = next(line for line in run["headline"] if re.match(f"{where}, \\d", line, re.IGNORECASE))
+    told = re.search(r"from bodies [^;]*? times ahead of \S+ \(([\d.]+) to ([\d.]+)\)", line, re.IGNORECASE)
+    return told.groups() if told else ()
 
 
 def same(one: Summary, other: Summary) -> bool:

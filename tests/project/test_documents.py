@@ -17,6 +17,7 @@ from tools.columns import describe
 
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 each_document = pytest.mark.parametrize("document", DOCUMENTS, ids=[path.name for path in DOCUMENTS])
+RUNS = [json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "results/published").glob("*.json")]
 FOLDERS = ("problems", "solvers", "harness", "results", "reports", "tests", "docs", "frictionbench", "studies", "tools")
 # Written by recipes or by a user's own repository.
 EXAMPLES = re.compile(r"brick|plate|pushes|midpoint|jacobi|scipy_nnls|charts/solved|plain_json|solvers/mine")
@@ -53,20 +54,18 @@ def test_leads_in_the_paper_are_those_of_published_runs() -> None:
     """What a new published run changes is changed in the paper, too; no winner is named where the run names none."""
     text = " ".join((ROOT / "docs/paper/paper.md").read_text(encoding="utf-8").split())
     lead = re.compile(r"([\d.]+) times ahead of (\w+)\*? \(([\d.]+) to ([\d.]+)(\): no clear winner)?")
-    runs = [json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "results/published").glob("*.json")]
-    told = " ".join(line for run in runs if run["version"][:7] in text for line in run["headline"] + run.get("classes", []))
+    told = " ".join(line for run in RUNS if run["version"][:7] in text for line in run["headline"] + run.get("classes", []))
     assert text.count(" times ahead of ") == len(lead.findall(text)) > 6
     assert set(lead.findall(text)) <= set(lead.findall(told))
     solved, version = re.findall(r"convex relaxation of (\d+) of the 126 problems of `standard` \((\w+)\)", text)[0]
-    standard = next(run for run in runs if (run["suite"], run["version"][:7]) == ("standard", version))
+    standard = next(run for run in RUNS if (run["suite"], run["version"][:7]) == ("standard", version))
     assert {row["own"] for row in standard["reliability"] if row["solver"].startswith("clarabel")} == {int(solved)}
 
 
 def test_leads_on_the_published_page_are_those_of_published_runs() -> None:
     """But for two of runs that were discarded."""
     text = " ".join((ROOT / "docs/published.md").read_text(encoding="utf-8").split())
-    runs = [json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "results/published").glob("*.json")]
-    told = " ".join(line for run in runs for line in run["headline"] + run.get("classes", []))
+    told = " ".join(line for run in RUNS for line in run["headline"] + run.get("classes", []))
     quoted = re.findall(r"(\d[\d.]*)[^()\d]* \((?:95 % interval (?:over problems )?)?([\d.]+) to ([\d.]+)\)", text)
     of_runs = re.findall(r"([\d.]+) times ahead of \S+ \(([\d.]+) to ([\d.]+)\)", told)
     assert set(quoted) - set(of_runs) == {("1.36", "1.00", "1.48"), ("1.28", "0.964", "1.45")}

@@ -2,6 +2,7 @@
 
 import io
 import json
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from tests.helpers.made_results import batch_row, solve_row, write_folder
 from tests.helpers.paths import ROOT
 from tools import performance
 from tools.publish.__main__ import publish
-from tools.publish.site import _csv
+from tools.publish.site import _csv, write_site
 from tools.publish.summary import read
 
 PROBLEM = random_problem(1, contacts=2)
@@ -67,6 +68,22 @@ def test_site_of_summaries_alone(site: Path, tmp_path: Path) -> None:
     (summaries / ".made-1.json").write_text("half-written when its program was killed", encoding="utf-8")
     (index,) = publish([summaries], tmp_path / "site", None)
     assert index.read_text(encoding="utf-8") == site.read_text(encoding="utf-8")
+
+
+def test_leads_have_intervals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the table of several runs, and on a run's page for each kind of problem; an end of 1.00 decides nothing."""
+    pytest.importorskip("sphinx")
+    monkeypatch.syspath_prepend(ROOT / "docs/_ext")
+    pages = import_module("published_results")
+    runs = {run.summary["suite"]: run for run in pages.entries() if "9e32b55" in run.summary["version"]}
+    others = {"peers": "interior_point*", "standard": "lemke", "recorded": "nsgs"}.items()
+    told = [pages.lead(runs[suite], "in the plane", "hybrid*", other).astext() for suite, other in others]
+    assert told == ["1.18 (1.00 to 1.40), undecided", "1.34 (1.01 to 1.47)", "0.48"]
+    standard = runs["standard"]
+    page = (write_site([standard], tmp_path).parent / standard.page).read_text(encoding="utf-8")
+    assert page.count(" times ahead of ") == str([standard.summary[part] for part in ("headline", "classes")]).count(
+        " ahead of "
+    )
 
 
 @in_browser  # which enforces the security policy of the page's script
@@ -135,11 +152,8 @@ def test_edited_summaries_are_refused(field: str, tmp_path: Path) -> None:
 
 
 def test_rates_stand_in_a_table_for_each_batch(tmp_path: Path) -> None:
-    rows = [
-        batch_row("lemke", "calls"),
-        batch_row("lemke", "packed"),
-        batch_row("osqp", "calls", verified=0.5, verdict="relaxed"),
-    ]
+    rows = [batch_row("lemke", way) for way in ("calls", "packed")]
+    rows += [batch_row("osqp", "calls", verified=0.5, verdict="relaxed")]
     told = performance.rates(write_folder(tmp_path, [], batches=rows))
     assert "### 4 contacts in the plane: stack[blocks=2]" in told
     assert "| lemke | packed | cold | 1,000 | 2 |" in told
