@@ -72,12 +72,7 @@ def summary(tables: Tables) -> Summary:
     finest = paired[paired["step"] == paired["step"].min()]
     numbers = {
         "drift": f"{hinges['drift'].max():.0e}",
-        "drifts": ", ".join(
-            f"{name} {hinges['drift'][hinges['scheme'] == name].min():.0e} m, order {slope}" for name, slope in slopes.items()
-        ),
-        "ends": ", ".join(
-            f"{row.scheme} {row.error:.1e} in angles and {row.error_hinges:.1e} on hinges" for row in finest.itertuples()
-        ),
+        "finest": finest.assign(order=finest["scheme"].map(slopes)).to_dict("records"),
         "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in free[free["speed"] == max(SPEEDS)].groupby("form")),
         "slow": listing([f"{order(rows['step'], rows['error'])} at {speed:g} rad/s" for speed, rows in slow]),
     }

@@ -115,8 +115,7 @@ def summary(tables: Tables) -> Summary:
         "second": listing([f"{slope} in {key[0].replace('_', ' ')}" for key, slope in slopes.items() if key[1] == HIGHER]),
         "failed": len(stepped) - len(whole),
         "stepped": len(stepped),
-        "impacts": ends["impacts"].sum(),
-        "accumulations": ends["accumulations"].sum(),
+        "located": ends[["impacts", "accumulations"]].sum(),
         "stopped": [
             {"motion": f"{row.scene}{_settings(row.parameters)}", "reason": row.reason}
             | {"reached": f"{row.reached:.3g}", "before": f"{row.reached + row.duration / 10:.3g}"}

@@ -84,12 +84,10 @@ def summary(tables: Tables) -> Summary:
         "steady": steady,
         "pairs": len(settled),
         "growth": f"{largest:.2f}",
-        "parted": len(parted),
         "parted_names": listing([*parted.index]),
         "small": f"{100 * SETTLED_CHANGE:.0f}",
         "restless": listing(restless),
-        "rod_least": f"{rod.min():.4f}",
-        "rod_most": f"{rod.max():.4f}",
+        "rod": [f"{rod.min():.4f}", f"{rod.max():.4f}"],
         "rod_limit": f"{ROD:g}",
         "parted_each": {name: f"{row['velocity']:.2g}" for name, row in parted.iterrows()},
         "loose_each": {

@@ -117,8 +117,7 @@ def summary(tables: Tables) -> Summary:
         "open": listing([kind for kind in high if kind not in clear]),
         "above": listing([f"{s} in {k} {slope}" for (k, s), slope in slopes.items() if s != HIGHER and min(slope) > 1.5]),
         "wide": listing([f"{s} in {k}" for k, s in slopes if (k, s) not in settled]),
-        "lowest": f"{min(lower['smooth sliding']):.2f}",
-        "highest": f"{max(lower['smooth sliding']):.2f}",
+        "lower": [f"{end(lower['smooth sliding']):.2f}" for end in (min, max)],
         "by_kind": "; ".join(
             f"{kind}: " + ", ".join(f"{s} {slopes[kind, s]}" for k, s in slopes if k == kind) for kind in kinds
         ),

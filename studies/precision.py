@@ -62,17 +62,14 @@ def summary(tables: Tables) -> Summary:
     numbers = {
         "cases": table["case"].nunique(),
         "longest": table["limit"].max(),
-        "rounded_median": f"{rounding.median():.0e}",
-        "rounded_worst": f"{rounding.max():.0e}",
+        "rounded": [f"{rounding.median():.0e}", f"{rounding.max():.0e}"],
         "at_coarse": _solved(least, TARGETS[0]),
         "at_fine": _solved(least, TARGETS[1]),
         "lost": listing([f"{share(*lost.loc[name])} ({name})" for name in METHODS]),
         "floors": listing(
             [f"{least[name, 'single'].median():.0e} to {least[name, 'single'].quantile(0.9):.0e} ({name})" for name in METHODS]
         ),
-        "ratio": f"{slower.median():.2f}",
-        "ratio_low": f"{slower.quantile(0.1):.2f}",
-        "ratio_high": f"{slower.quantile(0.9):.2f}",
+        "ratios": [f"{ratio:.2f}" for ratio in slower.quantile([0.1, 0.5, 0.9])],
     }
     return Summary(numbers, {"time": [Panel(name, partial(_curves, table=table[table["method"] == name])) for name in METHODS]})
 

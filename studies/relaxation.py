@@ -116,15 +116,10 @@ def summary(tables: Tables) -> Summary:
         },
         "cases": len(errors),
         "steps": [f"{step:g}" for step in by_step.index],
-        "finest_error": _percent(by_step.iloc[0]),
-        "coarsest_error": _percent(by_step.iloc[-1]),
-        "hop": f"{1000.0 * hop['hop']:.1f}",
-        "hop_predicted": f"{1000.0 * hop['hop_predicted']:.1f}",
+        "by_step": [_percent(error) for error in by_step],
+        "hops": [f"{1000.0 * hop[name]:.1f}" for name in ("hop", "hop_predicted")],
         "smooth": f"{gap.value:.2f}",
-        "at_low": f"{counts['anitescu_hart']['median'][low]:.0f}",
-        "low": f"{low:g}",
-        "at_high": f"{counts['anitescu_hart']['median'][high]:.0f}",
-        "high": f"{high:g}",
+        "taken": [(f"{counts['anitescu_hart']['median'][mu]:.0f}", f"{mu:g}") for mu in (low, high)],
     }
     figures = {
         "errors": (

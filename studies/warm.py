@@ -73,10 +73,7 @@ def summary(tables: Tables) -> Summary:
         for name in names
     ]
     numbers = {
-        "middle_low": f"{middle.min():.2f}",
-        "middle_first": middle.idxmin(),
-        "middle_high": f"{middle.max():.2f}",
-        "middle_last": middle.idxmax(),
+        "middles": [f"{middle[name]:.2f} ({name})" for name in (middle.idxmin(), middle.idxmax())],
         "gained": sum(ratios[name][WARM][2] < 1 for name in names),
         "methods": len(names),
         "problems": problems.iloc[0],
