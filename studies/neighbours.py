@@ -16,10 +16,9 @@ from frictionbench.problems import SCHEMES, NoSolution, Scene, simulation
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
 from studies.motions import by
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require, widest
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require
 
-PARTED = 20.0  # ratio of final to initial distance that smooth growth in so short a motion does not explain
-SAME_VELOCITY = 1e-6  # m/s: answers of two solvers that differ by less are equal
+PARTED = 1e3  # ratio to the first distance that smooth growth in so short a motion does not explain
 JAM, RODS = "jam", ("rod at p > 0", "rod at p < 0")
 EDGE = "rod leaving at p < 0"
 EVENTS = "event_driven"
@@ -46,30 +45,32 @@ def ensembles(
     sizes: Iterable[float] = SIZES,
     members: int = 4,
 ) -> Iterator[Row]:
-    """Neighbours of each undisturbed motion: the largest distance of velocities during the motion, and at the end."""
+    """Neighbours of each undisturbed motion: the largest distances of any of them, of velocities in m/s and rad/s.
+
+    They are those up to the first step without a solution; at the end, those of motions that reach it.
+    """
     for case, scheme, solver in product(cases, schemes, solvers):
         stage = begin(case)
         middle = motion(stage, scheme, solver)
         for size in sizes:
-            apart, last = [], []
+            away, short = np.zeros((members, 2, STEPS)), 0
             for seed in range(members):
                 way = np.random.default_rng(seed).normal(size=len(stage.v0))
                 found = motion(replace(stage, v0=stage.v0 + size * way / np.linalg.norm(way)), scheme, solver)
                 common = min(len(found), len(middle))
-                away = np.linalg.norm(found[:common] - middle[:common], axis=1)
-                apart.append(float(away.max(initial=0.0)))
-                last.append(float(away[-1]) if common == STEPS else None)
-            whole = len(middle) == STEPS
+                short += len(found) != len(middle)
+                away[seed, :, :common] = np.linalg.norm(found[:common] - middle[:common], axis=2).T
             yield {
                 "case": case,  # of motion
                 "scheme": scheme,  # time-stepping scheme
                 "solver": solver,  # of the steps, to 1e-10
                 "size": size,  # of the change of the first velocities, m/s and rad/s
-                # at the end of the undisturbed motion, null where a step has no solution; m/s and rad/s
-                "velocity": middle[-1] if whole else None,
-                # largest distance of a neighbour's velocities on the way, m/s and rad/s
-                "most_apart": max(apart) if whole else None,
-                "apart": max((end for end in last if end is not None), default=None),  # the same at the end
+                "steps": len(middle),  # of the undisturbed motion, STEPS unless one has no solution
+                "short": short,  # neighbours with another number of steps
+                "velocities": middle[:, 1].ravel(),  # of the undisturbed motion after each step
+                "moved": away[:, 0].max(),  # distance of positions on the way, m and rad
+                "most_apart": away[:, 1].max(),  # distance of velocities on the way
+                "apart": away[:, 1, -1].max() if len(middle) == STEPS else None,  # distance of velocities at the end
             }
 
 
@@ -80,15 +81,15 @@ def begin(case: str) -> Scene:
     return replace(stage, q0=stage.q0 + np.array([0.0, HEIGHT, 0.0])) if case == "flat landing" else stage
 
 
-def motion(stage: Scene, scheme: str, solver: str, steps: int = STEPS) -> Array:
-    """The velocities (steps, nv) after each step, fewer where the scheme has no solution."""
+def motion(stage: Scene, scheme: str, solver: str) -> Array:
+    """The positions and velocities (steps, 2, nv) after each step, fewer where the scheme has no solution."""
     found = []
     try:
-        for now in simulation(stage, by(solver), SCHEMES[scheme], steps):
-            found.append(now.v)  # noqa: PERF401, what was found before the failure is kept
+        for now in simulation(stage, by(solver), SCHEMES[scheme], STEPS):
+            found.append((now.q, now.v))  # noqa: PERF401, what was found before the failure is kept
     except NoSolution:
         pass
-    return np.array(found[-steps:]).reshape(-1, len(stage.v0))
+    return np.array(found[1:]).reshape(-1, 2, len(stage.v0))
 
 
 def landings(schemes: Iterable[str] = SCHEMES_COMPARED, spins: Iterable[float] = SPINS) -> Iterator[Row]:
@@ -110,50 +111,56 @@ def landings(schemes: Iterable[str] = SCHEMES_COMPARED, spins: Iterable[float] =
             "scheme": scheme,  # time-stepping scheme
             "spin": spin,  # of the start, rad/s
             "delay": 2 * tilt / (start + sqrt(start**2 + 2 * gain * tilt)),  # between the two hits, s
-            "after": abs(float(found[-1, 2])) if len(found) == STEPS else None,  # spin at the end, rad/s
+            "after": abs(float(found[-1, 1, 2])) if len(found) == STEPS else None,  # spin at the end, rad/s
             "closed": closed,  # the same by the closed form of two hits in sequence, rad/s
         }
 
 
 def summary(tables: Tables) -> Summary:
     rows, landings = tables["ensembles"], tables["landings"]
-    rows = rows.assign(parted=rows["apart"] > PARTED * rows["size"], none=rows["velocity"].isna())
-    pairs = rows.groupby(["case", "scheme", "solver"])[["parted", "none"]].any().reset_index()
-    inside = rows[rows["case"].isin(RODS) & ~rows["none"]]
-    require(not inside["parted"].any(), "neighbours of the rod on the ground stay neighbours")
-    parted = pairs[pairs["parted"]]
-    silent = pairs[pairs["none"]]
-    jam = rows[(rows["case"] == JAM) & ~rows["none"]].drop_duplicates(["scheme", "solver"])
-    between = jam.groupby("scheme")["velocity"].agg(widest).max()  # between solvers with one scheme
-    edge = rows[(rows["case"] == EDGE) & rows["parted"]]
+    grown = {"way": rows["most_apart"], "places": rows["moved"] / (STEPS * STEP), "end": rows["apart"]}
+    rows = rows.assign(**{name: distance / rows["size"] for name, distance in grown.items()})
+    parted = {name: rows[rows[name] > PARTED] for name in grown}
+    whole = rows[rows["steps"] == STEPS]
+    most, silent = whole.groupby(["case", "scheme", "solver"])[[*grown]].max(), rows[rows["steps"] < STEPS]
+    verdicts = most > PARTED
+    inside = whole[whole["case"].isin(RODS)].groupby("size")[[*grown]].max()
+    require((inside < PARTED).all(axis=None), "neighbours of the rod on the ground stay neighbours")
+    jam = whole[whole["case"] == JAM].drop_duplicates(["scheme", "solver"])
+    paths = np.stack(list(jam["velocities"])).reshape(jam["scheme"].nunique(), -1, STEPS, 3)  # by scheme and solver
+    between = np.linalg.norm(paths[:, :, None] - paths[:, None], axis=-1).max(axis=(0, 1, 2))  # the solvers of one scheme
     events = landings[landings["scheme"] == EVENTS].sort_values("spin")
     others = landings[landings["scheme"] != EVENTS]
-    small = others[others["after"] < 0.1 * others["closed"]].groupby("scheme")["delay"].max()
+    lost = (others["after"] < 0.1 * others["closed"]).groupby(others["scheme"]).cummin()  # up to the first that is kept
+    small = others[lost].groupby("scheme")["delay"].max()
     error = abs(events["after"].iloc[0] / events["closed"].iloc[0] - 1)
     require(error < 0.01, "the event-driven spin is that of the closed form")
-    numbers = {
-        "parted": listing(sorted(parted["case"].unique())),
-        "jam": f"differ by up to {between:.2g} m/s" if between > SAME_VELOCITY else "are the same",
-        "gain": f"{(inside['apart'] / inside['size']).max():.2g}",
+    numbers = {name: _told(part) for name, part in parted.items()} | {
         "parted_limit": f"{PARTED:g}",
-        "cases": "; ".join(f"{case} ({_pairs(group)})" for case, group in parted.groupby("case")),
-        "edge_most": f"{edge['most_apart'].max():.2g}",
-        "edge": f"{edge['apart'].max():.1g}",
-        "spin": f"{events['spin'].iloc[0]:.0e}",
-        "delay": f"{events['delay'].iloc[0]:.1g}",
-        "after": f"{events['after'].iloc[0]:.3f}",
-        "closed": f"{events['closed'].iloc[0]:.3f}",
+        "agree": f"{verdicts.eq(verdicts['way'], axis=0).all(axis=1).sum()} of {len(verdicts)}",
+        "alike": verdicts.groupby(["case", "scheme"]).nunique().eq(1).all(axis=1).all(),
+        "jam": [between.max(), between[0], between[-1]],
+        "gap": [most[~verdicts].max(axis=None), most[verdicts].min(axis=None)],
+        "inside": inside.reset_index().to_dict("records"),
+        "edge": parted["way"].loc[parted["way"]["case"] == EDGE, ["most_apart", "moved", "apart"]].max(),
+        "first": events.iloc[0].to_dict(),
         "late": listing([f"{name} up to {delay:.1g} s" for name, delay in small.items()]),
         "longest": f"{others['delay'].max():.1g}",
-        "without": [f"{case} ({_pairs(group)})" for case, group in silent.groupby("case")],
+        "without": listing([f"{case} by {scheme}" for case, scheme in silent.groupby(["case", "scheme"]).groups]),
+        "short": [silent["short"].sum(), whole["short"].sum()],
     }
     figures = {"edges": (Panel("order of two hits", partial(_landings, landings=landings)),)}
     return Summary(numbers, figures)
 
 
-def _pairs(group: pd.DataFrame) -> str:
-    """Return the schemes, each with its solvers."""
-    return ", ".join(f"{scheme} with {listing(list(part['solver']))}" for scheme, part in group.groupby("scheme"))
+def _told(part: pd.DataFrame) -> str:
+    """Return the cases, each with its schemes and their smallest change."""
+    least = part.groupby(["case", "scheme"])["size"].min().reset_index()
+    cases = {
+        str(case): ", ".join(group["scheme"] + group["size"].map(" from {:.0e}".format))
+        for case, group in least.groupby("case")
+    }
+    return "; ".join(f"{case} ({schemes})" for case, schemes in cases.items()) or "none"
 
 
 def _landings(ax: Axes, landings: pd.DataFrame) -> None:

@@ -5,6 +5,8 @@ import json
 import pandas as pd
 import pytest
 
+import frictionbench as fb
+from studies.neighbours import begin
 from studies.rankings import summary
 from studies.study import order
 from studies.warm import COUNTS
@@ -79,25 +81,20 @@ def test_only_problems_with_all_three_starts_are_compared() -> None:
 
 
 def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None:
-    found = reduced(
-        "neighbours",
-        ensembles={
-            "cases": ("rod at p < 0", "rod leaving at p < 0", "jam"),
-            "schemes": ("anitescu_potra",),
-            "solvers": ("lemke", "interior_point"),
-            "sizes": (1e-8,),
-        },
-        landings={"schemes": ("anitescu_potra", "event_driven"), "spins": (1e-6, 1e-4)},
-    )
-    ends = found["ensembles"].set_index(["case", "solver"])["apart"]
+    few = {"cases": ("rod at p < 0", "rod leaving at p < 0", "jam"), "schemes": ("anitescu_potra",)}
+    few |= {"solvers": ("lemke", "interior_point"), "sizes": (1e-8, 1e-2)}
+    spins = {"schemes": ("anitescu_potra", "event_driven"), "spins": (1e-6, 1e-4)}
+    found = reduced("neighbours", ensembles=few, landings=spins)
+    ends = found["ensembles"].query("size == 1e-8").set_index(["case", "solver"])["apart"]
     assert ends["rod at p < 0", "lemke"] < 1e-7
-    assert ends["rod leaving at p < 0", "lemke"] > 1e-3
-    assert ends["rod leaving at p < 0", "interior_point"] > 1e-3
+    assert (ends["rod leaving at p < 0"] > 1e-3).all()
     landings = found["landings"].set_index(["scheme", "spin"])
     assert landings.loc[("event_driven", 1e-6), "after"] == pytest.approx(landings["closed"].iloc[0], rel=0.01)
     assert landings.loc[("anitescu_potra", 1e-6), "after"] < 1e-5
     account = text("neighbours", found)
-    assert "yes: nearby trajectories end more than 20 times as far apart as they began, in " in account.answer
+    assert "whole way and by velocities at the end in rod leaving at p &lt; 0 (anitescu_potra from 1e-08)." in account.answer
+    jam = begin("jam").problem()
+    assert fb.residual(jam, 0 * fb.solve(jam, "lemke").impulse) > 0.5, "zero impulses are no solution"
 
 
 def test_a_higher_order_is_kept_in_smooth_sliding_and_gaps_drift_less() -> None:
