@@ -232,8 +232,8 @@ def solver(
 
     family: of methods, as reports group them. Other arguments: see SolverInfo. The class needs
     `solve(self, prepared, tol, limit, start=None) -> Answer`, and may have `form` and `setup`.
-    Errors: ValueError if the name is already registered, the class defines `prepare`, or an argument is not as described in
-    SolverInfo; the message names it.
+    Errors: ValueError if the name is already registered, the class defines `prepare` or no `solve`, or an argument is not as
+    described in SolverInfo; the message names it.
 
     >>> import frictionbench as fb, numpy as np
     >>> @fb.solver("nothing", family="splitting", model="coulomb", dimension=(2, 3))
@@ -247,6 +247,8 @@ def solver(
     """
 
     def register(cls: Class) -> Class:
+        if not hasattr(cls, "solve"):
+            raise ValueError(f"solver: {cls.__name__} has no method solve(self, prepared, tol, limit, start=None)")
         whole: Any = with_all_steps(cls)
         if whole.__module__.startswith(PACKAGE) and not getattr(whole, "takes_unlike", False):
             whole = with_balance(whole, model, bool(needs))

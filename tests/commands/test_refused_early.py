@@ -22,7 +22,6 @@ def test_scenes_that_cannot_be_made(tmp_path, monkeypatch) -> None:
     out = tmp_path / "out"
     for command in (
         ("run", "smoke", "--scene", "stack[blocks=-1]", "--out", str(out)),
-        ("run", "smoke", "--scene", "cubes[boxes=-1]", "--out", str(out)),
         ("map", "stack", "--x", "friction=.1:1:3", "--y", "blocks=-1:3:3", "--out", str(out)),
     ):
         done = frictionbench(*command)

@@ -26,5 +26,5 @@ class FakeLibrary:
 
 
 @solver("missing_library", family="bad", model="coulomb", needs=("no-such-distribution", "no.such.module@/usr/bin/python3"))
-class MissingLibrary:
+class MissingLibrary(FakeLibrary):
     """Needs a distribution and a module that do not exist."""

@@ -9,10 +9,8 @@ EVIL = "<img src=x onerror=alert(1)>|`](javascript:x)\n# h\x1b[31m"
 
 def test_names_of_others(tmp_path) -> None:
     rows = [solve_row(name, f"{problem}", scene=f"s{EVIL}") for name in (EVIL, "b") for problem in range(12)]
-    rows += [
-        unanswered_row(f"{EVIL}c", "0", "skipped", reason=f"{EVIL} is not installed"),
-        solve_row("d", "0", verdict="wrong"),
-    ]
+    rows.append(unanswered_row(f"{EVIL}c", "0", "skipped", reason=f"{EVIL} is not installed"))
+    rows.append(solve_row("d", "0", verdict="wrong"))
     facts = {"settings": SETTINGS | {"suite": EVIL}, "machine": MACHINE | {"processor": EVIL, "cores": EVIL}, "finished": EVIL}
     folder = write_folder(tmp_path / "run", rows, **facts)
     (tmp_path / "mine").write_text("mine", encoding="utf-8")

@@ -158,11 +158,12 @@ def test_page_is_complete_and_self_contained(tmp_path):
     assert "has not finished" not in page.text
     assert page.count["main"] == 1
     drawings = re.findall(r"<svg[^>]*>", path.read_text(encoding="utf-8"))
-    assert drawings
     assert [drawing for drawing in drawings if "aria-label=" not in drawing and "aria-hidden=" not in drawing] == []
+    ids = re.findall(r' id="(\w[^"]*)"', path.read_text(encoding="utf-8"))
+    assert len(ids) == len(set(ids)) > len(drawings) / 2 > 0
     assert not page.count.keys() & {"link", "iframe", "object", "form"}
     assert_only_our_script_runs(path, page)
-    assert all(reference.startswith(("#", "data:image/png")) for reference in page.references)
+    assert all(reference[1:] in ids or reference.startswith("data:image/png") for reference in page.references)
 
 
 @pytest.mark.parametrize(

@@ -46,6 +46,8 @@ def test_facts_of_a_solver_are_checked(fact, value):
     facts = {"name": "checked", "family": "test", "model": "coulomb"} | {fact: value}
     with pytest.raises(ValueError, match=rf"^solver: {fact} must be .*, got "):
         solver(**facts)(type("Checked", (), {"solve": None}))
+    with pytest.raises(ValueError, match="Idle has no method solve"):
+        solver("checked", family="test", model="coulomb")(type("Idle", (), {}))
     assert "checked" not in available()
 
 

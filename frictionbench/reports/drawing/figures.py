@@ -41,6 +41,11 @@ def inline_svg(panel: Panel) -> str:
         return _element(figure, f'role="img" aria-label="{escape(panel.title)}"')
 
 
+def distinct(svg: str, number: int) -> str:
+    """Return the SVG element with its number in the page added to its ids: an id refers to the first, which may be hidden."""
+    return re.sub(r'( id="|href="#|url\(#)(\w+)', rf"\1\2-{number}", svg)
+
+
 @cache
 def swatch(look: Look) -> str:
     """Return the line and marker of a label as a small SVG element, for the legend of the page."""

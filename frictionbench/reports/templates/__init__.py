@@ -4,6 +4,7 @@ import json
 import math
 from base64 import b64encode
 from hashlib import sha256
+from itertools import count as numbers
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from markupsafe import Markup
 
 from frictionbench.reports.accuracy import LEAST_FOR_P99, shown_levels
 from frictionbench.reports.drawing import tiles
-from frictionbench.reports.drawing.figures import inline_svg, swatch
+from frictionbench.reports.drawing.figures import distinct, inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.drawing.text import percent, plain, power, ratio, residual, seconds
 from frictionbench.results.commands import rerun
@@ -31,6 +32,7 @@ def environment(*folders: Path) -> Environment:
     and drawings. A missing number is shown as "–"."""
     loader = FileSystemLoader([Path(__file__).parent, *folders])
     made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    drawings = numbers()
     made.filters |= {
         "seconds3": lambda value: "–" if pd.isna(value) else "∞" if math.isinf(value) else seconds(value, 3),
         "seconds": lambda value: "–" if pd.isna(value) else seconds(value),
@@ -49,7 +51,7 @@ def environment(*folders: Path) -> Environment:
         "rerun": lambda row, run: rerun(run.folder, row["key"], row["variant"], run.plugins),
         "scene": lambda row: scene_title(row["scene"], row["parameters"]),
         "ending": ending,
-        "svg": lambda drawn: Markup(swatch(drawn) if isinstance(drawn, Look) else inline_svg(drawn)),
+        "svg": lambda drawn: Markup(distinct(swatch(drawn) if isinstance(drawn, Look) else inline_svg(drawn), next(drawings))),
         "paths": tiles.paths,
         "short": lambda name: plain(name, tiles.LONGEST_TITLE),
         "json": as_json,
