@@ -27,6 +27,11 @@ Mixed = tuple[DenseLCP, Array, Array]
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 
+def perturbed(lcp: DenseLCP, size: float) -> DenseLCP:
+    """The LCP with random numbers below size added to q, which is of size 1, against ties in ratio tests."""
+    return lcp._replace(q=lcp.q + size * np.random.default_rng(0).random(len(lcp.q))) if size else lcp
+
+
 @lcp_library("drake", needs=("drake",), variants=("method=moby", "method=unrevised", "method=unrevised,perturbation=1e-10"))
 class Drake:
     """Drake's solvers of LCPs: MobyLcp or UnrevisedLemke. (outside)
@@ -38,10 +43,9 @@ class Drake:
     Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgram with that one constraint. Solve: a new
         solver object, as a reused one starts from its last basis, and its Solve.
     Clock: none.
-    Settings: its defaults; there are no options. With perturbation=1e-10 the LCP is given q + 1e-10 rand against ties, as by
-        our lemke. Of tied variables its ratio test takes, by its source, one not yet taken in this basis, and fails if none
-        is left; whether it fails for this was not seen, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
-        'drake[method=unrevised]' --solver 'drake[method=unrevised,perturbation=1e-10]'`.
+    Settings: its defaults; there are no options. perturbation=1e-10 gives it q + 1e-10 rand, without ties; of these its ratio
+        test takes one not yet taken in this basis, or fails, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]'
+        --solver 'drake[method=unrevised]' --solver 'drake[method=unrevised,perturbation=1e-10]'`.
     Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
     Flaws: with large mass ratios UnrevisedLemke fails and MobyLcp, whose retries solve with M + lambda I, lambda up to 1e-4 at
         least (SolveLcpLemkeRegularized), reports success for inexact answers, `frictionbench solve
@@ -56,10 +60,7 @@ class Drake:
         require(0 <= self.perturbation < 1, "perturbation", f"must be at least 0 and less than 1, got {self.perturbation!r}")
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
-        lcp = dense_lcp(problem)
-        if not self.perturbation:
-            return lcp
-        return lcp._replace(q=lcp.q + self.perturbation * np.random.default_rng(0).random(len(lcp.q)))
+        return perturbed(dense_lcp(problem), self.perturbation)
 
     def setup(self, lcp: DenseLCP) -> tuple[DenseLCP, Any, Any]:
         drake: Any = import_module("pydrake.solvers")

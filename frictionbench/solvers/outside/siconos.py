@@ -20,19 +20,20 @@ Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy
     'stack[blocks=5,push=1]' --solver 'siconos[method=friction_3d_nsgs]' --solver
     'siconos[method=friction_3d_nsgs,settings=tuned]'`; for friction_3d_prox a weight sigma of the proximal term of 0.5 instead
     of 5, `frictionbench solve 'sphere_pyramid[levels=3,noise=0.3]' --solver 'siconos[method=friction_3d_prox]' --solver
-    'siconos[method=friction_3d_prox,settings=tuned]'`. newton is tuned with the local solver ONECONTACT_NSN, but
-    the default one where a contact has no friction, as that aborts there. lcp_pivot follows Lemke's rule by default;
-    lcp_pivot_least_index is the same driver with LEAST_INDEX, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]'
-    --solver 'siconos[method=lcp_pivot]' --solver 'siconos[method=lcp_pivot_least_index]'`.
+    'siconos[method=friction_3d_prox,settings=tuned]'`. newton is tuned with the local solver ONECONTACT_NSN, but the default
+    one where a contact has no friction, as that aborts there. For lcp_lemke and lcp_pivot tuned is q + 1e-10 rand, without
+    ties, `frictionbench solve 'cubes[boxes=2]' --solver 'siconos[method=lcp_lemke]' --solver
+    'siconos[method=lcp_lemke,settings=tuned]'`. lcp_pivot follows Lemke's rule by default; lcp_pivot_least_index is the same
+    driver with LEAST_INDEX, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=lcp_pivot]'
+    --solver 'siconos[method=lcp_pivot_least_index]'`.
 Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus
     and, for lcp_, solvers.pivots.dense_lcp. Where |r^| is larger it divides by that, and is called again from its own answer
     with a smaller tolerance, unless that answer's error is small enough. The drivers of friction_2d_ begin at 0 whatever their
     guess is: they are asked at once for eps over 2 sqrt(contacts), as impulses add up in piles.
 Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
     'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and the fixed
-    points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit. lcp_lemke and
-    lcp_pivot do not resolve exact ties, as the corners of a polygon on the axes make them. ONECONTACT_NSN fails where the
-    default does not, `frictionbench solve painleve_rod --solver 'siconos[method=friction_3d_nsgs,settings=newton]'`.
+    points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit. ONECONTACT_NSN fails where
+    the default does not, `frictionbench solve painleve_rod --solver 'siconos[method=friction_3d_nsgs,settings=newton]'`.
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
 """
 
@@ -45,6 +46,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.rows import row_of_entry
 from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside.children.child import child
+from frictionbench.solvers.outside.lcp_libraries import perturbed
 from frictionbench.solvers.outside.scaled_delassus import PLANE, SPACE, ScaledDelassus, entries, scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
@@ -61,14 +63,13 @@ _DENSE = {
     **{"friction_2d_cpg": 10**9, "friction_2d_lemke": 10**9, "friction_2d_nsgs": 48, "friction_3d_vi_eg": 32},
     **{"friction_3d_admm": 100, "friction_3d_prox": 80, "friction_3d_nsn_ac": 4, "friction_3d_nsn_fb": 16},
 }
-_FULL = ("friction_3d_admm", "friction_3d_prox")  # dense also if most pairs of contacts share a body
 _BALANCED = {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2}  # SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING
 _RELAXED = {"SICONOS_FRICTION_3D_NSGS_RELAXATION": 1}, {"SICONOS_FRICTION_3D_NSGS_RELAXATION_VALUE": 1.3}
 _TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
     **{f"friction_3d_nsgs,settings={settings}": _RELAXED for settings in ("tuned", "newton")},
     "friction_3d_prox,settings=tuned": ({}, {"SICONOS_FRICTION_3D_PROXIMAL_DPARAM_SIGMA": 0.5}),
-    "friction_3d_admm,settings=tuned": (_BALANCED, {}),
-    "global_friction_3d_admm,settings=tuned": (_BALANCED, {}),
+    **{f"{kind}friction_3d_admm,settings=tuned": (_BALANCED, {}) for kind in ("", "global_")},
+    **{f"lcp_{method},settings=tuned": ({}, {}) for method in ("lemke", "pivot")},  # their q is perturbed
 }
 
 
@@ -114,11 +115,11 @@ class Siconos:
         kind = next(kind for kind in ("lcp", "friction_2d", "friction_3d", "global") if self.method.startswith(kind))
         given: DenseLCP | ScaledDelassus
         if isinstance(problem, LCP) or kind == "lcp":
-            given = dense_lcp(problem)
+            given = perturbed(dense_lcp(problem), 1e-10 if self.settings == "tuned" else 0.0)
             message: dict[str, Any] = {"M": given.M, "q": given.q}
         else:
             nc = problem.contacts
-            full = self.method in _FULL and 2 * len(problem.blocks.neighbours) > nc**2
+            full = self.method in ("friction_3d_admm", "friction_3d_prox") and 2 * len(problem.blocks.neighbours) > nc**2
             dense = kind != "global" and (full or nc <= _DENSE.get(self.method, 0))
             given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense)
             W = given.W if dense else entries(*problem.blocks, given.E, given.rows)
@@ -150,9 +151,7 @@ class Siconos:
 def global_form(problem: FrictionProblem, given: ScaledDelassus) -> dict[str, Array]:
     """M^ and H^ as entries (row, column, value), q^ (nv,) and b^ (nc*d,) of a problem without joints."""
     m, J, free = problem.mass_rows, problem.contact_rows, problem.free_velocity
-    row, D = row_of_entry(m.start), np.ones(len(free))
-    diagonal = row == m.column
-    D[row[diagonal]] = 1 / np.sqrt(m.value[diagonal])
+    row, D = row_of_entry(m.start), 1 / np.sqrt(problem.mass.diagonal())
     entry, a = np.nonzero(J.value)
     contact, column = row_of_entry(J.start)[entry], J.column[entry]
     return {
