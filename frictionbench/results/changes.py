@@ -19,6 +19,7 @@ import pandas as pd
 from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict, measured
 from frictionbench.results.cells import FAILURES, parse_counts
 
+KINDS = ("flips", "gone", "added", "work", "times")  # see above; `untimed` is work
 GONE, NEW = "gone", "new"  # shown instead of the verdict for a cell that one of the runs lacks
 GROWTH = 1.05  # largest ratio of sums of work that is no regression: rounding may change work by as much
 TIME_NOISE = 2.0  # a time within this factor of the limit may exceed it on another day by noise alone
@@ -46,8 +47,12 @@ class Flip:
         return f"{self.scene} {f'step {self.step}' if self.step else self.table} to {self.tol:g} ({self.key})"
 
     @property
+    def kind(self) -> str:
+        return "added" if self.before == NEW else "gone" if self.after in (GONE, Verdict.SKIPPED) else "flips"
+
+    @property
     def worse(self) -> bool:
-        return self.before == NEW or self.after in (GONE, Verdict.SKIPPED) or RANK[self.after] > RANK[self.before]
+        return self.kind != "flips" or RANK[self.after] > RANK[self.before]
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,7 @@ class Growth:
     after: int | None
     cells: int
     limit: float
+    kind: ClassVar[str] = "work"
 
     @property
     def name(self) -> str:
@@ -101,6 +107,7 @@ class Time:
     cells: int
     limit: float
     name: ClassVar[str] = "time"
+    kind: ClassVar[str] = "times"
 
     @property
     def worse(self) -> bool:
@@ -117,7 +124,7 @@ class Time:
         return not self.low <= 1 <= self.high
 
 
-Change = Flip | Growth | Time  # each has `name`, which identifies it among the changes of its solver, and `worse`
+Change = Flip | Growth | Time  # each has `name`, which identifies it among the changes of its solver, `kind` and `worse`
 
 
 def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:

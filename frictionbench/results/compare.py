@@ -16,7 +16,7 @@ import pandas as pd
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.results import baseline as baselines, changes
 from frictionbench.results.cells import Cells, read, rounded
-from frictionbench.results.changes import GONE, Change, Flip, Growth, Time
+from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, times
@@ -45,8 +45,8 @@ class Limits(NamedTuple):
 class Comparison:
     """The differences of `current` from `baseline`. unusable: the reason why the runs cannot be compared, or empty.
 
-    same, new: numbers of cells. flips, gone, added, work: see results.changes; times: see results.times. untimed: why times
-    were not compared. sources: see results.cells.
+    same, new: numbers of cells. changes: see results.changes and results.times. untimed: why times were not compared. sources:
+    see results.cells.
     """
 
     baseline: Path
@@ -54,18 +54,14 @@ class Comparison:
     unusable: str = ""
     same: int = 0
     new: int = 0
-    flips: tuple[Flip, ...] = ()
-    gone: tuple[Flip, ...] = ()
-    added: tuple[Flip, ...] = ()
-    work: tuple[Growth, ...] = ()
-    times: tuple[Time, ...] = ()
+    changes: tuple[Change, ...] = ()
     notes: tuple[str, ...] = ()
     untimed: str = ""
     sources: dict[str, str] = field(default_factory=dict)
 
-    @property
-    def changes(self) -> tuple[Change, ...]:
-        return (*self.flips, *self.gone, *self.added, *self.work, *self.times)
+    def of(self, kind: str) -> list[Any]:
+        """The changes of one of changes.KINDS."""
+        return [change for change in self.changes if change.kind == kind]
 
     @property
     def worse(self) -> list[Change]:
@@ -79,7 +75,7 @@ class Comparison:
     @property
     def counts(self) -> dict[str, int]:
         """The numbers of worse and better changes, and of unchanged, new, gone and skipped cells."""
-        lost = [flip.after for flip in self.gone]
+        lost = [flip.after for flip in self.of("gone")]
         gone, skipped = lost.count(GONE), lost.count(Verdict.SKIPPED)
         counts = {"worse": len(self.worse) - len(lost), "better": len(self.better), "same": self.same, "new": self.new}
         return counts | {"gone": gone, "skipped": skipped}
@@ -103,15 +99,14 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         return Comparison(baseline, current, unusable=unusable)
     common = old.measured.index.intersection(new.measured.index)
     alike = bool(old.machine) and old.machine == new.machine
-    differences, timeouts = _differences(old.table, new.table, alike, limits)
+    found, timeouts = _differences(old.table, new.table, alike, limits)
     timed = times([(old.table, new.table)], limits.slowdown) if alike and limits.times else []
     return Comparison(
         baseline,
         current,
-        same=len(common) - len(differences["flips"]),
+        same=len(common) - sum(change.kind == "flips" for change in found),
         new=len(new.measured.index.difference(old.measured.index)),
-        **differences,
-        times=tuple(timed),
+        changes=(*found, *timed),
         notes=tuple(_notes(old, new, timeouts)),
         untimed="" if alike or not limits.times else UNTIMED,
         sources=new.sources,
@@ -137,20 +132,15 @@ def _unusable(old: Cells, new: Cells) -> str:
 
 def _differences(
     before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits, excused: bool = True
-) -> tuple[dict[str, Any], int]:
-    """Return the changes except those of times, by their names in Comparison, and the number of changed timeouts that the
-    machine's speed may explain. If `excused`, these do not count as changes."""
+) -> tuple[list[Change], int]:
+    """Return the changes except those of times, and the number of changed timeouts that the machine's speed may explain. If
+    `excused`, these do not count as changes."""
     ran = [cells[measured(cells)] for cells in (before, after)]
     common = ran[0].index.intersection(ran[1].index)
     old, new = before.loc[common], after.loc[common]
     by_speed = changes.explained_by_speed(old, new, alike) & excused
-    differences = {
-        "flips": tuple(changes.flips(old[~by_speed], new[~by_speed])),
-        "gone": tuple(changes.gone(before, after)),
-        "added": tuple(changes.added(before, after)),
-        "work": (*changes.work(old, new), *(changes.untimed(old, new) if limits.times else ())),
-    }
-    return differences, int(by_speed.sum())
+    cells = *changes.flips(old[~by_speed], new[~by_speed]), *changes.gone(before, after), *changes.added(before, after)
+    return [*cells, *changes.work(old, new), *(changes.untimed(old, new) if limits.times else ())], int(by_speed.sum())
 
 
 def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
@@ -191,14 +181,14 @@ def confirm(
     their confidence intervals.
     """
     votes: Counter[tuple[str, str]] = Counter()
-    seen: dict[tuple[str, str], tuple[str, Change]] = {}
+    seen: dict[tuple[str, str], Change] = {}
     record = read(comparison.baseline).table
     for ran, after in pairs:
         before = pd.concat([ran, record[~record.index.isin(ran.index)]])  # cells that the old code lacks
-        differences, _ = _differences(before, after, both, limits, excused=not both)
-        alerts = {_name(change): (kind, change) for kind, found in differences.items() for change in found if change.worse}
+        found, _ = _differences(before, after, both, limits, excused=not both)
+        alerts = {_name(change): change for change in found if change.worse}
         votes.update(alerts.keys())
-        votes.subtract(_name(flip) for flip in differences["flips"] if not flip.worse)
+        votes.subtract(_name(change) for change in found if change.kind == "flips" and not change.worse)
         seen |= alerts
     others = others or {}
     repeated = {variant for _, after in pairs for variant in after["variant"]} - others.keys()
@@ -206,25 +196,21 @@ def confirm(
     def recurs(change: Change) -> bool:
         return votes[_name(change)] > _threshold(change) * len(pairs)
 
-    first: dict[str, tuple[Change, ...]] = {kind: getattr(comparison, kind) for kind in ("flips", "gone", "added", "work")}
-    known = [change for changes in first.values() for change in changes]
+    known = [change for change in comparison.changes if change.kind != "times"]
     dismissed = [change for change in known if change.worse and change.variant in repeated and not recurs(change)]
     names = set(map(_name, known))
-    fresh = [found for name, found in seen.items() if both and name not in names and _is_loss(found[1]) and recurs(found[1])]
-    remaining: dict[str, Any] = {
-        kind: (*(change for change in changes if change not in dismissed), *(new for of, new in fresh if of == kind))
-        for kind, changes in first.items()
-    }
+    fresh = [change for name, change in seen.items() if both and name not in names and _is_loss(change) and recurs(change)]
+    remaining = [*(change for change in known if change not in dismissed), *fresh]
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(set(map(_name, dismissed)))]
     for variant, files in others.items():
         notes.append(f"{variant}: nothing is dismissed: {OTHER_CONTENT.format(', '.join(files[:MOST_NAMES]))}")
     timed = {time.variant: time for time in (times(pairs, limits.slowdown) if both and limits.times else [])}
+    differing, still = (sum(change.kind in ("flips", "gone") for change in each) for each in (known, remaining))
     return replace(
         comparison,
-        same=comparison.same + sum(len(first[kind]) - len(remaining[kind]) for kind in ("flips", "gone")),
-        **remaining,
-        times=tuple(({time.variant: time for time in comparison.times} | timed).values()),
+        same=comparison.same + differing - still,
+        changes=(*remaining, *({time.variant: time for time in comparison.of("times")} | timed).values()),
         untimed="" if timed else "no cell was timed in both versions" if both and limits.times else comparison.untimed,
         notes=(*comparison.notes, *notes),
     )

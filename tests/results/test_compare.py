@@ -89,7 +89,7 @@ def test_unknown_times_and_lower_limits_excuse_no_timeout(runs, manifest):
     result = runs(
         rows(["solved"] * 3), [unanswered_row("a", f"p{i}", "timeout", time_limit=1e-3) for i in range(3)], **manifest
     )
-    assert (result.exit_code, len(result.flips)) == (1, 3)
+    assert (result.exit_code, len(result.of("flips"))) == (1, 3)
 
 
 def test_a_longer_limit_is_unusable(runs):
@@ -177,10 +177,10 @@ def timed(solve, factors=(1.0,) * 4):
 
 def test_single_pair_is_not_significant(runs):
     result = runs(timed(1e-3), timed(9e-3))
-    assert (result.exit_code, [time.n for time in result.times]) == (0, [1, 1])
+    assert (result.exit_code, [time.n for time in result.of("times")]) == (0, [1, 1])
     assert "| `a` | 2 ms | 10 ms | ×5.00 ~ | ~ |  | 1 | 4 |" in markdown(result)
-    assert runs(timed(1e-3), timed(9e-3), Limits(times=False)).times == ()
-    assert runs(timed(1e-3), timed(9e-3), **ELSEWHERE).times == ()
+    assert runs(timed(1e-3), timed(9e-3), Limits(times=False)).of("times") == []
+    assert runs(timed(1e-3), timed(9e-3), **ELSEWHERE).of("times") == []
 
 
 @pytest.mark.parametrize(
@@ -199,21 +199,21 @@ def test_slowdown_is_detected_through_noise(runs, tmp_path, solve, worse, better
     pairs = [(process(1e-3, f"b{i}"), process(solve, f"n{i}")) for i in range(8)]
     result = confirm(seen, pairs, both=True, limits=Limits())
     assert (len(result.worse), len(result.better), result.exit_code) == (worse, better, worse)
-    assert {time.n for time in result.times} == {8}
+    assert {time.n for time in result.of("times")} == {8}
     assert all(may_be_slower(pairs[:k], 8, 1.1) for k in range(3, 8)) is bool(worse)  # else it ends early
     assert ("**×1.3" in markdown(result)) is bool(worse)
     few = markdown(confirm(seen, pairs[:5], both=True, limits=Limits()))
     assert "| ~ |  | 5 | 4 |" in few
     assert "Fewer than six pairs give no interval" in few
     assert confirm(seen, pairs, both=True, limits=Limits(slowdown=1.5)).exit_code == 0
-    assert confirm(seen, pairs, both=False, limits=Limits()).times == seen.times
+    assert confirm(seen, pairs, both=False, limits=Limits()).of("times") == seen.of("times")
 
 
 def test_times_from_the_form(runs):
     """A solver whose solve is twice as slow, and its form a hundred times as long as that."""
     parts = {"form_times": [0.2] * 5, "setup_times": [0.0] * 5}
     sides = [rows(["solved"] * 3, solve_times=[time] * 5, **parts) for time in (1e-3, 2e-3)]
-    ratios = [runs(*sides, Limits(rank_by=rank_by)).times[0].ratio for rank_by in RankBy]
+    ratios = [runs(*sides, Limits(rank_by=rank_by)).of("times")[0].ratio for rank_by in RankBy]
     assert ratios == pytest.approx([0.202 / 0.201, 2.0])
 
 
@@ -232,7 +232,7 @@ def test_disturbed_times(runs):
         (both, both, (2, 1.0)),  # a solver that has no others
         (quiet, second, (2, (10 / 3) ** 0.5)),  # the later code's own doing, as far as one pair shows
     ):
-        (time,) = runs(before, after).times
+        (time,) = runs(before, after).of("times")
         assert (time.cells, time.ratio) == (cells_and_ratio[0], pytest.approx(cells_and_ratio[1]))
 
 
@@ -262,7 +262,7 @@ def test_unconfirmed_alert_is_dropped(runs):
     before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
     assert confirm(seen, [(before, after)] * 3, both=False, limits=Limits()).worse == seen.worse
     fallen = confirm(seen, [(before, after), (before, before), (before, before)], both=False, limits=Limits())
-    assert (fallen.exit_code, fallen.flips, fallen.work) == (0, (), ())
+    assert (fallen.exit_code, fallen.of("flips"), fallen.of("work")) == (0, [], [])
     assert "Not confirmed, the repeats give the result of the baseline: a, pivots." in markdown(fallen)
 
 
@@ -311,7 +311,7 @@ def test_a_timeout_in_most_repeats_is_an_alert(runs, tmp_path):
     fine = [solve_row("a", f"p{i}", form_times=[0.0], setup_times=[0.0], solve_times=[1.05], time_limit=2.0) for i in range(2)]
     late = [fine[0], unanswered_row("a", "p1", verdict="timeout", time_limit=2.0)]
     seen = runs(fine, late, machine=ELSEWHERE["machine"])
-    assert (seen.exit_code, seen.flips) == (0, ())
+    assert (seen.exit_code, seen.of("flips")) == (0, [])
     before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
     assert told(confirm(seen, [(before, after)] * 8, both=True, limits=Limits()).worse) == ["a-p1-1e-08 solved → timeout"]
     assert confirm(seen, [(before, after)] * 3 + [(before, before)] * 5, both=True, limits=Limits()).exit_code == 0

@@ -16,7 +16,7 @@ import pandas as pd
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.comparison.markdown import format_verdicts, markdown, rerun_command
 from frictionbench.results.cells import read
-from frictionbench.results.changes import GONE, Change, Flip
+from frictionbench.results.changes import GONE, KINDS, Change, Flip
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import json_text, printable, replaced, write_text
 
@@ -33,14 +33,12 @@ def write_files(comparison: Comparison, folder: Path) -> None:
 
 def data(comparison: Comparison) -> dict[str, Any]:
     """Return the comparison as plain values."""
-    plain = {field.name: getattr(comparison, field.name) for field in fields(comparison)}
-    plain |= {name: [_values(comparison, one) for one in plain[name]] for name in ("flips", "gone", "added", "work", "times")}
-    return {"exit_code": comparison.exit_code, "counts": comparison.counts, **plain}
-
-
-def _values(comparison: Comparison, change: Change) -> dict[str, Any]:
-    values = vars(change) | {"worse": change.worse}
-    return values | ({"command": rerun_command(comparison, change)} if isinstance(change, Flip) else {})
+    plain = {field.name: getattr(comparison, field.name) for field in fields(comparison) if field.name != "changes"}
+    found: dict[str, list[dict[str, Any]]] = {kind: [] for kind in KINDS}
+    for change in comparison.changes:
+        command = {"command": rerun_command(comparison, change)} if isinstance(change, Flip) else {}
+        found[change.kind].append(vars(change) | {"worse": change.worse} | command)
+    return {"exit_code": comparison.exit_code, "counts": comparison.counts, **plain, **found}
 
 
 def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:

@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from frictionbench.reports.drawing.text import code, escaped, seconds
 from frictionbench.results.cells import FILE_SEPARATOR
-from frictionbench.results.changes import GONE, Flip, Time
+from frictionbench.results.changes import GONE, Flip
 from frictionbench.results.commands import rerun
 from frictionbench.results.compare import Comparison
 from frictionbench.results.times import ALPHA
@@ -28,10 +28,10 @@ def markdown(comparison: Comparison) -> str:
     made.filters |= {"code": code, "escaped": escaped, "seconds": seconds}
     made.tests["finite"] = lambda value: bool(np.isfinite(value))
     changes = {
-        variant: [change for change in comparison.changes if change.variant == variant and not isinstance(change, Time)]
+        variant: [change for change in comparison.changes if change.variant == variant and change.kind != "times"]
         for variant in solvers(comparison)
     }
-    times = sorted(comparison.times, key=lambda time: (not time.worse, not time.significant, -time.ratio))
+    times = sorted(comparison.of("times"), key=lambda time: (not time.worse, not time.significant, -time.ratio))
     values = {"comparison": comparison, "changes": changes, "times": times, "listed": LISTED, "alpha": ALPHA}
     text = made.get_template("comparison.md").render(values, rerun_command=rerun_command, format_verdicts=format_verdicts)
     parts = re.split(r"\n{2,}", text.strip())
