@@ -81,20 +81,14 @@ def save(
     if path.suffix not in (".npz", *fclib.SUFFIXES):
         raise InputError(f"path: {path} must end in .npz, {' or '.join(fclib.SUFFIXES)}")
     if impulse is not None or notes or step is not None:
-        _save_step(problem, path, impulse, notes or {}, step)
+        require(impulse is not None, "impulse", "is missing; notes and step describe a step whose impulses an engine found")
+        if isinstance(problem, LCP):
+            raise InputError("problem: an LCP has no contacts, whose impulses an engine could have found")
+        require(path.suffix == ".npz", "path", f"{path} must end in .npz, which alone holds the impulses of an engine")
+        native.save(EngineStep(problem, impulse, notes or {}, step), path)
     elif path.suffix == ".npz":
         native.save(problem, path)
     elif isinstance(problem, LCP):
         raise InputError("problem: FCLIB's format does not hold LCPs; write an .npz")
     else:
         fclib.write(problem, path)
-
-
-def _save_step(
-    problem: FrictionProblem | LCP, path: Path, impulse: Any, notes: Mapping[str, float], step: float | None
-) -> None:
-    require(impulse is not None, "impulse", "is missing; notes and step describe a step whose impulses an engine found")
-    if isinstance(problem, LCP):
-        raise InputError("problem: an LCP has no contacts, whose impulses an engine could have found")
-    require(path.suffix == ".npz", "path", f"{path} must end in .npz, which alone holds the impulses of an engine")
-    native.save(EngineStep(problem, impulse, notes, step), path)

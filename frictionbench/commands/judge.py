@@ -7,9 +7,9 @@ from typing import Any
 
 from frictionbench.commands.table import columns, paragraph
 from frictionbench.reports.drawing.text import residual, seconds
+from frictionbench.reports.judged import read_judged
 from frictionbench.results.conventions import count, rough_percent
 from frictionbench.results.files import printable
-from frictionbench.results.judgement import read_judged
 
 
 def as_data(folder: Path) -> dict[str, Any]:

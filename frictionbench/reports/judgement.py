@@ -16,9 +16,10 @@ from frictionbench.reports.drawing.figures import PANEL, Panel
 from frictionbench.reports.drawing.files import legend_size
 from frictionbench.reports.drawing.style import ALARM, COLOURS, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
 from frictionbench.reports.drawing.text import number, plain
+from frictionbench.reports.judged import CHOSEN_FROM, PERCENTILES, QUANTITIES, read_judged
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
-from frictionbench.results.judgement import CHOSEN_FROM, LAWS, PERCENTILES, QUANTITIES, Judgement, read_judged
+from frictionbench.results.judgement import LAWS, Judgement
 
 MOST_STEPS = 12  # worst steps in the table
 SHOWN_AS_ZERO = 1e-9  # relative to the largest component of a net impulse: smaller ones are shown as 0

@@ -194,7 +194,8 @@ def confirm(
     repeated = {variant for _, after in pairs for variant in after["variant"]} - others.keys()
 
     def recurs(change: Change) -> bool:
-        return votes[_name(change)] > _threshold(change) * len(pairs)
+        least = FLAKY if _is_loss(change) and change.after != Verdict.TIMEOUT else MAJORITY
+        return votes[_name(change)] > least * len(pairs)
 
     known = [change for change in comparison.changes if change.kind != "times"]
     dismissed = [change for change in known if change.worse and change.variant in repeated and not recurs(change)]
@@ -214,11 +215,6 @@ def confirm(
         untimed="" if timed else "no cell was timed in both versions" if both and limits.times else comparison.untimed,
         notes=(*comparison.notes, *notes),
     )
-
-
-def _threshold(change: Change) -> float:
-    """Return the share of repeats above which a change is confirmed."""
-    return FLAKY if _is_loss(change) and change.after != Verdict.TIMEOUT else MAJORITY
 
 
 def _is_loss(change: Change) -> bool:

@@ -5,50 +5,16 @@ The exact solvers' answers to the same problems are rows of the table `solves`, 
 
 import json
 import math
-from collections import Counter
-from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
-import numpy as np
-import pandas as pd
 from pydantic import Field, FiniteFloat
 
-from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.conventions import RankBy, count, rough_percent
 from frictionbench.results.files import ResultsError, read_parsed, write_text
-from frictionbench.results.store import read_table
 
 FILE = "judgement.json"
 LAWS = ("signorini", "cone", "direction", "dissipation")
 Number = Annotated[float, Field(ge=-math.inf)]  # any but NaN
-QUANTITIES = {  # quantities whose percentiles are shown, with units
-    "residual": "",
-    "signorini": "m/s",
-    "cone": "m/s",
-    "direction": "m/s",
-    "dissipation": "m/s",
-    "creep": "m/s",
-    "penetration": "m",
-    "energy_defect": "J",
-}
-NO_CREEP = 1e-6  # relative to the free velocity: less is rounding
-# Softness is the likely cause of creep if the ratio of its share of the impulse to the creep's share of the free velocity is
-# larger. MuJoCo's boxes on a slope have 0.2 or more with a converged solver, 0.01 to 0.03 after 3 iterations of PGS or 2 of CG.
-SOFT = 0.1
-CHOSEN_FROM = 2  # a table's steps are chosen from this many times as many with the largest residuals
-SAME_NET_IMPULSE = 0.01  # relative difference of net impulses below which they count as the same
-SYMPTOM = "See 'An object at rest creeps' on the documentation's page 'What users of engines ask'."
-HARDER = (
-    "It is the likely cause: make contacts harder, in MuJoCo by solimp nearer 1, a larger impratio or, with "
-    f"elliptic cones, noslip_iterations, in Drake by a smaller penetration allowance and stiction tolerance. {SYMPTOM}"
-)
-TIGHTER = (
-    "The likely cause is a solver that stops early, or friction that the engine regularises: tighten its tolerance, raise its "
-    f"number of iterations, or lower the speed at which friction is full. {SYMPTOM}"
-)
-PERCENTILES = {"p50": 50, "p90": 90, "p99": 99, "worst": 100}
 
 
 class Judgement(NamedTuple):
@@ -106,120 +72,3 @@ def read_judgements(folder: Path) -> list[Judgement]:
         return read_parsed(path, list[Judgement])
     except FileNotFoundError:
         raise ResultsError(f"{path}: no steps were judged in this folder") from None
-
-
-def percentiles(values: Iterable[float]) -> dict[str, float] | None:
-    """Return PERCENTILES of the numbers by their names, or None without numbers."""
-    known = list(values)
-    return {name: float(np.percentile(known, p, method="higher")) for name, p in PERCENTILES.items()} if known else None
-
-
-@dataclass(frozen=True)
-class Judged:
-    """A judged folder: its steps, and the rows of `solves` with the sum of form, setup and solve as `time`, s."""
-
-    steps: list[Judgement]
-    rows: pd.DataFrame
-
-    @property
-    def touching(self) -> list[Judgement]:
-        """The steps that have a contact."""
-        return [one for one in self.steps if one.contacts]
-
-    @property
-    def laws(self) -> dict[str, int]:
-        """The number of steps in which each law is violated most, the most frequent first."""
-        return dict(Counter(one.law for one in self.touching if one.residual > one.floor).most_common())
-
-    @property
-    def notes(self) -> dict[str, tuple[float, int]]:
-        """For each note the mean share over the steps that have it, and their number; the largest share first."""
-        shares = pd.DataFrame([one.notes for one in self.steps])
-        means = shares.mean().sort_values(ascending=False, kind="stable")
-        return {str(name): (float(mean), int(shares[name].count())) for name, mean in means.items()}
-
-    @property
-    def percentiles(self) -> dict[str, dict[str, float] | None]:
-        """The percentiles of the quantities' absolute values over the steps with contacts; None if no value is known."""
-        values = {name: [one.known(name) for one in self.touching] for name in QUANTITIES}
-        return {name: percentiles(abs(value) for value in known if value is not None) for name, known in values.items()}
-
-    @property
-    def impossible(self) -> str:
-        """A sentence on the steps that are proved to have no solution, with the first of them; empty if there are none."""
-        proved = [one for one in self.steps if one.contradiction]
-        have = "has" if len(proved) == 1 else "have"
-        text = f"{len(proved)} of {len(self.steps)} steps {have} no solution, with proof; "
-        return text + f"{proved[0].file}: {proved[0].contradiction}" if proved else ""
-
-    @property
-    def creep(self) -> str:
-        """Sentences on whether and how fast sticking contacts creep, and the likely cause; empty if none should stick.
-
-        The cause is that of the median step among those that creep: the fastest may be an impact, whose cause is another.
-        """
-        held = [(one.creep, one.free_velocity, one) for one in self.steps if one.creep is not None]
-        creeping = sorted([each for each in held if each[0] > NO_CREEP * each[1]], key=lambda each: each[0])
-        if not creeping:
-            return f"Contacts that should stick do not creep, in {count(len(held), 'step')}." if held else ""
-        (most, apart, fastest), (speed, free, middle) = creeping[-1], creeping[len(creeping) // 2]
-        highest, usual = (f"{float(f'{1e3 * each:.2g}'):g} mm/s" for each in (most, speed))
-        text = f"Contacts that should stick creep at up to {highest} ({fastest.file}), "
-        text += f"{rough_percent(most / apart if apart else math.inf)} of the velocity that they would have without impulses"
-        text += f"; in the median of {len(creeping)} steps at {usual}. " if creeping[1:] else ". "
-        soft = middle.notes.get("softness of contacts", 0.0)
-        if soft * free > SOFT * speed:
-            return text + f"The softness of the engine's contacts takes {rough_percent(soft)} of the impulse. {HARDER}"
-        return text + TIGHTER
-
-    @property
-    def forces(self) -> str:
-        """Sentences on the distances of net impulses from the exact answer's, and on which single forces are comparable."""
-        nets = [(one.file, velocities, facts) for one in self.steps for velocities, facts in one.bodies.items()]
-        determined = [(distance, velocities, file) for file, velocities, (_, known, _, distance, *_) in nets if known]
-        if not nets:
-            return ""
-        text = f"{len(nets) - len(determined)} of {len(nets)} net impulses between bodies are not determined by the motion. "
-        text = text if len(determined) < len(nets) else ""
-        if determined:
-            near, half = sum(net[0] <= SAME_NET_IMPULSE for net in determined), sorted(determined)[len(determined) // 2][0]
-            farthest, velocities, file = max(determined, key=lambda net: net[0])
-            text += f"{near} of {len(determined)} net impulses between bodies are within {rough_percent(SAME_NET_IMPULSE)} of "
-            text += f"the exact answer's. The difference is {rough_percent(half)} in the median; the largest, "
-            text += f"{rough_percent(farthest)}, is on velocit{'y' if velocities.isdigit() else 'ies'} {velocities} in {file}. "
-        if hyperstatic := sum(not each_known for _, _, (_, _, each_known, *_) in nets):
-            text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
-        return text.strip()
-
-    def worst(self, most: int) -> list[Judgement]:
-        """Return `most` steps with large residuals, beyond rounding, the largest first. Of the CHOSEN_FROM * most largest,
-        those that exceed both their neighbours in time are preferred."""
-        size = [one.residual if one.residual > one.floor else 0.0 for one in self.steps]
-        largest = sorted((k for k in range(len(size)) if size[k]), key=lambda k: -size[k])[: CHOSEN_FROM * most]
-        peaks = {k for k in largest if max(size[:k][-1:], default=0.0) < size[k] >= max(size[k + 1 :][:1], default=0.0)}
-        return [self.steps[k] for k in sorted(sorted(largest, key=lambda k: k not in peaks)[:most], key=largest.index)]
-
-    @property
-    def beside(self) -> list[dict[str, Any]]:
-        """Each solver's results on the steps with contacts: variant, solved, steps, percentiles of residual and of time, s.
-
-        Steps in which the zero impulse is an answer too exact to be told from the solver's are left out.
-        """
-        each = pd.DataFrame({"problem": [one.problem for one in self.touching]}).merge(self.rows)  # equal steps share a problem
-        each = each[~(each["trivial"] & (each["verdict"] == Verdict.UNJUDGEABLE))]
-        return [
-            {
-                "variant": str(variant),
-                "solved": int((rows["verdict"] == Verdict.SOLVED).sum()),
-                "steps": len(rows),
-                "residual": percentiles(filter(np.isfinite, rows["residual"])),
-                "time": percentiles(filter(np.isfinite, rows["time"])),
-            }
-            for variant, rows in each.groupby("variant", sort=False)
-        ]
-
-
-def read_judged(folder: Path) -> Judged:
-    """Read a judged folder. Errors: ResultsError if it holds no judgement, or a file cannot be read."""
-    rows = read_table(folder, "solves")
-    return Judged(read_judgements(folder), rows.assign(time=RankBy.BODIES.time(rows)))

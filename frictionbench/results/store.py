@@ -154,10 +154,25 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
 
     Errors: ResultsError naming the file and the column.
     """
-    path = folder / f"{table}.parquet"
-    schema = arrow_schema(table)
-    if not path.exists():
-        return _possible(_table([row for _, row in sorted(rows(folder, table).items())], schema).to_pandas(), schema, path)
+    path, schema = folder / f"{table}.parquet", arrow_schema(table)
+    if path.exists():
+        frame = _merged(path, schema)
+    else:
+        frame = _table([row for _, row in sorted(rows(folder, table).items())], schema).to_pandas()
+    right = {"key": frame["key"].notna(), "tol": frame["tol"].isna() | frame["tol"].between(0, 1, "right")}
+    if "dimension" in frame:
+        right["dimension"] = frame["dimension"].isna() | frame["dimension"].isin([2, 3])
+    for name, fits in right.items():
+        if not fits.all():
+            raise ResultsError(f"{path}: column {name} holds {frame[name][~fits].iloc[0]}, which no run writes")
+    for field in schema:
+        if field.metadata[b"unit"] == b"s":  # null for times that no clock shows
+            shown = frame[field.name].map(lambda times: times is not None and np.all((times >= 0) & (times <= LONGEST_TIME)))
+            frame[field.name] = frame[field.name].where(shown.astype(bool), None)
+    return frame
+
+
+def _merged(path: Path, schema: pa.Schema) -> pd.DataFrame:
     try:
         with opened(path, LARGEST_TABLE) as file:
             found = set(pq.read_schema(file).names)
@@ -169,23 +184,7 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
             raise
         raise ResultsError(f"{path}: not a readable Parquet file ({' '.join(str(error).split())[:300]})") from None
     frame = data.to_pandas(ignore_metadata=True)
-    frame = frame.assign(**{name: frame[name].map(cleaned).astype(frame[name].dtype) for name in _texts(schema)})
-    return _possible(frame, schema, path)
-
-
-def _possible(frame: pd.DataFrame, schema: pa.Schema, path: Path) -> pd.DataFrame:
-    """Return the table with null for times that no clock shows. Errors: ResultsError naming a column with values of no run."""
-    right = {"key": frame["key"].notna(), "tol": frame["tol"].isna() | frame["tol"].between(0, 1, "right")}
-    if "dimension" in frame:
-        right["dimension"] = frame["dimension"].isna() | frame["dimension"].isin([2, 3])
-    for name, fits in right.items():
-        if not fits.all():
-            raise ResultsError(f"{path}: column {name} holds {frame[name][~fits].iloc[0]}, which no run writes")
-    for field in schema:
-        if field.metadata[b"unit"] == b"s":
-            shown = frame[field.name].map(lambda times: times is not None and np.all((times >= 0) & (times <= LONGEST_TIME)))
-            frame[field.name] = frame[field.name].where(shown.astype(bool), None)
-    return frame
+    return frame.assign(**{name: frame[name].map(cleaned).astype(frame[name].dtype) for name in _texts(schema)})
 
 
 def _texts(schema: pa.Schema) -> list[str]:

@@ -13,9 +13,10 @@ from frictionbench.commands.judge import summary
 from frictionbench.harness.judge import _net_impulses, judge_file, prepared
 from frictionbench.harness.run import run
 from frictionbench.problems.measures import judged, violations
+from frictionbench.reports.judged import Judged, percentiles
 from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
-from frictionbench.results.judgement import FILE, Judged, percentiles, read_judgements
+from frictionbench.results.judgement import FILE, read_judgements
 from frictionbench.results.store import read_table
 from tests.helpers.browser import faults, in_browser
 from tests.helpers.command_line import frictionbench

@@ -44,8 +44,8 @@ def test_what_is_kept_is_that_problem_and_its_answer(row) -> None:
 def test_labels_and_friction_are_as_said(row) -> None:
     problem = problem_of(row)
     found = labels(problem)
-    assert (found.limits, found.dry_friction) == (int(row["limits"]), int(row["dry_friction"]))
-    assert not found.trivial
+    assert (found["limits"], found["dry_friction"]) == (int(row["limits"]), int(row["dry_friction"]))
+    assert not found["trivial"]
     assert not idle(problem, lambda other: solve(other, "hybrid", tol=1e-10).impulse)
 
 

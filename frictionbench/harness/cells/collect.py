@@ -283,22 +283,15 @@ def facts(source: Source, collected: Collected) -> Record:
     """Return the columns of a row that describe a problem (results.schema.PROBLEM_FACTS). Some need its reference answer."""
     problem, answer = collected.problem, collected.impulse
     nc, planar, labelled = problem.contacts, problem.dimension == 2, labels(problem)
+    trivial = bool(labelled["trivial"])
     proof = contradiction(problem) if answer is None else None
     infeasible = proof is not None and bool(proof.least_residual > LARGEST_RESIDUAL)  # no answer would be accepted
-    row = blank_facts(source, problem.hash, collected.step, collected.phase, collected.reference) | vars(labelled)
-    row |= {
-        "contacts": nc,
-        "dimension": problem.dimension,
-        "velocities": len(problem.free_velocity),
-        "redundancy": None if labelled.rank is None else nc * problem.dimension - labelled.rank,
-        "trivial": bool(labelled.trivial),
-        "idle": not labelled.trivial and (_idle(problem) if collected.idle is None else collected.idle),
-        "proved_infeasible": infeasible,
-    }
+    row = blank_facts(source, problem.hash, collected.step, collected.phase, collected.reference) | labelled
+    row |= {"trivial": trivial, "proved_infeasible": infeasible}
+    row["idle"] = not trivial and (_idle(problem) if collected.idle is None else collected.idle)
     if planar and nc <= MAX_COUNTED:
-        counted = census_labels(problem)
-        row |= {"solutions": counted["solutions"], "outcomes": counted["velocity_count"]}
-    known = "none" if infeasible else existence(problem, labelled.pointedness <= POINTED)  # by theory, otherwise by counting
+        row |= census_labels(problem)
+    known = "none" if infeasible else existence(problem, labelled["pointedness"] <= POINTED)  # by theory, otherwise by counting
     row["existence"] = known or {None: "", "none": "none"}.get(row["solutions"], "counted")
     if nc <= MAX_PERTURBED:  # infinite if the problem, or a perturbed one, has no verified answer
         row["sensitivity"] = unless_unsolved(np.inf, lambda solve: sensitivity(problem, solve))

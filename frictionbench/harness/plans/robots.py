@@ -35,12 +35,11 @@ def one_of_each() -> tuple[Source, ...]:
     for row in chosen():
         if row["behaviour"] != "settle":
             models.setdefault(row["model"], []).append(row)
-    middle = [sorted(rows, key=_size)[len(rows) // 2] for rows in models.values()]
+    middle = [
+        sorted(rows, key=lambda row: 3 * int(row["contacts"]) + int(row["limits"]) + int(row["dry_friction"]))[len(rows) // 2]
+        for rows in models.values()
+    ]
     return tuple(Source(SCENE, {"case": row["case"]}) for row in middle)
-
-
-def _size(row: dict[str, str]) -> int:
-    return 3 * int(row["contacts"]) + int(row["limits"]) + int(row["dry_friction"])
 
 
 def kept(name: str) -> Array | None:

@@ -127,13 +127,13 @@ def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
     """The census in plain values, for a table; all None if a census is not possible.
 
     solutions: the Shape of the set of impulses: "none", "one", "convex", "isolated" or "not convex".
-    velocity_count: the number of velocities, None also if it is infinite.
+    outcomes: the number of velocities, None also if it is infinite.
     """
     try:
         census_result = census(problem)
     except (InputError, ArithmeticError):
-        return {"solutions": None, "velocity_count": None}
-    return {"solutions": census_result.shape.value, "velocity_count": census_result.velocity_count}
+        return {"solutions": None, "outcomes": None}
+    return {"solutions": census_result.shape.value, "outcomes": census_result.velocity_count}
 
 
 def _walk(cone: Cone, choices: list[list[Choice]], mode: str = "") -> Iterator[Polyhedron]:

@@ -5,7 +5,7 @@ methods this is the rank deficiency of W rather than the lack of convexity (Acar
 idle depends on an answer: see problems.analysis.frictionless.
 """
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -25,13 +25,13 @@ RANK_ROUNDING = 1e3  # times the rounding error of a matrix product: smaller sin
 FACETS = 8  # of the polygon in space, the default of FrictionProblem.lcp
 
 
-@dataclass(frozen=True)
-class Labels:
-    """size: of the friction LCP (lcp_size).
+def labels(problem: FrictionProblem) -> dict[str, Any]:
+    """All labels of a problem, by the names of their columns (results.schema).
 
-    rank, condition: of W; the condition is the largest divided by the smallest nonzero singular value. Both are None above
-    DENSE_ROWS rows, where a dense singular value decomposition costs more than solving the problem. The condition of W = 0 is
-    None.
+    size: of the friction LCP (lcp_size).
+    rank, condition: of W; the condition is the largest divided by the smallest nonzero singular value. redundancy: the rows of
+    W minus its rank. All are None above DENSE_ROWS rows, where a dense singular value decomposition costs more than solving the
+    problem. The condition of W = 0 is None.
     pointedness: see pointedness(); 0 if the friction cone is pointed.
     p0_margin: the least (a - mu |b|)/a over contacts, with a = W_nn and b = W_nt of the contact's own block. A single contact
     has a P0 matrix iff this is nonnegative (in space |b| is a norm, and the margin a lower bound); 1 without contacts.
@@ -45,35 +45,30 @@ class Labels:
     trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" if r = 0 is the only answer. It
     is not the only one if the friction cone of the contacts closed at r = 0 is not pointed, as in a jam.
     """
-
-    size: int
-    rank: int | None
-    condition: float | None
-    pointedness: float
-    p0_margin: float
-    mass_ratio: float
-    largest_friction: float
-    asymmetry: float
-    indefiniteness: float
-    islands: int
-    island_ratio: float
-    limits: int
-    dry_friction: int
-    trivial: str
-
-
-def labels(problem: FrictionProblem) -> Labels:
-    """All labels of a problem."""
     nc, d = problem.contacts, problem.dimension
     rank, condition = _rank_condition(problem) if nc * d <= DENSE_ROWS else (None, None)
-    ratio = problem.scale.max() / problem.scale.min() if nc else 1.0
-    size = lcp_size(problem)
-    largest = float(problem.friction.max(initial=0.0))
-    shape = pointedness(problem), p0_margin(problem), float(ratio), largest, *_as_given(problem)
-    islands = int(problem.islands.max(initial=-1)) + 1
     limit, dry = joint_rows(problem)
-    counts = int(limit.sum()), int(dry.sum())
-    return Labels(size, rank, condition, *shape, islands, problem.spread, *counts, _trivial(problem))
+    least, largest = (0.0, 0.0) if problem.mechanical else spectrum_ends(problem.W)
+    return {
+        "contacts": nc,
+        "dimension": d,
+        "velocities": len(problem.free_velocity),
+        "size": lcp_size(problem),
+        "rank": rank,
+        "condition": condition,
+        "redundancy": None if rank is None else nc * d - rank,
+        "pointedness": pointedness(problem),
+        "p0_margin": p0_margin(problem),
+        "mass_ratio": float(problem.scale.max() / problem.scale.min()) if nc else 1.0,
+        "largest_friction": float(problem.friction.max(initial=0.0)),
+        "asymmetry": problem.asymmetry,
+        "indefiniteness": max(0.0, -least / largest) if largest > 0 else 0.0,
+        "islands": int(problem.islands.max(initial=-1)) + 1,
+        "island_ratio": problem.spread,
+        "limits": int(limit.sum()),
+        "dry_friction": int(dry.sum()),
+        "trivial": _trivial(problem),
+    }
 
 
 def lcp_size(problem: FrictionProblem) -> int:
@@ -90,16 +85,8 @@ def joint_rows(problem: FrictionProblem) -> tuple[Array, Array]:
     return smooth & normal & ~tangent, smooth & tangent & ~normal & (problem.friction_bias > 0)
 
 
-def _as_given(problem: FrictionProblem) -> tuple[float, float]:
-    """Asymmetry and indefiniteness; see Labels."""
-    if problem.mechanical or not problem.contacts:
-        return 0.0, 0.0
-    least, largest = spectrum_ends(problem.W)
-    return problem.asymmetry, max(0.0, -least / largest) if largest > 0 else 0.0
-
-
 def p0_margin(problem: FrictionProblem) -> float:
-    """The least (a - mu |b|)/a over contacts; see Labels."""
+    """The least (a - mu |b|)/a over contacts; see labels."""
     nc, d = problem.contacts, problem.dimension
     if not nc:
         return 1.0

@@ -41,7 +41,7 @@ def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]
 def _archive(path: Path) -> FrictionProblem | LCP:
     arrays = read_arrays(path)
     if native.holds(arrays):
-        return native.problem(path, arrays)
+        return native.read(path, arrays)[0]
     reader = plain.kind(arrays)
     try:
         if reader is None:

@@ -107,7 +107,7 @@ def save(stored: FrictionProblem | LCP | EngineStep, path: Path) -> None:
 
 def load(path: Path) -> FrictionProblem | LCP:
     """Read a problem. Errors: InputError naming the file and the invalid field."""
-    return problem(path, read_arrays(path))
+    return read(path, read_arrays(path))[0]
 
 
 def holds(names: Collection[str]) -> bool:
@@ -115,23 +115,18 @@ def holds(names: Collection[str]) -> bool:
     return "dimension" in names and any(name.endswith("_data") for name in names)
 
 
-def problem(path: Path, arrays: dict[str, Array]) -> FrictionProblem | LCP:
-    """The problem in the arrays of a file. Errors: InputError naming the file and the field."""
-    return _read(path, arrays)[0]
-
-
 def load_step(path: Path) -> EngineStep:
     """Read a step of an engine. Errors: InputError naming the file and the invalid field."""
     arrays = read_arrays(path)
     require(holds(arrays), str(path), "not a file of fb.save: it cannot hold what an engine answered")
-    _, step = _read(path, arrays)
+    _, step = read(path, arrays)
     if step is None:
         raise InputError(f"{path}: holds a problem, but not the impulses that an engine used")
     return step
 
 
-def _read(path: Path, arrays: dict[str, Array]) -> tuple[FrictionProblem | LCP, EngineStep | None]:
-    """The problem, and the step of an engine if the file contains one."""
+def read(path: Path, arrays: dict[str, Array]) -> tuple[FrictionProblem | LCP, EngineStep | None]:
+    """The problem in a file's arrays, and the step of an engine if it has one. Errors: InputError naming file and field."""
     try:
         require_known(arrays, _names(arrays))
         problem_read = _problem(arrays)

@@ -73,8 +73,8 @@ def test_impulses_reproduce_the_next_velocity(cone, integrator) -> None:
         assert touching >= 8
         assert np.allclose(step.problem.bias[:touching] * step.step, data.contact.dist - data.contact.includemargin)
         found = labels(step.problem)
-        assert step.problem.contacts == touching + found.limits + found.dry_friction
-        limits, dry = limits + found.limits, dry + found.dry_friction
+        assert step.problem.contacts == touching + found["limits"] + found["dry_friction"]
+        limits, dry = limits + found["limits"], dry + found["dry_friction"]
         noted |= step.notes.keys()
         mj.mj_step(model, data, 15)
     assert {TORSION, ROLLING, "softness of contacts", "softness of equalities"} <= noted

@@ -81,18 +81,15 @@ class _Path:
         turn = np.where(self.mode.slip, self.mode.slip * (contacts.tangent_rows.dense(len(v)) @ v), 1.0)
         holds, lift, slip = 1.0, np.ones(nc), np.ones(nc)
         if forces.redundant:
-            holds = 1.0 if self._holds(time, q, v, contacts) else -1.0
+            self.evaluations += 1
+            posed = accelerations(self.scene, q, v, time, contacts, self.mode.slip, self.solve)
+            holds = 1.0 if (np.abs(posed.contacts) <= VIOLATION_MARGIN * max(posed.size, self.size)).all() else -1.0
         else:
             lift = forces.normal * forces.stiffness[:, 0] + VIOLATION_MARGIN * self.size
             mu = self.scene.coefficients(contacts)
             spare = (mu * forces.normal - np.abs(forces.tangential)) * forces.stiffness[:, 1] + VIOLATION_MARGIN * self.size
             slip = np.where(self.mode.slip == 0, spare, 1.0)
         return np.concatenate([[touch, 1.0, forces.sign * self.start.sign, holds], lift, slip, turn])
-
-    def _holds(self, time: float, q: Array, v: Array, contacts: Contacts) -> bool:
-        self.evaluations += 1
-        at = accelerations(self.scene, q, v, time, contacts, self.mode.slip, self.solve)
-        return bool((np.abs(at.contacts) <= VIOLATION_MARGIN * max(at.size, self.size)).all())
 
     def tolerance(self) -> Array:
         nc = len(self.mode.slip)
