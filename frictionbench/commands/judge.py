@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.commands.table import columns, paragraph
-from frictionbench.reports.drawing.text import residual, seconds
+from frictionbench.reports.drawing.text import residual, rough_percent, seconds
 from frictionbench.reports.judged import read_judged
-from frictionbench.results.conventions import count, rough_percent
+from frictionbench.results.conventions import count
 from frictionbench.results.files import printable
 
 

@@ -13,7 +13,8 @@ from frictionbench.problems.catalogue import find_scene
 from frictionbench.problems.check import require
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
-from frictionbench.results.conventions import DEFAULT_SCHEME, rough_percent
+from frictionbench.reports.drawing.text import rough_percent
+from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.motion import Motion, decoded
 
 EXACT_SOLVERS = {2: "lemke", 3: "interior_point"}

@@ -13,7 +13,8 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.conventions import RankBy, count, rough_percent
+from frictionbench.reports.drawing.text import rough_percent
+from frictionbench.results.conventions import RankBy, count
 from frictionbench.results.judgement import LAWS, Judgement, read_judgements
 from frictionbench.results.store import read_table
 

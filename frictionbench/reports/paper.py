@@ -71,40 +71,30 @@ def chart_names(run: Run, names: Sequence[str] | None = None) -> Sequence[str]:
 
 
 def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
-    """Save the figures of a chart, one with all panels or one for each map. Return the captions by the files' names."""
-    drawings, caption = chart.panels(run), _caption(chart, run)
-    panels = [one for one in drawings if isinstance(one, Panel)]
-    captions = _save(chart.name, caption, panels, NO_HANDLES, run, paper, width, font)
+    """Save the figures of a chart, one with all panels or one for each map, each in parts that fit on a page. Return the
+    captions by the files' names."""
+    drawings, captions, caption = chart.panels(run), dict[str, str](), _caption(chart, run)
+
+    def save(stem: str, text: str, panels: Sequence[Panel], handles: Mapping[str, Artist]) -> None:
+        """handles: legend entries besides the labels."""
+        columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
+        height = ASPECT * width / columns
+        room = TALLEST - legend_size([plain(name) for name in run.looks], width, FONT)[1]
+        rows = max(1, min(-(-len(panels) // columns), int(room / height + SHRUNK)))
+        size, most = (width / columns, min(height, max(room, NARROWEST) / rows)), columns * rows
+        title = text.partition(". ")[0].rstrip(".")
+        for k in range(0, len(panels), most):
+            name, part = f"{stem}_{k // most + 1}" if k else stem, panels[k : k + most]
+            named = save_sheet(part, run.looks, paper / name, columns, size, FONT, font, handles=handles)
+            continued = f"{title} (continued, {k // most + 1} of {-(-len(panels) // most)})." if k else text
+            marked = any(PORTFOLIO in text for text in (continued, *named, *(panel.title for panel in part)))
+            captions[name] = continued + " An asterisk marks a portfolio, which runs other solvers." * marked
+
+    save(chart.name, caption, [one for one in drawings if isinstance(one, Panel)], NO_HANDLES)
     for one in drawings:
         if isinstance(one, Drawing):
             text = f"{one.title.rstrip('.')}. {caption} {one.note}".rstrip()
-            captions |= _save(f"{chart.name}_{one.name}", text, one.panels, one.handles, run, paper, width, font)
-    return captions
-
-
-def _save(
-    stem: str,
-    caption: str,
-    panels: Sequence[Panel],
-    handles: Mapping[str, Artist],
-    run: Run,
-    paper: Path,
-    width: float,
-    font: str,
-) -> dict[str, str]:
-    """Save a figure, in parts that fit on a page. Return the caption of each part by its name. handles: more legend entries."""
-    columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
-    height = ASPECT * width / columns
-    room = TALLEST - legend_size([plain(name) for name in run.looks], width, FONT)[1]
-    rows = max(1, min(-(-len(panels) // columns), int(room / height + SHRUNK)))
-    size, most = (width / columns, min(height, max(room, NARROWEST) / rows)), columns * rows
-    captions, title = {}, caption.partition(". ")[0].rstrip(".")
-    for k in range(0, len(panels), most):
-        name, panels_of_part = f"{stem}_{k // most + 1}" if k else stem, panels[k : k + most]
-        named = save_sheet(panels_of_part, run.looks, paper / name, columns, size, FONT, font, handles=handles)
-        continued = f"{title} (continued, {k // most + 1} of {-(-len(panels) // most)})." if k else caption
-        marked = any(PORTFOLIO in text for text in (continued, *named, *(panel.title for panel in panels_of_part)))
-        captions[name] = continued + " An asterisk marks a portfolio, which runs other solvers." * marked
+            save(f"{chart.name}_{one.name}", text, one.panels, one.handles)
     return captions
 
 

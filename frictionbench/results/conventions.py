@@ -110,13 +110,6 @@ def count(number: int, noun: str) -> str:
     return f"{number} {noun}{'s' * (number != 1)}"
 
 
-def rough_percent(share: float) -> str:
-    """Return a share in percent with two digits, or as a whole number from 99.5 on."""
-    if 0 < abs(share) < 1e-4:
-        return "<0.01 %"
-    return f"{100 * share:.{'2g' if abs(share) < 0.995 else '0f'}} %"
-
-
 def json_object(text: Any) -> dict[str, Any]:
     """Return the object in a JSON text, empty if there is none."""
     try:

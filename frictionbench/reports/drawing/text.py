@@ -50,6 +50,13 @@ def percent(share: float, decimals: int = 0) -> str:
     return f"{rounded / 10**decimals:g} %"
 
 
+def rough_percent(share: float) -> str:
+    """Return a share in percent with two digits, or as a whole number from 99.5 on."""
+    if 0 < abs(share) < 1e-4:
+        return "<0.01 %"
+    return f"{100 * share:.{'2g' if abs(share) < 0.995 else '0f'}} %"
+
+
 def number(value: float, digits: int = 3) -> str:
     """Format a number with this many significant digits at most, and a short exponent if it has one: 316, 0.25, 3.16e-5."""
     if value == 0 or 1e-3 <= abs(value) < 10**digits:

@@ -16,9 +16,9 @@ from frictionbench.reports.accuracy import LEAST_FOR_P99, shown_levels
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.figures import distinct, inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
-from frictionbench.reports.drawing.text import percent, plain, power, ratio, residual, seconds
+from frictionbench.reports.drawing.text import percent, plain, power, ratio, residual, rough_percent, seconds
 from frictionbench.results.commands import rerun
-from frictionbench.results.conventions import ENDINGS, count, ending, rough_percent, scene_title
+from frictionbench.results.conventions import ENDINGS, count, ending, scene_title
 from frictionbench.results.hardness import HARDNESS
 
 
