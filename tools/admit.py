@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import frictionbench as fb
-from frictionbench.harness.cells.collect import stored_friction
+from frictionbench.harness.cells.stored import stored_friction
 from frictionbench.harness.plans import hard
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.progress import Progress

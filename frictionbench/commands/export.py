@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from frictionbench.harness import process
-from frictionbench.harness.cells.collect import Record, collect, read_records, stored
+from frictionbench.harness.cells.collect import collect
+from frictionbench.harness.cells.stored import Record, read_records, stored
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.problems import LCP, InputError

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from frictionbench.commands.stored_cell import stored_cell, trusted
 from frictionbench.harness import process
-from frictionbench.harness.cells.collect import stored_friction
 from frictionbench.harness.cells.rows import no_problem
+from frictionbench.harness.cells.stored import stored_friction
 from frictionbench.harness.plans.plan import SolveCell, Source
 from frictionbench.harness.run import cell_task, row_of
 from frictionbench.harness.workers.pool import scratch_pool

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.simulation import usable
+from frictionbench.harness.cells.stored import Record
 from frictionbench.harness.plans.plan import Plan, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Pool, Task

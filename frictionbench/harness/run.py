@@ -18,8 +18,8 @@ from pathlib import Path
 
 from frictionbench.harness import dependencies, machine
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.rows import known_row, no_problem
+from frictionbench.harness.cells.stored import Record
 from frictionbench.harness.convergence import record_histories
 from frictionbench.harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin, owner, plugin_of
 from frictionbench.harness.progress import Progress

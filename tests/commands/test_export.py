@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from frictionbench.commands.export import export
-from frictionbench.harness.cells.collect import collect, stored_start
+from frictionbench.harness.cells.collect import collect
+from frictionbench.harness.cells.stored import stored_start
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scene

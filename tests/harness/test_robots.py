@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from frictionbench.harness.cells.collect import collect, stored_start
+from frictionbench.harness.cells.collect import collect
+from frictionbench.harness.cells.stored import stored_start
 from frictionbench.harness.plans.robots import ARRAYS, chosen, kept, steps
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems.analysis.frictionless import idle

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from frictionbench.harness.cells.collect import stored_start
+from frictionbench.harness.cells.stored import stored_start
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
 from frictionbench.problems.verify import verify

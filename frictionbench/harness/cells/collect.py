@@ -6,21 +6,19 @@ file, `warm` is the initial guess of an FCLIB file, unless it is zero, or else t
 both have the same numbers of contacts and velocities.
 
 The reference answer, refined to rounding level, is stored with its problem, and velocities are compared with it. The list of a
-source's problems is stored too. Each record is checked when it is read, because a folder may come from someone else.
+source's problems is stored too (harness.cells.stored).
 """
 
 import json
 from contextlib import suppress
-from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from pydantic import Field, Json
 
 from frictionbench.harness.cells.reference import LARGEST_RESIDUAL, NoReference, Reference, reference_answer, unless_unsolved
 from frictionbench.harness.cells.rows import blank_facts
+from frictionbench.harness.cells.stored import Record, answer_file, digest_of, read_records, starts_file
 from frictionbench.harness.plans import robots
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import LCP, FrictionProblem, InputError
@@ -36,39 +34,12 @@ from frictionbench.problems.catalogue import instances, make_instance, scene
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.recorded import read_recording
-from frictionbench.problems.recorded.archive import read_arrays
-from frictionbench.problems.recorded.native import load, save
+from frictionbench.problems.recorded.native import save
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.simulate import first_problem_of, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
-from frictionbench.results.files import ResultsError, parsed, read_json, replaced, subfolder, write_text
-from frictionbench.results.schema import PROBLEM_FACTS
-
-Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, starts and repeats
-
-
-@dataclass
-class _Stored:
-    """The fields of a stored record that are checked, since they name files or become columns."""
-
-    problem: Annotated[str, Field(pattern="^[0-9a-f]{8,64}$")]
-    scene: str
-    parameters: Json[dict[str, Any]]
-    step: Annotated[int, Field(strict=True, ge=0, lt=10**9)]
-    phase: str
-    contacts: Annotated[int | None, Field(strict=True)]
-    starts: dict[Literal["cold", "warm", "shuffled"], str]
-
-
-def read_records(path: Path) -> list[Record]:
-    """Read the records in a file written by `collect`. Errors: ResultsError naming the file if it is another or damaged."""
-    records = read_json(path)
-    parsed(records, Annotated[list[_Stored], Field(min_length=1)], path)  # type: ignore[arg-type]
-    if not all(record.keys() >= {*PROBLEM_FACTS} and list(record["starts"])[:1] == [COLD] for record in records):
-        raise ResultsError(f"{path}: not a list of problems")
-    return records
-
+from frictionbench.results.files import ResultsError, replaced, subfolder, write_text
 
 MAX_PERTURBED = 30  # contacts: the sensitivity takes several solves per contact, too long for larger problems
 MAX_COUNTED = 6  # contacts: the number of modes to enumerate grows as 4^contacts
@@ -115,10 +86,10 @@ def collect(folder: Path, source: Source, described: bool = True) -> list[Record
                 contacts, dimension = collected.problem.contacts, collected.problem.dimension
                 facts = {"contacts": contacts, "dimension": dimension, "size": lcp_size(collected.problem)}
                 record = blank_facts(source, name, collected.step, collected.phase) | facts
-            digests = {COLD: ""} | {start: _digest(impulses) for start, impulses in starts.items()}
+            digests = {COLD: ""} | {start: digest_of(impulses) for start, impulses in starts.items()}
             records[name] = record | {"starts": digests, "repeats": source.repeats}
             if starts:
-                with replaced(_starts_file(folder, name, origin(records[name]))) as file:
+                with replaced(starts_file(folder, name, origin(records[name]))) as file:
                     np.savez(file, **starts)  # type: ignore[arg-type]
     write_text(listed, json.dumps(list(records.values())))
     return list(records.values())
@@ -129,67 +100,9 @@ def _answered_facts(folder: Path, source: Source, collected: Collected) -> Recor
     answer = reference_answer(collected.problem) if collected.impulse is None else collected.impulse
     finest = None if answer is None else refined(collected.problem, answer)
     if finest is not None:
-        with replaced(_answer_file(folder, collected.problem.hash)) as file:
+        with replaced(answer_file(folder, collected.problem.hash)) as file:
             np.savez(file, impulse=finest)
     return facts(source, collected._replace(impulse=answer))
-
-
-def stored(folder: Path, problem: str) -> FrictionProblem | LCP:
-    """Read a stored problem by its hash. Errors: InputError if the file is missing, damaged or holds another problem."""
-    path = folder / "problems" / f"{problem}.npz"
-    loaded = load(path)
-    require(loaded.hash == problem, str(path), f"holds another problem, {loaded.hash}, than the one its name is the hash of")
-    return loaded
-
-
-def stored_friction(folder: Path, problem: str) -> FrictionProblem:
-    """Read a stored friction problem by its hash. Errors: InputError as for `stored`, and if it is a bare LCP."""
-    loaded = stored(folder, problem)
-    if isinstance(loaded, LCP):
-        raise InputError(f"problem: {problem} is a bare LCP, without contacts")
-    return loaded
-
-
-def stored_answer(folder: Path, problem: str) -> Array | None:
-    """Read the refined reference answer (nc, d) of a stored problem; None if there is none that can be read."""
-    with suppress(InputError, KeyError):
-        return read_arrays(_answer_file(folder, problem))["impulse"]
-    return None
-
-
-def _answer_file(folder: Path, problem: str) -> Path:
-    return folder / "problems" / f"{problem}.answer.npz"
-
-
-def stored_start(folder: Path, problem: str, source_origin: str, start: str, digest: str = "") -> Array | None:
-    """Read the impulses (nc, d) of a start of a stored problem; None for a cold start.
-
-    source_origin: see plan.origin. digest: the expected hash, not compared if empty. Errors: InputError naming the file.
-    """
-    if start == COLD:
-        return None
-    path = _starts_file(folder, problem, source_origin)
-    try:
-        impulses = read_arrays(path)[start]
-    except (InputError, KeyError):
-        raise InputError(f"{path}: the start {start} cannot be read: the file is missing or damaged") from None
-    same = not digest or _digest(impulses) == digest
-    require(same, str(path), f"holds another start {start} than the one that was collected")
-    return impulses
-
-
-def _digest(impulses: Array) -> str:
-    return sha256(repr(impulses.shape).encode() + np.ascontiguousarray(impulses, float).tobytes()).hexdigest()
-
-
-def _starts_file(folder: Path, problem: str, source_origin: str) -> Path:
-    return folder / "problems" / f"{problem}.{sha256(source_origin.encode()).hexdigest()[:8]}.starts.npz"
-
-
-def files_of(folder: Path, problem: str, source_origin: str) -> list[Path]:
-    """Return the existing files of a stored problem, without listing the folder, which may hold very many."""
-    problem_file, answer = folder / "problems" / f"{problem}.npz", _answer_file(folder, problem)
-    return [path for path in (problem_file, answer, _starts_file(folder, problem, source_origin)) if path.exists()]
 
 
 def _recorded(source: Source) -> list[tuple[Collected | LCP, dict[str, Array]]]:

@@ -19,10 +19,11 @@ import numpy as np
 
 from frictionbench.harness import machine, process
 from frictionbench.harness.cells.batch import batch_of, time_batch
-from frictionbench.harness.cells.collect import Record, collect, stored, stored_answer, stored_start
+from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.cells.rows import finding_columns, judged, solver_facts
 from frictionbench.harness.cells.simulation import malformed, refusal, run_closed_loop
+from frictionbench.harness.cells.stored import Record, stored, stored_answer, stored_start
 from frictionbench.harness.cells.timing import MOST_REPEATS, time_solver
 from frictionbench.harness.contract.check import contact
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline

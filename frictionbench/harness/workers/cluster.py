@@ -16,7 +16,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from frictionbench.harness import machine
-from frictionbench.harness.cells.collect import files_of
+from frictionbench.harness.cells.stored import files_of
 from frictionbench.harness.plans.plan import Plugin, SolveCell
 from frictionbench.harness.workers.pool import Outcome, Pool, Task
 from frictionbench.problems import InputError

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells import reference
-from frictionbench.harness.cells.collect import collect, files_of, stored_start
+from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.cells.reference import NoReference, Reference
+from frictionbench.harness.cells.stored import files_of, stored_start
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import InputError
 from frictionbench.solvers import Answer, Status

@@ -5,8 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from frictionbench.harness.cells.collect import collect, stored_friction
+from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.cells.reference import Reference
+from frictionbench.harness.cells.stored import stored_friction
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.plans.recorded import every

@@ -94,4 +94,4 @@ def test_rows_of_joints_are_counted() -> None:
     N[[0, 1, 2, 4], 2] = T[[0, 2, 6, 8], 0] = 1.0
     problem = contacts_of(N, T, [0.5, 0, 0, 0, 0.3], [1.0, 0, -1], bias=[0, 0, 0, 1, 0], friction_bias=[0, 0, 0, 0.1, 0])
     for form in (problem, known_by_W(problem)):
-        assert (labels(form).limits, labels(form).dry_friction) == (1, 1)
+        assert (labels(form)["limits"], labels(form)["dry_friction"]) == (1, 1)
