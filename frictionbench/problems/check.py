@@ -61,7 +61,7 @@ def require_installed(module: str, extra: str) -> None:
 def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf, most: float = np.inf) -> float:
     """A finite number with above < value, least <= value <= most. Errors: InputError naming the parameter."""
     real = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-    require(real, name, f"expected a number, got {value!r}")
+    require(real, name, f"expected a number, got {value!r:.100}")
     limits = (
         [f"above {above:g}"] * (above > -np.inf)
         + [f"at least {least:g}"] * (least > -np.inf)

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.reports.templates import as_json, environment
-from frictionbench.results.files import write_text
+from frictionbench.reports.templates import as_json, write_page
 from frictionbench.results.motion import Array, Motion, Outline, plain
 
 MOST_NUMBERS = 250_000  # numbers on a page, which is then about 2 MB
@@ -20,10 +19,8 @@ VIEW_MARGIN = 0.1  # around the motion, relative to its size
 
 def write_animation(motion: Motion, path: Path) -> Path:
     """Write the page; return its path."""
-    page = environment().get_template("animation.html")
     facts = {"title": motion.title, "frames": len(motion.times), "data": as_json(_data(motion))}
-    write_text(path, page.render(motion=motion, **facts))
-    return path
+    return write_page(path, "animation.html", motion=motion, **facts)
 
 
 def _data(motion: Motion) -> dict[str, Any]:

@@ -11,10 +11,9 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.reports.templates import environment
+from frictionbench.reports.templates import write_page
 from frictionbench.results.cells import repeats
 from frictionbench.results.conventions import DRAWN, NEARBY, WAYS, law, scene_title
-from frictionbench.results.files import write_text
 from frictionbench.results.store import read_manifest, read_table
 
 HEADER = ("solver", "way", "start", "problems a second", "ratio")
@@ -45,11 +44,8 @@ def write_batches(folder: Path) -> Path:
     """Write DIR/report.html; return its path. Errors: ResultsError if the folder holds no run of batches."""
     manifest: dict[str, Any] = read_manifest(folder)
     tables = rate_tables(read_table(folder, "batches"))
-    path = folder / "report.html"
-    page = environment().get_template("batches.html")
     facts = {"name": folder.resolve().name, "finished": "finished" in manifest, "machine": manifest.get("machine", {})}
-    write_text(path, page.render(tables=tables, header=HEADER, method=METHOD, **facts))
-    return path
+    return write_page(folder / "report.html", "batches.html", tables=tables, header=HEADER, method=METHOD, **facts)
 
 
 class RateTable(NamedTuple):

@@ -17,8 +17,7 @@ from frictionbench.reports.drawing.files import legend_size
 from frictionbench.reports.drawing.style import ALARM, COLOURS, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
 from frictionbench.reports.drawing.text import number, plain
 from frictionbench.reports.judged import CHOSEN_FROM, PERCENTILES, QUANTITIES, read_judged
-from frictionbench.reports.templates import environment
-from frictionbench.results.files import write_text
+from frictionbench.reports.templates import write_page
 from frictionbench.results.judgement import LAWS, Judgement
 
 MOST_STEPS = 12  # worst steps in the table
@@ -34,8 +33,9 @@ def write_judgement(folder: Path) -> Path:
     bad = judged.worst(MOST_STEPS)
     by_variant = judged.rows.drop_duplicates(["variant", "problem"]).set_index("problem").groupby("variant", sort=False)
     solved = {str(variant): rows for variant, rows in by_variant}
-    page = environment().get_template("judgement.html")
-    text = page.render(
+    return write_page(
+        folder / "judgement.html",
+        "judgement.html",
         name=folder.resolve().name,
         judged=judged,
         heads=list(PERCENTILES),
@@ -51,9 +51,6 @@ def write_judgement(folder: Path) -> Path:
         ],
         forces=[Panel(one.file, partial(_forces, one=one)) for one in bad[:MOST_DRAWN] if one.forces],
     )
-    path = folder / "judgement.html"
-    write_text(path, text)
-    return path
 
 
 def _shown(net: list[float]) -> dict[str, object]:

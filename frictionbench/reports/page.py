@@ -23,9 +23,8 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.recorded import motions, recorded_problems
 from frictionbench.reports.run import Run, read_run
-from frictionbench.reports.templates import environment
+from frictionbench.reports.templates import write_page
 from frictionbench.results.conventions import RankBy, endings
-from frictionbench.results.files import write_text
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
 MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the same reason
@@ -48,9 +47,7 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
     """
     if has_batches(folder):
         return write_batches(folder)
-    path = folder / "report.html"
-    write_text(path, environment().get_template("page.html").render(view(run or read_run(folder))))
-    return path
+    return write_page(folder / "report.html", "page.html", **view(run or read_run(folder)))
 
 
 def view(run: Run) -> Values:

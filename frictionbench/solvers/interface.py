@@ -35,7 +35,6 @@ import re
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
-from numbers import Integral, Real
 from typing import Any, Literal, NamedTuple, Protocol, TypeVar, get_args
 
 import numpy as np
@@ -64,7 +63,6 @@ FINEST_TOL = {"double": 0.0, "single": 1e-6}  # the tightest target: float32 has
 LACKS = ("friction_bias", "joints", "asymmetry")  # properties of a problem that a solver may declare as not supported
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
 RELAXATION = {"cvxpy", "clarabel", "osqp", "proxsuite", "qpsolvers"}  # distributions of the package's extra of this name
-MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
 
 
 class Solved(NamedTuple):
@@ -371,7 +369,7 @@ def solve(
         raise InputError(f"solver: {reason}")
     shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)
     guess = None if start is None else impulses(start, shape)
-    with nullcontext() if time_limit is None else TimeLimit(_positive("time_limit", time_limit, "number of seconds")):
+    with nullcontext() if time_limit is None else TimeLimit(check.number("time_limit", time_limit, above=0)):
         answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
         late = is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING)
     if time_limit is not None and (late or answer.status is Status.TIME_LIMIT):
@@ -399,23 +397,13 @@ _LOST = (Status.RAY, Status.STALLED, Status.BREAKDOWN, Status.WORK_LIMIT)  # aft
 
 def tolerance(tol: Any) -> float:
     """A tolerance as a float. Errors: InputError naming tol unless it is a positive, finite number."""
-    return _positive("tol", tol, "number")
-
-
-def _positive(field: str, value: Any, kind: str) -> float:
-    valid = isinstance(value, Real) and not isinstance(value, bool) and 0 < value < float("inf")  # type: ignore[operator]
-    require(valid, field, f"must be a positive, finite {kind}, got {value!r}")
-    return float(value)
+    return check.number("tol", tol, above=0)
 
 
 def work_limit(limit: Any) -> int | None:
-    """A limit of work, or None. Errors: InputError naming limit unless it is a whole number from 1 to MOST_WORK."""
-    if limit is None:
-        return None
-    whole = isinstance(limit, Integral) and not isinstance(limit, bool)
-    allowed = whole and 1 <= limit <= MOST_WORK
-    require(allowed, "limit", f"must be a whole number, at least 1 and at most {MOST_WORK}, got {limit!r}")
-    return int(limit)
+    """A limit of work, or None. Errors: InputError naming limit unless it is a whole number from 1 to check.LARGEST_COUNT, as
+    histories of that length are allocated."""
+    return None if limit is None else check.count("limit", limit)
 
 
 def impulses(start: Any, shape: tuple[int, ...]) -> Array:

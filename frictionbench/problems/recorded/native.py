@@ -66,8 +66,7 @@ class EngineStep(ReadOnly):
         object.__setattr__(self, "impulse", flat.reshape(shape))
         object.__setattr__(self, "notes", _checked(self.notes))
         if self.step is not None:
-            object.__setattr__(self, "step", _number("step", self.step))
-            require(self.step > 0, "step", f"must be positive, got {self.step:g}")
+            object.__setattr__(self, "step", check.number("step", self.step, above=0))
 
     def __repr__(self) -> str:
         noted = "".join(f", {name} {100 * share:.2f} %" for name, share in self.notes.items())
@@ -190,13 +189,4 @@ def _checked(notes: Any) -> dict[str, float]:
     for name in notes:
         usable = isinstance(name, str) and 0 < len(name) <= LONGEST_NOTE and name.isprintable()
         require(usable, "notes", f"a name is a printable text of 1 to {LONGEST_NOTE} characters, got {name!r:.80}")
-    shares = {name: _number("notes", share) for name, share in notes.items()}
-    for name, share in shares.items():
-        require(0 <= share <= 1, "notes", f"the share of {name} must be from 0 to 1, got {share:g}")
-    return shares
-
-
-def _number(field: str, value: Any) -> float:
-    array = check.floats(field, value)
-    require(array.ndim == 0 and bool(np.isfinite(array)), field, f"expected a finite number, got {value!r:.80}")
-    return float(array)
+    return {name: check.number(f"notes: {name}", share, least=0, most=1) for name, share in notes.items()}

@@ -19,6 +19,7 @@ from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.drawing.text import percent, plain, power, ratio, residual, rough_percent, seconds
 from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import ENDINGS, count, ending, scene_title
+from frictionbench.results.files import write_text
 from frictionbench.results.hardness import HARDNESS
 
 
@@ -64,3 +65,9 @@ def environment(*folders: Path) -> Environment:
 
     made.globals |= {"endings": ENDINGS, "hardness": HARDNESS, "dots": tiles.DOTS, "script": script, "p99_from": LEAST_FOR_P99}
     return made
+
+
+def write_page(path: Path, template: str, **values: Any) -> Path:
+    """Write a page made from a template in this folder; return its path."""
+    write_text(path, environment().get_template(template).render(values))
+    return path

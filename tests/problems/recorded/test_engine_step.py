@@ -40,8 +40,8 @@ def test_steps_are_numbered(tmp_path) -> None:
     ("settings", "named"),
     [
         ({"impulse": np.zeros((2, 3))}, "impulse: expected length 9, got 6"),
-        ({"impulse": IMPULSE, "notes": {"limits": 1.5}}, "notes: the share of limits must be from 0 to 1"),
-        ({"impulse": IMPULSE, "step": 0.0}, "step: must be positive"),
+        ({"impulse": IMPULSE, "notes": {"limits": 1.5}}, "notes: limits: must be finite and at least 0 and at most 1"),
+        ({"impulse": IMPULSE, "step": 0.0}, "step: must be finite and above 0"),
         ({"notes": NOTES}, "impulse: is missing"),
     ],
 )
@@ -55,7 +55,7 @@ def test_unusable_steps_are_refused(tmp_path, settings, named) -> None:
     ("name", "value", "told"),
     [
         ("notes", text("[" * 60_000), "notes: not a JSON object"),
-        ("notes", text(json.dumps({"limits": "x"})), "notes: not an array of real numbers"),
+        ("notes", text(json.dumps({"limits": "x"})), "notes: limits: expected a number"),
         ("impulse", IMPULSE.T[:2], "impulse: expected shape"),
         ("impuls", IMPULSE, "impuls: unknown array; known are "),
     ],
