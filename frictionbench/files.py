@@ -78,8 +78,7 @@ def save(
     """
     require_problem(problem)
     path = check.path("path", path)
-    if path.suffix not in (".npz", *fclib.SUFFIXES):
-        raise InputError(f"path: {path} must end in .npz, {' or '.join(fclib.SUFFIXES)}")
+    require(path.suffix in (".npz", *fclib.SUFFIXES), "path", f"{path} must end in .npz, {' or '.join(fclib.SUFFIXES)}")
     if impulse is not None or notes or step is not None:
         require(impulse is not None, "impulse", "is missing; notes and step describe a step whose impulses an engine found")
         if isinstance(problem, LCP):

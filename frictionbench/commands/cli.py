@@ -447,12 +447,12 @@ def _jobs(jobs: int | None) -> int:
     from numba.core import config
 
     from frictionbench.harness.process import cores, require_linux
-    from frictionbench.problems import InputError, compiled  # noqa: F401  # sets numba's cache folder
+    from frictionbench.problems import compiled  # noqa: F401  # sets numba's cache folder
+    from frictionbench.problems.check import require
 
     require_linux()
     most = len(cores())
-    if jobs is not None and jobs > most:
-        raise InputError(f"jobs: at most {most} on this machine, one per core")
+    require(jobs is None or jobs <= most, "jobs", f"at most {most} on this machine, one per core")
     cache = Path(config.CACHE_DIR)
     if known := len(list(cache.rglob("*.nbi"))):
         Thread(target=tell_of_kernels, args=(cache, known, _Command.ended), daemon=True).start()

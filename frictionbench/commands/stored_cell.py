@@ -5,7 +5,7 @@ only our own code or plug-ins named in this command are run. A file named in the
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers.inputs import load_plugins
@@ -26,17 +26,11 @@ LEAST_SECONDS, MOST_SECONDS = 1e-3, 1e6
 LEAST_MEMORY, MOST_STEPS, MOST_PROBLEMS = 2**28, 10**6, 10**5  # bytes, steps, problems of a batch
 
 
-class StoredCell(NamedTuple):
-    """A row with all columns, its table, the settings of its run, and the memory limit in bytes."""
+def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -> tuple[str, Row, dict[str, Any], int]:
+    """Read the cell of a row: its table, the row with all columns, the settings of its run, and the memory limit in bytes.
 
-    table: str
-    row: Row
-    settings: dict[str, Any]
-    memory_limit: int
-
-
-def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -> StoredCell:
-    """Read the cell of a row. Errors: as for store.find_row, and InputError naming the setting or column that is unusable."""
+    Errors: as for store.find_row, and InputError naming the setting or column that is unusable.
+    """
     settings = store.read_manifest(folder)["settings"]
     table, row = store.find_row(folder, key, tables)
     row = dict.fromkeys(column.name for column in TABLES[table]) | row  # shards leave out nulls
@@ -59,7 +53,7 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
         usable["problem"] = re.fullmatch("[0-9a-f]+", row["problem"]) is not None
     for name, can in usable.items():
         require(can, name, f"cannot be {row[name]!r:.100}")
-    return StoredCell(table, row, settings, memory)
+    return table, row, settings, memory
 
 
 def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugin, ...]:

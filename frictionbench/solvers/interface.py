@@ -411,8 +411,7 @@ def impulses(start: Any, shape: tuple[int, ...]) -> Array:
     if start is None:
         return np.zeros(shape)
     guess = check.floats("start", start)
-    if guess.shape != shape:
-        raise InputError(f"start: expected impulses of shape {shape}, got {guess.shape}")
+    require(guess.shape == shape, "start", f"expected impulses of shape {shape}, got {guess.shape}")
     if not math.isfinite(np.vdot(guess, guess)):  # a third of the time of isfinite of each; large entries may overflow here
         require(bool(np.isfinite(guess).all()), "start", "must be finite")
     return guess

@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionbench.problems import LCP
-from frictionbench.problems.analysis.census import WRONG_RESIDUAL, Census, Choice, enumerate_solutions
+from frictionbench.problems.analysis.census import WRONG_RESIDUAL, Census, enumerate_solutions
 
 
 def lcp_census(lcp: LCP) -> Census:
@@ -11,6 +11,6 @@ def lcp_census(lcp: LCP) -> Census:
     n = lcp.size
     free = np.abs(lcp.q).max(initial=0.0) or 1.0
     z, w = np.eye(n + 1), np.column_stack([lcp.dense, lcp.q / free])
-    choices = [[Choice("z", ((w[i], True),)), Choice("w", ((z[i], True), (w[i], False)))] for i in range(n)]
+    choices = [[("z", ((w[i], True),)), ("w", ((z[i], True), (w[i], False)))] for i in range(n)]
     unit = np.full(n, free)
     return enumerate_solutions(z, [], choices, w, unit, unit, lambda x: lcp.residual(x) <= WRONG_RESIDUAL)

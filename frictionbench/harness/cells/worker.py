@@ -11,6 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -25,7 +26,8 @@ from frictionbench.harness.cells.rows import finding_columns, judged, solver_fac
 from frictionbench.harness.cells.simulation import malformed, refusal, run_closed_loop
 from frictionbench.harness.cells.stored import Record, stored, stored_answer, stored_start
 from frictionbench.harness.cells.timing import MOST_REPEATS, time_solver
-from frictionbench.harness.contract.check import contact
+from frictionbench.harness.contract import checks  # noqa: F401  # registers them
+from frictionbench.harness.contract.check import CHECKS, Subject, contact
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source, plugin_of
 from frictionbench.harness.workers.pool import Settings
@@ -213,12 +215,12 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
     return row | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - begun}
 
 
-def run_check(variant: str, check: str, violations: Callable[..., list[str]], limit: float) -> list[str]:
-    """Return a solver's violations of a check of the contract (harness.contract), which also gets those of its first calls."""
+def run_check(variant: str, check: str, limit: float) -> list[str]:
+    """Return at most five violations of a check of the contract (harness.contract), which also gets those of first calls."""
     info, solver = _solver(variant)
     broken = [str(row["reason"]) for dimension in info.dimension if (row := _warm_up(variant, dimension, False, limit))]
     with _worker.deadline.within(limit), process.no_forked_child():
-        return violations(info, solver, broken, check)
+        return list(islice(CHECKS[check].violations(Subject(info, solver, broken)), 5))
 
 
 def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None) -> dict[str, Any]:

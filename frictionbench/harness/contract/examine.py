@@ -5,19 +5,18 @@ in MOST_HUNG checks is not tested further, since each check might take its whole
 """
 
 from collections.abc import Iterable, Iterator
-from itertools import groupby, islice
+from itertools import groupby
 from typing import NamedTuple
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.contract import checks  # noqa: F401  # registers them
-from frictionbench.harness.contract.check import CHECKS, Subject
+from frictionbench.harness.contract.check import CHECKS
 from frictionbench.harness.plans.plan import Plugin, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Task, scratch_pool
 from frictionbench.problems import InputError
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.solvers import Solver, SolverInfo, available, find
+from frictionbench.solvers import available, find
 
 LIMIT = 20.0  # seconds for one check, which solves about forty small problems
 MOST_HUNG = 3
@@ -53,8 +52,7 @@ def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Pr
     with scratch_pool(plugins, jobs=jobs) as pool:
         for stage in (FIRST, [check for check in CHECKS if check not in FIRST]):
             tasks = [
-                Task(worker.run_check, (variant, check, _violations, LIMIT), LIMIT, owner(variant, plugins), whole=False)
-                for check in stage
+                Task(worker.run_check, (variant, check, LIMIT), LIMIT, owner(variant, plugins), whole=False) for check in stage
             ]
             for outcome in progress.follow(f"{'first' if stage is FIRST else 'other'} checks of {variant}", pool, tasks):
                 check = outcome.task.arguments[1]
@@ -83,8 +81,3 @@ def format_findings(results: Iterable[CheckResult]) -> str:
         counts = {"passed": len(checked) - failed, "failed": failed, "not tested": len(rest)}
         lines.append(", ".join(f"{n} {word}" for word, n in counts.items() if n or word == "passed"))
     return "\n".join(lines)
-
-
-def _violations(info: SolverInfo, solver: Solver, broken: list[str], check: str) -> list[str]:
-    """Run one check and return at most five violations."""
-    return list(islice(CHECKS[check].violations(Subject(info, solver, broken)), 5))

@@ -15,7 +15,6 @@ of the scene jam.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import prod
-from typing import NamedTuple
 
 import numpy as np
 
@@ -43,15 +42,8 @@ MODES = 4**8  # the largest number of modes that is enumerated, in some seconds
 TIES = (1e-12, 1e-11, 1e-10, 1e-9)  # relative to the largest free velocity: smaller ones count as zero; the first that suffices
 WRONG_RESIDUAL = 1e-7  # a point with a larger residual is not a solution but an effect of rounding
 
-
 Cut = tuple[Array, bool]  # row'(x, 1) >= 0, or = 0 if the flag is set
-
-
-class Choice(NamedTuple):
-    """One mode of a contact: its letter, and the linear conditions under which it holds."""
-
-    name: str
-    cuts: tuple[Cut, ...]
+Choice = tuple[str, tuple[Cut, ...]]  # one mode of a contact: its letter, and the linear conditions under which it holds
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,9 +105,9 @@ def census(problem: FrictionProblem) -> Census:
             ("l", ((limit - r_t, True),), ((-u_t, False),)),
             ("r", ((limit + r_t, True),), ((u_t, False),)),
         ]
-        closed = [Choice(name, (*r, (u_n, True), *u)) for name, r, u in (slips if mu or b else [("c", (), ())])]
-        opened = [Choice(name.upper(), (*r, (r_n, True), (u_n, False), *u)) for name, r, u in slips if b]
-        choices.append(closed + (opened or [Choice("o", ((r_n, True), (u_n, False)))]))
+        closed: list[Choice] = [(name, (*r, (u_n, True), *u)) for name, r, u in (slips if mu or b else [("c", (), ())])]
+        opened: list[Choice] = [(name.upper(), (*r, (r_n, True), (u_n, False), *u)) for name, r, u in slips if b]
+        choices.append(closed + (opened or [("o", ((r_n, True), (u_n, False)))]))
 
     def is_solution(r: Array) -> bool:
         return residual(problem, r.reshape(nc, 2)) <= WRONG_RESIDUAL
