@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from frictionbench.problems.friction import FrictionProblem as FrictionProblem
     from frictionbench.problems.generalised import ReducedScene as ReducedScene
     from frictionbench.problems.instances.recorded_step import recorded_steps as recorded_steps
+    from frictionbench.problems.measures import judged as judged, violations as violations
     from frictionbench.problems.residual import relaxation_residual as relaxation_residual
     from frictionbench.problems.scene import GRAVITY as GRAVITY, Scene as Scene
     from frictionbench.problems.schemes import SCHEMES as SCHEMES, NoSolution as NoSolution, Step as Step, start as start

@@ -1,7 +1,7 @@
 """Studies at reduced size: their tables computed in the test process, their texts filled in and their figures drawn."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -10,17 +10,12 @@ from studies import running
 from studies.study import Tables
 
 
-class Text(NamedTuple):
-    answer: str
-    body: str
-
-
 def reduced(name: str, **arguments: Mapping[str, Any]) -> Tables:
     """The tables of a study, computed with these arguments by table."""
     return {rows.__name__: pd.DataFrame(rows(**arguments.get(rows.__name__, {}))) for rows in running.study(name).rows}
 
 
-def text(name: str, tables: Tables) -> Text:
+def text(name: str, tables: Tables) -> dict[str, str]:
     """The study's text, of which every figure can be drawn and every number is one."""
     summary = running.study(name).summary(tables)
     found = running.text(name, summary)
@@ -30,4 +25,4 @@ def text(name: str, tables: Tables) -> Text:
         assert f"{name}_{figure}.svg" in found["body"]
         for panel in panels:
             panel.draw(Figure().subplots())
-    return Text(found["answer"], " ".join(found["body"].split()))
+    return found | {"body": " ".join(found["body"].split())}

@@ -20,7 +20,7 @@ import mujoco as mj
 import numpy as np
 
 import frictionbench as fb
-from frictionbench.problems.measures import judged, violations
+from frictionbench.problems import judged, violations
 from tools.robots.models import MODELS, begin
 
 TOL, LIMIT, WARMED = 1e-8, 8.0, 20  # residual; processor time, s; steps before measurements, in which kernels are compiled
