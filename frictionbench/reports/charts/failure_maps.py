@@ -149,11 +149,11 @@ def _problem(cells: MapCells) -> tuple[list[Field], str]:
 
 
 def _solutions(row: "pd.Series[Any]") -> str:
-    if row["solutions"]:
-        if row["solutions"] == "none" or row["outcomes"] == 1:
-            return "none" if row["solutions"] == "none" else "one"
-        return "a continuum" if pd.isna(row["outcomes"]) else "several"
-    return "one exists" if row["known"] else "not known"
+    if not row["solutions"]:
+        return "one exists" if row["known"] else "not known"
+    if row["solutions"] == "none":
+        return "none"
+    return "one" if row["outcomes"] == 1 else "a continuum" if pd.isna(row["outcomes"]) else "several"
 
 
 def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Callable[[float], str] = number) -> Field:
@@ -203,16 +203,13 @@ def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
 
 def _loop(cells: MapCells) -> list[tuple[str, Field]]:
     """Return panels of drift, penetration and contact-free steps for each label, if they vary over the map."""
-    fields = []
-    for column, title in (
-        ("energy_drift", "drift"),
-        ("worst_penetration", "overlap, m"),
-        ("contact_free_steps", "contact-free"),
-    ):
-        for label, rows in cells.by_label.items():
-            if rows[column].max() > rows[column].min():
-                fields.append((label, _scale(title, rows, rows[column])))
-    return fields
+    columns = {"energy_drift": "drift", "worst_penetration": "overlap, m", "contact_free_steps": "contact-free"}
+    return [
+        (label, _scale(title, rows, rows[column]))
+        for column, title in columns.items()
+        for label, rows in cells.by_label.items()
+        if rows[column].max() > rows[column].min()
+    ]
 
 
 VERDICTS = Chart(
