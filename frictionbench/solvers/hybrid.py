@@ -10,9 +10,7 @@ are within the tolerance: contacts that nearly jam have solutions with huge impu
 staggered method solves problems in which a very heavy body rests beside light ones, whose digits are lost in factorisations. In
 space proximal points solve walls of boxes in which the interior point stalls, and projected gradients solve nearly dependent
 rows of dry friction, for which the shifts of the other methods are too large. (Algorithm portfolios: Gomes and Selman 2001.)
-
-In the plane Lemke's method and the interior point take the same time near 36 contacts in most families, and near 70 in chains
-of bodies of which few slip in the free motion (docs/tried.md; tests/benchmarks/test_hybrid.py measures both bounds).
+tests/benchmarks/test_hybrid.py measures up to how many contacts Lemke's method is faster in the plane (docs/tried.md).
 """
 
 from typing import Any
@@ -104,6 +102,8 @@ class Hybrid:
             guess = (impulse if least <= USABLE_START and not rounded else start) if info.warm_start else None
             with TimeLimit(left() if name == members[-1] else TIME_SHARE * left()):
                 answer = member.solve(stage, tol, own_limit, guess)
+            if problem.mechanical:  # contacts without rows have no effect, and large impulses a rounding floor
+                answer.impulse[np.diff(problem.contact_rows.start) == 0] = 0.0
             work |= {f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             error, floor = residual_with_floor(problem, answer.impulse)
             if max(error, floor) <= tol:

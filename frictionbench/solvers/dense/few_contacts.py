@@ -23,7 +23,7 @@ from frictionbench.solvers.dense.rows import dense_rows
 from frictionbench.solvers.many import impulses_of
 
 ROWS = 120  # the largest number of contact rows, normal and tangential: a step then takes some tenths of a millisecond
-JOINTS = 40  # the largest number of joint equations
+JOINED_ROWS = 160  # the largest number of contact rows and joint equations together
 # Bodies without joints: above SMALL_ROWS, Newton's method is used only if the rows do not exceed HYPERSTATIC times the
 # velocities. Otherwise W is singular, and other methods are faster.
 SMALL_ROWS, HYPERSTATIC = 36, 1.25
@@ -55,7 +55,7 @@ def few_steps(problem: FrictionProblem) -> int:
 @kernel
 def most_steps(rows, nv, entries, nj):  # type: ignore[no-untyped-def]
     """The largest number of Newton steps for a problem; 0 if the method does not take it. entries: of M^-1."""
-    if rows == 0 or rows > ROWS or nj > JOINTS:
+    if rows == 0 or rows > ROWS or rows + nj > JOINED_ROWS:
         return 0
     if nj > 0 or entries > COUPLED * nv:
         return FULL_STEPS + CAREFUL_STEPS
