@@ -11,7 +11,7 @@ import pandas as pd
 
 from frictionbench.reports import tables
 from frictionbench.reports.accuracy import LEVELS, in_order, overall, percentiles, shown_levels
-from frictionbench.reports.choice import Choice, Kind, choices
+from frictionbench.reports.choice import DRAWS, Choice, Kind, choices
 from frictionbench.reports.drawing.text import percent, power, ratio, residual, seconds
 from frictionbench.reports.latex import cited
 from frictionbench.reports.run import Run
@@ -43,8 +43,9 @@ def _choice(run: Run) -> list[Table]:
     outside = ["outside"] * any(row[-1] != "–" for row in rows)
     caption = (
         f"The solver with the least mean time {run.rank_by.words} ({run.rank_by.parts}) to {power(target)}, problems not "
-        "solved charged the time limit; its lead over the next, with the 95 % interval over resampled scenes, problems and "
-        f"repeats{'; and the first of the outside libraries that has a mean' if outside else ''}."
+        f"solved or not run charged the time limit; its lead over the next, with the 95 % interval over {DRAWS} resamples of "
+        "scenes, problems and repeats, of which a lower end of 1.00 or less names no winner"
+        f"{'; and the first of the outside libraries that has a mean' if outside else ''}."
     )
     header = ["kind of problem", "problems", "first", "mean", "lead", "interval", "solved", *outside]
     return [Table("choice", caption, header, [row[: len(header)] for row in rows])]
@@ -52,17 +53,22 @@ def _choice(run: Run) -> list[Table]:
 
 def _first(kind: Kind, choice: Choice, outside: Choice | None) -> list[str]:
     best, theirs = choice.places[0], outside and outside.places[0]
-    ends = " to ".join(map(ratio, choice.interval)) if choice.lead and choice.interval else choice.unclear or "–"
+    ends = " to ".join(map(ratio, choice.interval)) if choice.lead and choice.interval else ""
     return [
         kind.name,
         str(kind.problems),
         best.label + (f" ({best.law})" if best.law else ""),
         seconds(best.mean, 3),
         ratio(choice.lead) if choice.lead else "–",
-        ends,
-        best.solved,
-        f"{theirs.label} {seconds(theirs.mean, 3)}" if theirs and np.isfinite(theirs.mean) else "–",
+        ", ".join(filter(None, (ends, choice.unclear))) or "–",
+        best.solved + _not_run(best.skipped),
+        f"{theirs.label} {seconds(theirs.mean, 3)}{_not_run(theirs.skipped)}" if theirs and np.isfinite(theirs.mean) else "–",
     ]
+
+
+def _not_run(skipped: int) -> str:
+    """Return the number of problems that a solver does not take, which are charged the time limit, or an empty text."""
+    return f", {skipped:.0f} not run" if skipped else ""
 
 
 def _times(run: Run) -> list[Table]:
@@ -77,11 +83,11 @@ def _times(run: Run) -> list[Table]:
     header, columns = [*facts], [*facts.values()]
     for i, target in enumerate(run.summaries):
         header += [f"to {power(target)}", "mean"]
-        columns.append([f"{cells[i]['solved']}/{cells[i]['problems']}" for *_, cells in ranking])
+        columns.append([f"{cells[i]['solved']}/{cells[i]['problems']}{_not_run(cells[i]['skipped'])}" for *_, cells in ranking])
         columns.append([seconds(cells[i]["mean"], 3) for *_, cells in ranking])
     caption = (
         "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
-        f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved charged the time limit."
+        f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved or not run charged the time limit."
     )
     if "law" in facts:
         caption += (

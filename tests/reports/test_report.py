@@ -16,6 +16,7 @@ from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
+from frictionbench.reports.printed import printed
 from frictionbench.reports.run import Run, annotate, annotate_simulations, outcomes, read_run
 from frictionbench.reports.tables import gaps, hard_shares, reliabilities, sentences
 from frictionbench.reports.templates import environment
@@ -313,8 +314,8 @@ def test_common_denominator():
     reached = {label: profile.share(np.array([1e9]))[0] for label, profile in profiles.items()}
     assert reached == pytest.approx(shares.to_dict())
     assert reached == pytest.approx({"a": 1.0, "b": 0.5, "a, warm": 1.0})  # each scene has half of the weight
-    assert by_label(run.summaries[1e-8], PLANE)["problems"].to_dict() == {"a": 10, "b": 10, "a, warm": 3}
-    assert by_label(run.summaries[1e-8], PLANE)["skipped"].to_dict() == {"a": 0, "b": 4, "a, warm": 0}
+    (times,) = [table for table in printed(run) if table.name == "times"]
+    assert {row[0]: row[1] for row in times.rows} == {"a": "10/10", "b": "6/10, 4 not run", "a, warm": "3/3"}
 
 
 def test_growth_exponent_by_hand():
