@@ -18,6 +18,7 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -257,7 +258,10 @@ def read_manifest(folder: Path) -> Row:
     path = folder / "manifest.json"
     if not folder.is_dir():
         file = " and no such baseline; compare --accept writes one" if folder.suffix == ".tsv" else ""
-        raise ResultsError(f"{folder}: no such results folder{file}")
+        there = sorted(path.parent.name for path in folder.parent.glob("*/manifest.json"))
+        alike = [name for name in there if name.startswith(folder.name)] or get_close_matches(folder.name, there)
+        mean = f" (did you mean {' or '.join(str(folder.parent / name) for name in alike[:3])}?)" if alike else ""
+        raise ResultsError(f"{folder}: no such results folder{file}{mean}")
     try:
         manifest = read_json(path, LARGEST_MANIFEST)
     except FileNotFoundError:

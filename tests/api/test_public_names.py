@@ -168,8 +168,9 @@ def test_results_are_tables_with_their_columns_documented(run) -> None:
     assert list(results.solves.columns) == [column.name for column in TABLES["solves"]]
     assert set(results.simulations["verdict"]) == {"solved"}
     assert results.manifest["settings"]["suite"] == "made"
-    with pytest.raises(ResultsError, match="no such results folder"):
-        fb.read_results("nowhere")
+    for other, told in (("nowhere", "folder$"), (run.name[:2], rf"folder \(did you mean {re.escape(str(run))}\?\)$")):
+        with pytest.raises(ResultsError, match=f"no such results {told}"):
+            fb.read_results(run.with_name(other))
 
 
 def test_plots_draw_on_the_axes_given(run) -> None:
