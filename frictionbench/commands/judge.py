@@ -22,8 +22,10 @@ def as_data(folder: Path) -> dict[str, Any]:
 def summary(folder: Path) -> str:
     """Return the summary of a judged folder: laws, notes, the worst step, and a table of the engine and the solvers."""
     judged = read_judged(folder)
-    without = len(judged.steps) - len(judged.touching)
-    lines = [f"{count(len(judged.touching), 'step')} with contacts judged by Coulomb's law, {without} without contact"]
+    touching, beside = len(judged.touching), judged.beside
+    without, idle = len(judged.steps) - touching, touching - min((other["steps"] for other in beside), default=touching)
+    lines = [f"{count(touching, 'step')} with contacts judged by Coulomb's law, {without} without contact"]
+    lines += [f"left out of the solvers' rows, as no impulse is needed: {count(idle, 'step')}"] if idle else []
     for answer in filter(None, (judged.creep, judged.forces, judged.impossible)):
         lines += paragraph(printable(answer))
     most = ", ".join(f"{law} in {count}" for law, count in judged.laws.items())
@@ -37,7 +39,7 @@ def summary(folder: Path) -> str:
     digits = partial(residual, decimals=1)
     engine = _shown(judged.percentiles["residual"], ("p50", "worst"), digits)
     body: list[tuple[str, ...]] = [("the engine", "", *engine, "", "", "")]
-    for other in judged.beside:
+    for other in beside:
         residuals = _shown(other["residual"], ("p50", "worst"), digits)
         times = _shown(other["time"], ("p50", "p99", "worst"), seconds)
         body.append((other["variant"], f"{other['solved']}/{other['steps']}", *residuals, *times))

@@ -6,7 +6,7 @@ from typing import Any
 from frictionbench.commands.table import say
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems.catalogue import instances, scenes
-from frictionbench.reports.drawing.text import number
+from frictionbench.results.conventions import number
 from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import distribution, installed
 

@@ -21,10 +21,10 @@ from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import require_known
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict
-from frictionbench.reports.drawing.text import number, seconds
+from frictionbench.reports.drawing.text import seconds
 from frictionbench.results import store
 from frictionbench.results.cells import counts
-from frictionbench.results.conventions import RankBy, count, ending, scene_title
+from frictionbench.results.conventions import RankBy, count, ending, number, scene_title
 from frictionbench.results.files import json_text, printable
 from frictionbench.results.schema import PROBLEM_FACTS, TABLES
 from frictionbench.results.store import Row

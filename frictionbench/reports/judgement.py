@@ -15,9 +15,10 @@ from matplotlib.ticker import MaxNLocator
 from frictionbench.reports.drawing.figures import PANEL, Panel
 from frictionbench.reports.drawing.files import legend_size
 from frictionbench.reports.drawing.style import ALARM, COLOURS, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
-from frictionbench.reports.drawing.text import number, plain
+from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.judged import CHOSEN_FROM, PERCENTILES, QUANTITIES, read_judged
 from frictionbench.reports.templates import write_page
+from frictionbench.results.conventions import number
 from frictionbench.results.judgement import LAWS, Judgement
 
 MOST_STEPS = 12  # worst steps in the table

@@ -18,6 +18,7 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict, measured
 from frictionbench.results.cells import FAILURES, parse_counts
+from frictionbench.results.conventions import number
 
 KINDS = ("flips", "gone", "added", "work", "times")  # see above; `untimed` is work
 GONE, NEW = "gone", "new"  # shown instead of the verdict for a cell that one of the runs lacks
@@ -44,7 +45,7 @@ class Flip:
 
     @property
     def name(self) -> str:
-        return f"{self.scene} {f'step {self.step}' if self.step else self.table} to {self.tol:g} ({self.key})"
+        return f"{self.scene} {f'step {self.step}' if self.step else self.table} to {number(self.tol)} ({self.key})"
 
     @property
     def kind(self) -> str:

@@ -9,6 +9,7 @@ In the plane the LCP is exact, since the cone has two edges.
 """
 
 import json
+import re
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
@@ -108,6 +109,13 @@ def scene_title(scene: Any, parameters: Any) -> str:
 def count(number: int, noun: str) -> str:
     """Return the number with its noun: 1 problem, 12 problems."""
     return f"{number} {noun}{'s' * (number != 1)}"
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Format a number with this many significant digits at most, and a short exponent if it has one: 316, 0.25, 3.16e-5."""
+    if value == 0 or 1e-3 <= abs(value) < 10**digits:
+        return f"{value:.{digits}g}"
+    return re.sub(r"\.?0*e(-?)\+?0*", r"e\1", f"{value:.{digits - 1}e}")
 
 
 def json_object(text: Any) -> dict[str, Any]:

@@ -92,7 +92,7 @@ def test_solvers_beside_answer_the_same_problems(folder) -> None:
     assert (rows["verdict"] == "solved").all()
 
 
-def test_worst_steps_are_peaks_then_the_next_and_equal_steps_count(folder) -> None:
+def test_worst_steps_are_peaks_then_the_next_and_equal_steps_count(folder, monkeypatch) -> None:
     one = next(one for one in read_judgements(folder) if one.file == "creeping.npz")
     residuals = [5.0, 9.0, 8.0, 7.0, 3.0, 4.0, 4.0, *[one.floor] * 33]  # peaks: 9 and the first 4; the rest is rounding
     found = Judged([one._replace(residual=each) for each in residuals], read_table(folder, "solves").assign(time=1.0))
@@ -103,6 +103,8 @@ def test_worst_steps_are_peaks_then_the_next_and_equal_steps_count(folder) -> No
     rows = found.rows.assign(trivial=needless, verdict=found.rows["verdict"].mask(needless, "unjudgeable"))
     steps = [one, *(each for each in read_judgements(folder) if each.file == "deep.npz")]
     assert [(each["solved"], each["steps"]) for each in Judged(steps, rows).beside] == [(2, 2), (1, 1)]
+    monkeypatch.setattr("frictionbench.commands.judge.read_judged", lambda _: Judged(steps, rows))
+    assert "\nleft out of the solvers' rows, as no impulse is needed: 1 step\n" in summary(folder)
 
 
 def test_summary_and_page(folder, monkeypatch) -> None:

@@ -344,7 +344,7 @@ def test_markdown_cut_and_escaping(runs):
     markup = "a|b`<script>\n# c"
     before, after = ([solve_row(markup, f"p{i}", verdict=v) for i in range(25)] for v in ("solved", "wrong"))
     text = markdown(runs(before, after))
-    assert text.count("solved → wrong") == 20
+    assert text.count("| **solved → wrong** | `bar[friction=0.2]` | 0 | 1e-8 | 1.0e-9 → 1.0e-9 |") == 20
     assert "and 5 more, which `--out` writes as data." in text
     assert "### `a\\|b'<script> # c`: worse" in text
     assert "\n# c" not in text
@@ -358,10 +358,8 @@ def test_markdown_length_limit(runs):
 
 
 def test_comparison_files(runs, tmp_path, monkeypatch):
-    before, after = (
-        rows(["solved", "solved", "unsolved"]),
-        [*rows(["solved"]), unanswered_row("a", "p1", "crashed", reason="ill\x00")],
-    )
+    before = rows(["solved", "solved", "unsolved"])
+    after = [*rows(["solved"]), unanswered_row("a", "p1", "crashed", reason="ill\x00")]
     result = runs(before, [*after, *(unanswered_row("a", problem, "skipped", reason="absent") for problem in ("p2", "p3"))])
     write_files(result, tmp_path / "out")
     told = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
@@ -372,8 +370,8 @@ def test_comparison_files(runs, tmp_path, monkeypatch):
     (suite,) = ElementTree.parse(tmp_path / "out" / "junit.xml").getroot()
     assert (suite.get("name"), len(suite), len(suite.findall("*/skipped"))) == ("a", 5, 1)
     assert [case.find("failure").get("message") for case in suite if case.find("failure") is not None] == [
-        "solved → crashed, residual 1.0e-09 → nan ill?",
-        "unsolved → skipped, residual 1.0e-09 → nan absent",
+        "solved → crashed, residual 1.0e-9 → nan ill?",
+        "unsolved → skipped, residual 1.0e-9 → nan absent",
     ]
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path / "summary"))
     summarise(result)

@@ -16,12 +16,12 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.style import INK
-from frictionbench.reports.drawing.text import number, percent, seconds
+from frictionbench.reports.drawing.text import percent, seconds
 from frictionbench.reports.drawing.tiles import Drawing, Entry, Field, Grid, Tile
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.commands import rerun
-from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, endings
+from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, endings, number
 from frictionbench.results.maps import Axis, Map
 
 VERDICT = {

@@ -15,9 +15,11 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.comparison.markdown import format_verdicts, markdown, rerun_command
+from frictionbench.reports.drawing.text import residual
 from frictionbench.results.cells import read
 from frictionbench.results.changes import GONE, KINDS, Change, Flip
 from frictionbench.results.compare import Comparison
+from frictionbench.results.conventions import number
 from frictionbench.results.files import json_text, printable, replaced, write_text
 
 
@@ -59,7 +61,7 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
             ElementTree.SubElement(one, "skipped", message=printable(skipped))
 
     for key, cell in cells.iterrows():
-        name = f"{cell['scene']} {cell['table']} {cell['step']} {cell['phase']} {cell['start']} to {cell['tol']:g}"
+        name = f"{cell['scene']} {cell['table']} {cell['step']} {cell['phase']} {cell['start']} to {number(cell['tol'])}"
         case(cell["variant"], name, str(key), cell["reason"] if cell["verdict"] == Verdict.SKIPPED else None)
     for change in comparison.changes:
         if not isinstance(change, Flip):
@@ -75,7 +77,7 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
 def message(change: Change) -> str:
     """Return a change as one line."""
     if isinstance(change, Flip):
-        residuals = f"{change.residual_before:.1e} → {change.residual_after:.1e}"
+        residuals = " → ".join(residual(each, 1) for each in (change.residual_before, change.residual_after))
         return f"{format_verdicts(change)}, residual {residuals} {change.reason}".strip()
     before, after = ("none" if side is None else f"{side:.6g}" for side in (change.before, change.after))
     return f"{change.name}: {before} → {after}" + (f", ×{change.ratio:.2f}" if np.isfinite(change.ratio) else "")

@@ -5,16 +5,18 @@ Its template is templates/comparison.md.
 
 import os
 import re
+from functools import partial
 from itertools import accumulate, takewhile
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from frictionbench.reports.drawing.text import code, escaped, seconds
+from frictionbench.reports.drawing.text import code, escaped, residual, seconds
 from frictionbench.results.cells import FILE_SEPARATOR
 from frictionbench.results.changes import GONE, Flip
 from frictionbench.results.commands import rerun
 from frictionbench.results.compare import Comparison
+from frictionbench.results.conventions import number
 from frictionbench.results.times import ALPHA
 
 LISTED = 20  # rows of a table; more are counted below it
@@ -25,7 +27,13 @@ def markdown(comparison: Comparison) -> str:
     """Return the comparison as Markdown. The template escapes untrusted text by `code` and `escaped`."""
     templates = PackageLoader("frictionbench.reports", "templates")
     made = Environment(loader=templates, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    made.filters |= {"code": code, "escaped": escaped, "seconds": seconds}
+    made.filters |= {
+        "code": code,
+        "escaped": escaped,
+        "seconds": seconds,
+        "number": number,
+        "residual": partial(residual, decimals=1),
+    }
     made.tests["finite"] = lambda value: bool(np.isfinite(value))
     changes = {
         variant: [change for change in comparison.changes if change.variant == variant and change.kind != "times"]

@@ -1,6 +1,5 @@
 """The format of names and numbers in figures, tables and pages."""
 
-import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -55,13 +54,6 @@ def rough_percent(share: float) -> str:
     if 0 < abs(share) < 1e-4:
         return "<0.01 %"
     return f"{100 * share:.{'2g' if abs(share) < 0.995 else '0f'}} %"
-
-
-def number(value: float, digits: int = 3) -> str:
-    """Format a number with this many significant digits at most, and a short exponent if it has one: 316, 0.25, 3.16e-5."""
-    if value == 0 or 1e-3 <= abs(value) < 10**digits:
-        return f"{value:.{digits}g}"
-    return re.sub(r"\.?0*e(-?)\+?0*", r"e\1", f"{value:.{digits - 1}e}")
 
 
 def ratio(value: float) -> str:
