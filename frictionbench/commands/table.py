@@ -1,9 +1,10 @@
 """Tables and paragraphs as text: full width in a pipe or file, no wider than the screen on a terminal."""
 
+import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from rich.console import Console
 from rich.table import Column, Table
@@ -21,7 +22,7 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], spare: Iterabl
     """Return the lines of a table without empty columns.
 
     spare: names of columns to leave out, in this order, while the table is wider than the screen; a line says so. If that does
-    not suffice, the longest cells are continued on further lines.
+    not suffice, the longest cells are continued on further lines, names of solvers after [, a comma or _.
     """
     width = screen()
     widths = {
@@ -29,15 +30,25 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], spare: Iterabl
     }
     cut = []
     for name in spare:
-        if width is not None and sum(widths.values()) + 2 * (len(widths) - 1) > width:
+        if _excess(widths, width) > 0:
             cut += [name] if widths.pop(list(header).index(name), None) else []
+    cells = _Cells(max(8, max(widths.values(), default=0) - _excess(widths, width)), break_on_hyphens=False)
     table = Table(*(Column(header[i], overflow="fold") for i in widths), box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for row in rows:
-        table.add_row(*(Text(row[i]) for i in widths))
+        table.add_row(*(Text(cells.fill(row[i])) for i in widths))
     wide = Console(width=width or 10**4, no_color=True)
     lines = ["".join(part.text for part in line).rstrip() for line in (wide.render_lines(table, pad=False) if rows else [])]
     left_out = f"not shown on {width} columns: {', '.join(cut)}; a wider terminal or a file has all"
     return [*lines, *(paragraph(left_out) if cut else [])]
+
+
+class _Cells(textwrap.TextWrapper):
+    wordsep_simple_re = re.compile(r"( +)|(?<=[\[,_])")
+
+
+def _excess(widths: Mapping[int, int], width: int | None) -> int:
+    """Return by how many characters a table with these columns is wider than the screen, at least 0."""
+    return 0 if width is None else max(0, sum(widths.values()) + 2 * len(widths) - 2 - width)
 
 
 def say(text: str, indent: str = "", rest: str = "") -> None:

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from frictionbench.commands import cli
 from frictionbench.commands.cli import app
 from frictionbench.commands.summary import folder_for
+from frictionbench.commands.table import columns
 from frictionbench.harness import process
 from frictionbench.harness.plans.choose import RunOptions, choose
 from frictionbench.results import store
@@ -60,14 +61,19 @@ def test_default_folder_depends_on_settings() -> None:
     assert folder_for(other) == folder_for(choose(RunOptions("smoke", tol="1e-6")))
 
 
+def test_long_names_are_continued_after_a_part_of_them(monkeypatch) -> None:
+    monkeypatch.setattr("frictionbench.commands.table.screen", lambda: 38)
+    lines = columns(("solver", "verdict"), [("siconos[method=friction_3d_nsgs,settings=newton]", "another law")])
+    assert lines[1:] == ["siconos[method=friction_   another law", "3d_nsgs,settings=newton]"]
+
+
 def test_abbreviated_keys(tmp_path) -> None:
     for table, keys in (("solves", ("solve-12ab", "solve-12cd", "solve-12")), ("simulations", ("simulation-77",))):
         with new_shard(tmp_path, table, "test") as write:
             for key in keys:
                 write({"key": key})
-    assert [store.find_row(tmp_path, given)[1]["key"] for given in ("12a", "solve-12c", "solve-12", "7")] == [
-        *("solve-12ab", "solve-12cd", "solve-12", "simulation-77")
-    ]
+    found = [store.find_row(tmp_path, given)[1]["key"] for given in ("12a", "solve-12c", "solve-12", "7")]
+    assert found == ["solve-12ab", "solve-12cd", "solve-12", "simulation-77"]
     for given, facts in (("12", r"3 rows.*'12'"), ("13", "no row.*'13'"), ("", "4 rows have a key")):
         with pytest.raises(ResultsError, match=facts):
             store.find_row(tmp_path, given)
@@ -90,8 +96,7 @@ def test_interruption_message(tmp_path, command) -> None:
 
 def _version(code: str) -> subprocess.CompletedProcess[str]:
     """Run --version in a process that executes code first."""
-    call = [sys.executable, "-c", f"{code}cli.main()", "--version"]
-    return subprocess.run(call, capture_output=True, text=True, check=False)
+    return subprocess.run([sys.executable, "-c", f"{code}cli.main()", "--version"], capture_output=True, text=True, check=False)
 
 
 @pytest.mark.parametrize(

@@ -80,10 +80,7 @@ def test_failing_scheme_is_reported() -> None:
     for arguments, complaint in (
         (("two_blocks", "lemke", "lotstedt", None), r"^scheme: it has no law of restitution"),
         (("stack", str(BAD_SOLVERS), "moreau", None), r"^solver: .* name one"),
-        (
-            ("random_bodies[contacts=3]", "nsgs", "moreau", None),
-            "^scene: 'random_bodies' is no scene but",
-        ),
+        (("random_bodies[contacts=3]", "nsgs", "moreau", None), "^scene: 'random_bodies' is no scene but"),
     ):
         with pytest.raises(InputError, match=complaint):
             recorded(*arguments)

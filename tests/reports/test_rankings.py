@@ -281,9 +281,8 @@ def test_advice_by_both_rankings():
 
 
 def test_another_law_and_a_polygon_are_told_apart(tmp_path):
-    assert [law(*what) for what in (("coulomb", 3), ("lcp", 2), ("lcp", 3), ("relaxation", 2), ("regularised", 3))] == [
-        *("", "", POLYGON, ANOTHER_LAW, ANOTHER_LAW)
-    ]
+    found = [law(*what) for what in (("coulomb", 3), ("lcp", 2), ("lcp", 3), ("relaxation", 2), ("regularised", 3))]
+    assert found == ["", "", POLYGON, ANOTHER_LAW, ANOTHER_LAW]
     assert [ending("relaxed", model) for model in ("lcp", "relaxation")] == [POLYGON, ANOTHER_LAW]
     rows = [solve_row("exact", f"p{i}", dimension=3, scene=f"s{i}", solve_time=1.0) for i in range(8)]
     for name, model, error in (("facets", "lcp", 1e-2), ("soft", "regularised", 3e-1)):
