@@ -64,7 +64,7 @@ def test_default_folder_depends_on_settings() -> None:
 def test_long_names_are_continued_after_a_part_of_them(monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.commands.table.screen", lambda: 38)
     lines = columns(("solver", "verdict"), [("siconos[method=friction_3d_nsgs,settings=newton]", "another law")])
-    assert lines[1:] == ["siconos[method=friction_   another law", "3d_nsgs,settings=newton]"]
+    assert lines[1:] == ["siconos[method=friction_  another law", "3d_nsgs,settings=newton]"]
 
 
 def test_abbreviated_keys(tmp_path) -> None:
