@@ -24,7 +24,7 @@ CONE, TOL = "interior_point", 1e-10
 SLIDING = 0.236  # s, until the ball rolls
 FACETS = (4, 6, 8, 12, 16, 24, 32, 64)
 LIMIT = 60  # iterations of the interior point method
-TURNS = 8  # orientations of each polygon, evenly over the angle of a facet
+BALL_TURNS, TURNS = 40, 8  # orientations of each polygon, evenly over the angle of a facet: of the ball, of problems
 SPACE = (
     Source("cubes", {"boxes": 2, "friction": 0.2, "push": 0.5, "twist": 2.0, "fall": 1.0}),
     Source("sphere_pyramid", {"levels": 2, "friction": 0.1, "noise": 0.3}),
@@ -49,7 +49,7 @@ def orientations(facets: int, turns: int) -> Array:
     return 2 * np.pi / facets * np.arange(turns) / turns if facets else np.zeros(1)
 
 
-def ball(facets: Iterable[int] = (0, *FACETS), step: float = 0.004, turns: int = TURNS) -> Iterator[Row]:
+def ball(facets: Iterable[int] = (0, *FACETS), step: float = 0.004, turns: int = BALL_TURNS) -> Iterator[Row]:
     """A sliding ball with side spin: the distances of its path from the parabola and from the path with the cone (0 facets)."""
     stage = fb.scene("sliding_ball", step=step, duration=SLIDING)
     assert stage.path is not None
@@ -202,11 +202,10 @@ def _shrinkage(x: Array, dx: Array) -> float:
 def summary(tables: Tables) -> Summary:
     ball, problems = tables["ball"], tables["problems"]
     cone, polygons = ball[ball["facets"] == 0].iloc[0], ball[ball["facets"] > 0]
-    bends = polygons.groupby("facets")["from_cone"].agg(["mean", "max"])
-    off = polygons.groupby("facets")["from_parabola"].mean()
+    bends, off = (polygons.groupby("facets")[of].agg(["mean", "min", "max"]) for of in ("from_cone", "from_parabola"))
     slope = order(bends.index, bends["mean"])
-    errors = problems[problems["error"] > KINK].groupby(["facets", "number"])["error"].mean()
-    erring = errors.groupby("facets").median()
+    errors = problems[problems["error"] > KINK].groupby(["facets", "number"])["error"].agg(["mean", "min", "max"])
+    erring, spread = errors["mean"].groupby("facets").median(), errors[["min", "max"]].div(errors["mean"], axis=0)
     two = problems[problems["solutions_apart"] > DISTINCT].groupby("number").first()
     coarse, fine = bends.index.min(), bends.index.max()
     enough = bends.index[bends["max"] < cone["from_parabola"]]
@@ -219,12 +218,16 @@ def summary(tables: Tables) -> Summary:
     inner, rounds = clocks.median(), counts.median()
     numbers = {
         "coarse": coarse,
-        "coarse_bend": f"{1000 * bends['mean'].iloc[0]:.2g}",
-        "coarse_off": f"{1000 * off.iloc[0]:.2g}",
+        "coarse_bend": _spread(bends.iloc[0]),
+        "coarse_off": _spread(off.iloc[0]),
         "length": f"{cone['length']:.2f}",
         "fine": fine,
-        "fine_bend": f"{1000 * bends['mean'].iloc[-1]:.2g}",
-        "fine_off": f"{1000 * off.iloc[-1]:.2g}",
+        "fine_bend": _spread(bends.iloc[-1]),
+        "fine_off": _spread(off.iloc[-1]),
+        "bends": [(count, _spread(at)) for count, at in bends.iterrows()],
+        "turns": len(polygons) // len(bends),
+        "spread": f"{spread['min'].min():.2g} to {spread['max'].max():.2g}",
+        "usual": f"{spread['min'].median():.2g} to {spread['max'].median():.2g}",
         "slope": slope,
         "step_ms": f"{1000 * cone['step']:g}",
         "from_parabola": f"{1000 * cone['from_parabola']:.1f}",
@@ -257,10 +260,15 @@ def summary(tables: Tables) -> Summary:
     return Summary(numbers, figures)
 
 
+def _spread(at: pd.Series) -> str:
+    """Format the mean over orientations, with the least and the largest value, in mm."""
+    return "{:.2g} ({:.2g} to {:.2g})".format(*1000 * at)
+
+
 def _distances(ax: Axes, bends: pd.DataFrame) -> None:
     facets, first = bends.index.to_numpy(float), bends["mean"].iloc[0]
-    curve(ax, 0, facets, bends["mean"], "mean over orientations")
-    curve(ax, 1, facets, bends["max"], "worst orientation")
+    for k, (of, label) in enumerate({"mean": "mean over orientations", "min": "least", "max": "largest"}.items()):
+        curve(ax, k, facets, bends[of], label)
     ax.plot(facets, first * facets[0] / facets, color=INK, lw=0.6, ls=":")
     finish(ax, "facets", "m", "xy")
 

@@ -9,9 +9,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
+from frictionbench.problems import velocity_distance
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import INK
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, middle, require
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require
 
 REFERENCE, TWIN, OTHER, MUJOCO, RELAXED = "reference", "twin", "interior point", "MuJoCo", "relaxation"
 TOLERANCES, SWEEPS = (1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10), (1, 4, 10, 50)
@@ -25,11 +25,11 @@ WAYS: dict[str, tuple[str, float, int | None]] = {  # solver, tolerance, limit
     RELAXED: ("relaxation_ip", 1e-10, None),
     MUJOCO: ("", 0.0, None),
 }
-TIMES = (0.1, 0.3)  # s
-HANDS = ("hand_block", "hand_egg")
-ROBOTS = ("humanoid", "humanoid_CMU", "quadruped", "hopper", "walker", "cheetah", "ball_in_cup", "finger", "ant", *HANDS)
+DURATION = 0.3  # s
+HANDS = ("adroit_relocate", "hand_block", "hand_egg", "hand_pen")
+ROBOTS = ("humanoid", "humanoid_CMU", "quadruped", "hopper", "walker", "cheetah", "ant", "fetch_slide", *HANDS)
 MOVED = 1e-12  # change of the velocities at the twin's start
-COMPARABLE = 1e-6  # largest distance of the twin, m
+COMPARABLE = 1e-6  # largest distance of exact paths that are the same, m, and of velocities, relative to their change
 HELD = 1.0  # largest displacement of an object that stands or is held, mm
 TOWER = "".join(
     f'<body name="b{k}" pos="0 0 {0.05 + 0.1 * k}"><freejoint/><geom type="box" size=".05 .05 .05" mass="{mass}"/></body>'
@@ -39,57 +39,68 @@ FINGER = (
     '<body pos="{x} 0 .5" gravcomp="1"><joint name="{n}" type="slide" axis="{a} 0 0"/>'
     '<geom type="box" size=".01 .03 .03" friction=".8"/></body>'
 )
-TASKS = {  # scene, body that must not move, forces by joint
-    "tower": ('<geom type="plane" size="1 1 1" friction=".6"/>' + TOWER, "b4", {}),
+PRESS = 8.0  # force on the slides of fingers, N
+TASKS = {  # scene, and the body that must not move
+    "tower": ('<geom type="plane" size="1 1 1" friction=".6"/>' + TOWER, "b4"),
     "grasp": (
         FINGER.format(x=-0.061, n="left", a=1)
         + FINGER.format(x=0.061, n="right", a=-1)
         + '<body name="held" pos="0 0 .5"><freejoint/><geom type="box" size=".05 .05 .05" mass="1" friction=".8"/></body>',
         "held",
-        {"left": 8.0, "right": 8.0},
     ),
     "slope": (
         '<geom type="plane" size="9 9 1" zaxis=".4794 0 .8776" friction=".6"/>'
         '<body name="s" pos=".0479 0 .0878" euler="0 28.65 0"><freejoint/>'
         '<geom type="box" size=".1 .1 .1" friction=".6"/></body>',
         "s",
-        {},
     ),
     "hinge": (
         '<body name="h" pos="0 0 1"><joint name="j" axis="0 1 0" frictionloss="1"/><geom type="capsule" fromto="0 0 0 .5 0 0" '
         'size=".02" mass=".35"/></body>',
         "h",
-        {},
     ),
 }
 
 
-def paths(names: Iterable[str] = ROBOTS, duration: float = 0.3) -> Iterator[Row]:
-    """Robots under smooth controls: the distance of each way's bodies from the reference's."""
-    from tools.robots.models import MODELS, begin
-
+def paths(names: Iterable[str] = ROBOTS, duration: float = DURATION) -> Iterator[Row]:
+    """Robots under smooth controls: the distance of each way's bodies from the reference's at the end."""
     for name in names:
-        model, known = next(one for one in MODELS if one.name == name).load(), dict[float, Array]()
+        known: Array | None = None
         for way in WAYS:
-            data, drive = begin(model, "smooth", 0)
+            model, data, drive = _driven(name)
             if way == TWIN:
                 data.qvel[:] += MOVED * np.random.default_rng(0).normal(size=model.nv)
-            for time, centres in _moved(model, data, drive, way, duration):
-                if way == REFERENCE:
-                    known[time] = centres
-                else:
-                    error = float(np.linalg.norm(centres - known[time], axis=1).max())  # the largest of a body's centre, m
-                    yield {"model": name, "way": way, "time": time, "error": error}
+            centres = _moved(model, data, drive, way, duration)
+            known = centres if known is None else known  # of the reference, the first way
+            yield {"model": name, "way": way, "error": float(np.linalg.norm(centres - known, axis=1).max())}  # of a body, m
 
 
-def tasks(names: Iterable[str] = tuple(TASKS), duration: float = 0.3) -> Iterator[Row]:
+def steps(names: Iterable[str] = ROBOTS, duration: float = DURATION) -> Iterator[Row]:
+    """The steps of the reference's paths: how many have friction at a contact, and how many two answers from zero."""
+    for name in names:
+        met: list[fb.FrictionProblem] = []
+        _moved(*_driven(name), REFERENCE, duration, met)
+        answers = [[fb.solve(problem, WAYS[way][0], tol=1e-12).impulse for way in (REFERENCE, OTHER)] for problem in met]
+        judged = list(zip(met, answers, strict=True))
+        apart = np.array([velocity_distance(problem, *pair) or 0.0 for problem, pair in judged])  # over the change by contact
+        yield {
+            "model": name,
+            "steps": len(met),
+            "residual": max(fb.residual(problem, r) for problem, pair in judged for r in pair),
+            "frictional": sum((problem.friction > 0).any() for problem in met),
+            "several": int((apart > COMPARABLE).sum()),
+            "apart": apart.max(),
+        }
+
+
+def tasks(names: Iterable[str] = tuple(TASKS), duration: float = DURATION) -> Iterator[Row]:
     """Objects that are at rest by Coulomb's law: the displacement of the body's centre over the duration, mm."""
     for name in names:
         for way in WAYS:
             model, data = _built(name)
             body = model.body(TASKS[name][1]).id
             begin = data.xipos[body].copy()
-            *_, (_, centres) = _moved(model, data, lambda data, k: None, way, duration)
+            centres = _moved(model, data, lambda data, k: None, way, duration)
             yield {"task": name, "way": way, "moved": 1e3 * float(np.linalg.norm(centres[body] - begin))}
 
 
@@ -113,72 +124,74 @@ def _built(task: str) -> tuple[Any, Any]:
     """Return the model of a task, and its data at the start."""
     import mujoco as mj
 
-    world, _, forces = TASKS[task]
-    model = mj.MjModel.from_xml_string(
-        f'<mujoco><option cone="elliptic" timestep=".004"/><worldbody>{world}</worldbody></mujoco>'
-    )
+    scene = f'<mujoco><option cone="elliptic" timestep=".004"/><worldbody>{TASKS[task][0]}</worldbody></mujoco>'
+    model = mj.MjModel.from_xml_string(scene)
     data = mj.MjData(model)
-    for joint, force in forces.items():
-        data.joint(joint).qfrc_applied = force
+    data.qfrc_applied[model.jnt_dofadr[model.jnt_type == mj.mjtJoint.mjJNT_SLIDE]] = PRESS
     mj.mj_forward(model, data)
     return model, data
 
 
-def _moved(model: Any, data: Any, drive: Any, way: str, duration: float) -> Iterator[tuple[float, Array]]:
-    """Yield at TIMES the time and the bodies' centres of mass (nbody, 3), m; NaN after a divergence."""
+def _driven(name: str) -> tuple[Any, Any, Any]:
+    """Return a robot's model, its data at the start, and its smooth controls."""
+    from tools.robots.models import MODELS, begin
+
+    model = next(one for one in MODELS if one.name == name).load()
+    return model, *begin(model, "smooth", 0)
+
+
+def _moved(model: Any, data: Any, drive: Any, way: str, duration: float, met: list[fb.FrictionProblem] | None = None) -> Array:
+    """Return the bodies' centres of mass (nbody, 3) after the duration, m; note the problems met."""
     import mujoco as mj
 
-    solver, tol, limit = WAYS[way]
-    before, h, lost = None, float(model.opt.timestep), False
-    ends = {max(1, round(time / h)): time for time in TIMES if time <= duration * 1.001}
-    for k in range(max(ends)):
+    (solver, tol, limit), before = WAYS[way], None
+    for k in range(round(duration / model.opt.timestep)):
         drive(data, k)
-        try:
-            if way == MUJOCO:
-                mj.mj_step(model, data)
-            elif not lost:
-                before = fb.mujoco.step(model, data, solver, tol, before, limit)
-        except fb.InputError:
-            lost = True
-        if k + 1 in ends:
-            mj.mj_kinematics(model, data)
-            yield ends[k + 1], data.xipos * (np.nan if lost else 1.0)
+        if met is not None:
+            met.append(fb.mujoco.problem(model, data))
+        if way == MUJOCO:
+            mj.mj_step(model, data)
+        else:
+            before = fb.mujoco.step(model, data, solver, tol, before, limit)
+    mj.mj_kinematics(model, data)
+    return np.array(data.xipos)
 
 
 def summary(tables: Tables) -> Summary:
-    errors, grips = tables["paths"], tables["grips"]
-    twins = errors[errors["way"] == TWIN].groupby("model")["error"].max()
-    parted = twins[twins > COMPARABLE]
-    errors = errors[~errors["model"].isin(parted.index)]
-    cells = errors.groupby(["way", "time"])["error"].agg(middle).unstack()  # noqa: PD010
-    last = errors["time"].max()
-    ends = errors[errors["time"] == last].pivot_table(index="way", columns="model", values="error")
-    falling = ends.loc[SOLVED[-2]] < ends.loc[SOLVED[0]]
+    met, grips = tables["steps"].set_index("model"), tables["grips"]
+    ends = tables["paths"].pivot_table(index="way", columns="model", values="error", sort=False).drop(REFERENCE)
+    several, unstable = met[met["several"] > 0], ends.columns[ends.loc[TWIN] > COMPARABLE]
+    alone = ends.drop(columns=several.index.union(unstable))
     moved = tables["tasks"].pivot_table(index="way", columns="task", values="moved")
     exact = [REFERENCE, OTHER, SOLVED[-1]]
-    require(
-        (moved.loc[exact, "grasp"] > HELD).any() and (moved.loc[exact, "grasp"] <= HELD).any(), "exact steps hold and lose it"
-    )
+    require((ends.loc["1 sweeps"] > COMPARABLE).all(), "one sweep is not exact on any model")
+    require((alone.loc[exact[1:]] < COMPARABLE).all(axis=None), "exact paths agree where no step has several answers")
+    require((met["residual"] < TOLERANCES[-1]).all(), "both answers to every step are exact")
+    require((moved.loc[exact, "grasp"] > HELD).nunique() == 2, "exact steps hold the grasp and lose it")
     require((grips["residual"] < TOLERANCES[-2]).all(), "every method answers the grasp's step exactly")
-    loosest = {task: next((way for way in SOLVED if moved.loc[way, task] <= HELD), "none") for task in moved}
+    loosest = [f"{task} {next((way for way in SOLVED if moved.loc[way, task] <= HELD), 'none')}" for task in moved]
     numbers = {
-        "models": ends.columns.size,
-        "names": listing(sorted(twins.index)),
-        "parted": listing([f"{name} ({away:.0e} m)" for name, away in parted.items()]),
-        "other": listing([f"{name} ({away:.0e} m)" for name, away in ends.loc[OTHER].items() if away > COMPARABLE]),
-        "twin": f"{twins[twins <= COMPARABLE].max():.0e}",
-        "rows": _table(cells.rename(columns="after {:g} s".format).map(str)),
-        "last": f"{last:g}",
-        "ends": cells[last].to_dict(),
-        "far": (ends > HELD / 1e3).sum(axis=1).to_dict(),
-        "falling": f"{falling.sum()} of {falling.size}",
+        "alone": alone.columns.size,
+        "names": listing(list(alone.columns)),
+        "several": listing(list(several.index)),
+        "unstable": listing([f"{name} ({ends.loc[TWIN, name]:.0e} m)" for name in unstable]),
+        "splits": listing(
+            [f"{row.several} of {row.steps} of {row.Index} (by {100 * row.apart:.0f} %)" for row in several.itertuples()]
+        ),
+        "smooth": listing(list(met.index[met["frictional"] == 0])),
+        "twin": f"{alone.loc[TWIN].max():.0e}",
+        "split": listing([f"{ends.loc[OTHER, name]:.0e} m in {name}" for name in several.index]),
+        "rows": _table(ends.map("{:.0e}".format)),
+        "last": f"{DURATION:g}",
+        "far": {way: f"{count} of {alone.columns.size}" for way, count in (alone > HELD / 1e3).sum(axis=1).items()},
+        "worst": alone.max(axis=1).map("{:.0e}".format).to_dict(),
         "slip": f"{moved.loc[REFERENCE, 'grasp']:.1f}",
         "tasks": _table(moved.drop(TWIN).map("{:.1e}".format)),
-        "loosest": listing([f"{task} {way}" for task, way in loosest.items()]),
+        "loosest": listing(loosest),
         "grips": grips.to_dict("records"),
     }
-    panels = [Panel(f"after {time:g} s", partial(_draw, errors=group)) for time, group in errors.groupby("time")]
-    return Summary(numbers, {"paths": panels})
+    groups = {"one path": alone, "several, or unstable": ends.drop(columns=alone.columns)}
+    return Summary(numbers, {"paths": (Panel(f"after {DURATION:g} s", partial(_draw, groups=groups)),)})
 
 
 def _table(cells: pd.DataFrame) -> list[str]:
@@ -188,15 +201,13 @@ def _table(cells: pd.DataFrame) -> list[str]:
     return [lines[0].replace("|  |", "| |"), f"|---|{'---|' * len(cells.columns)}", *lines[1:]]
 
 
-def _draw(ax: Axes, errors: pd.DataFrame) -> None:
-    """Plot a dot for each model and a dash for the median."""
-    found = errors.groupby("way")["error"].agg(list)
-    ways = [way for way in WAYS if way in found]
-    for x, way in enumerate(ways):
-        curve(ax, 0, np.full(len(found[way]), x), found[way], ls="", alpha=0.5)
-        ax.plot([x - 0.3, x + 0.3], [np.median(found[way])] * 2, color=INK)
-    ax.set_xticks(range(len(ways)), ways, rotation=60, ha="right", fontsize=6)
+def _draw(ax: Axes, groups: dict[str, pd.DataFrame]) -> None:
+    """Plot a dot for each model."""
+    for k, (label, errors) in enumerate(groups.items()):
+        x = np.repeat(np.arange(len(errors)), errors.columns.size)
+        curve(ax, k, x, errors.to_numpy().ravel(), label, ls="", alpha=0.6)
+    ax.set_xticks(range(len(errors)), errors.index, rotation=60, ha="right", fontsize=6)
     finish(ax, "nsgs: residual; sweeps; other laws", "error, m", "y")
 
 
-STUDY = Study((paths, tasks, grips), summary, needs=("mujoco", "dm_control", "gymnasium_robotics"))
+STUDY = Study((paths, steps, tasks, grips), summary, needs=("mujoco", "dm_control", "gymnasium_robotics"))

@@ -63,27 +63,19 @@ def accumulated(stage: Any, solver: str, steps: int) -> Row:
 
 def summary(tables: Tables) -> Summary:
     rows = tables["refinement"].sort_values("step", ascending=False)
-    settled = pd.DataFrame(
-        [
-            {"scene": scene, "solver": solver}
-            | {name: _settles(group[name]) for name in ("net", "velocity", "normal", "variation")}
-            | {"grows": float(group["variation"].iloc[-1] / group["variation"].iloc[0])}
-            for (scene, solver), group in rows.groupby(["scene", "solver"])
-        ]
-    )
+    groups = dict(tuple(rows.groupby(["scene", "solver"])))
+    restless = [" by ".join(key) for key, one in groups.items() if not (_settles(one["net"]) and _settles(one["velocity"]))]
     finest = rows[rows["step"] == rows["step"].min()]
     spread = finest.groupby("scene").agg(
         normal=("normal", np.ptp), middle=("normal", "median"), net=("net", widest), velocity=("velocity", widest)
     )
     parted = spread[spread["velocity"] > ANOTHER_ANSWER]
     loose = spread[(spread["velocity"] <= ANOTHER_ANSWER) & (spread["normal"] > ANOTHER_ANSWER * spread["middle"])]
-    both = settled["net"] & settled["velocity"]
-    steady, restless = int(both.sum()), [f"{row['scene']} by {row['solver']}" for row in settled[~both].to_dict("records")]
-    rod, largest = finest[(finest["scene"] == "rod")]["largest"], settled["grows"].max()
+    rod = finest[(finest["scene"] == "rod")]["largest"]
     numbers = {
-        "steady": steady,
-        "pairs": len(settled),
-        "growth": f"{largest:.2f}",
+        "steady": len(groups) - len(restless),
+        "pairs": len(groups),
+        "growth": f"{max(one['variation'].iloc[-1] / one['variation'].iloc[0] for one in groups.values()):.2f}",
         "parted_names": listing([*parted.index]),
         "small": f"{100 * SETTLED_CHANGE:.0f}",
         "restless": listing(restless),

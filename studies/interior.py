@@ -14,9 +14,8 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
 from frictionbench.solvers import one_start, solve
 from studies.motions import thrown
-from studies.study import Row, Study, Summary, Tables, curve, finish, share, wilson
+from studies.study import Row, Study, Summary, Tables, curve, finish, listing, require, share, wilson
 
-METHODS = {"plain": "Coulomb, predictor-corrector", "paths": "Coulomb, then paths", "relaxation": "relaxation"}
 TOL, LIMIT, PATIENCE = 1e-8, 200, 12
 FRICTIONS = (0.1, 0.3, 1.0, 3.0, 10.0)
 
@@ -62,29 +61,36 @@ def threshold(ratios: Iterable[float] = (0.25, 0.5, 0.9, 1.1, 2, 3, 4, 6), draws
 def summary(tables: Tables) -> Summary:
     random, piles, threshold = (tables[name] for name in ("random", "piles", "threshold"))
     below, beyond = threshold[threshold["p0"]], threshold[~threshold["p0"]]
-    modest, wide = random[random["friction"] <= 1], random[random["friction"] > 1]
+    points = random.groupby(["friction", "contacts"])["plain"].agg(["sum", "count"])
+    shares, worst = points.apply(lambda at: share(*at), axis=1), (points["sum"] / points["count"]).idxmin()
     ratio = (random["plain_work"] / random["relaxation_work"]).median()
     tall = piles[piles["blocks"] == piles["blocks"].max()]
+    require((below["plain"] == below["draws"]).all(), "on the block all is solved where the matrix is P0")
     numbers = {
         "random": len(random),
         "random_relaxation": random["relaxation"].sum(),
         "random_paths": random["paths"].sum(),
-        "modest": share(modest["plain"].sum(), len(modest)),
-        "most_friction": f"{random['friction'].max():g}",
-        "wide": share(wide["plain"].sum(), len(wide)),
+        "points": len(points),
+        "whole": int((points["sum"] == points["count"]).sum()),
+        "worst": shares[worst],
+        "worst_at": f"mu = {worst[0]:g} with {worst[1]} contacts",
+        "draws": points["count"].iloc[0],
+        "sizes": sorted(random["contacts"].unique()),
+        "by_point": [(f"{mu:g}", *row) for mu, row in shares.unstack().iterrows()],  # noqa: PD010
         "ratio": f"{ratio:.2f}",
         "tallest": piles["blocks"].max(),
         "tall_least": f"{tall['plain_work'].min():.0f}",
         "tall_most": f"{tall['plain_work'].max():.0f}",
         "piles": f"{piles['plain'].sum()} of {len(piles)}",
-        "p0_share": share(below["plain"].sum(), below["draws"].sum()),
+        "p0_at": listing([f"{ratio:g}" for ratio in below["ratio"]]),
+        "p0_share": share(below["plain"].iloc[0], below["draws"].iloc[0]),
+        "beyond": listing([f"{share(row.plain, row.draws)} at {row.ratio:g}" for row in beyond.itertuples()]),
         "lost": int((beyond["draws"] - beyond["plain"]).sum()),
-        "beyond": beyond["draws"].sum(),
         "by_paths": int((beyond["paths"] - beyond["plain"]).sum()),
     }
     figures = {
         "shares": (
-            Panel("random problems", partial(_random, random=random)),
+            Panel("random problems", partial(_random, points=points)),
             Panel("block on two corners", partial(_threshold, threshold=threshold)),
         ),
         "work": (Panel("height", partial(_height, piles=piles)),),
@@ -92,22 +98,20 @@ def summary(tables: Tables) -> Summary:
     return Summary(numbers, figures)
 
 
-def _random(ax: Axes, random: pd.DataFrame) -> None:
-    for k, (name, label) in enumerate(METHODS.items()):
-        table = random.groupby("friction")[name].agg(["sum", "count"])
-        _with_intervals(ax, k, table.index.to_numpy(float) * (1 + 0.08 * (k - 1)), table["sum"], table["count"], label)
+def _random(ax: Axes, points: pd.DataFrame) -> None:
+    for k, (size, at) in enumerate(points.groupby("contacts")):
+        mu = at.index.get_level_values("friction").to_numpy(float)
+        _with_intervals(ax, k, mu * (1 + 0.08 * (k - 1)), at["sum"], at["count"], f"{size} contacts")
     finish(ax, "mu", "share solved", "x")
 
 
 def _threshold(ax: Axes, threshold: pd.DataFrame) -> None:
     ax.axvline(1, color=INK, lw=0.6, ls=":")
-    for k, (name, label) in enumerate(METHODS.items()):
-        at = threshold["ratio"].to_numpy(float) * (1 + 0.04 * (k - 1))
-        _with_intervals(ax, k, at, threshold[name], threshold["draws"], label)
+    _with_intervals(ax, 0, threshold["ratio"].to_numpy(float), threshold["plain"], threshold["draws"])
     finish(ax, "mu H/w", "share solved", "x")
 
 
-def _with_intervals(ax: Axes, k: int, x: np.ndarray, solved: pd.Series, trials: pd.Series, label: str) -> None:
+def _with_intervals(ax: Axes, k: int, x: np.ndarray, solved: pd.Series, trials: pd.Series, label: str = "") -> None:
     value = (solved / trials).to_numpy(float)
     ends = np.array([wilson(int(s), int(n)) for s, n in zip(solved, trials, strict=True)])
     curve(ax, k, x, value, label)

@@ -13,7 +13,7 @@ import frictionbench as fb
 from frictionbench.harness.plans import robots
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.solvers import find
-from studies.study import Row, Study, Summary, Tables, curve, finish, listing, require, share
+from studies.study import Row, Study, Summary, Tables, curve, finish, listing, require
 
 METHODS = ("nsgs", "apgd_coulomb", "admm_coulomb")
 PRECISIONS = {"double": "", "single": "[precision=single]"}
@@ -65,7 +65,7 @@ def summary(tables: Tables) -> Summary:
         "rounded": [f"{rounding.median():.0e}", f"{rounding.max():.0e}"],
         "at_coarse": _solved(least, TARGETS[0]),
         "at_fine": _solved(least, TARGETS[1]),
-        "lost": listing([f"{share(*lost.loc[name])} ({name})" for name in METHODS]),
+        "lost": listing(["{} of {} ({})".format(*lost.loc[name], name) for name in METHODS]),
         "floors": listing(
             [f"{least[name, 'single'].median():.0e} to {least[name, 'single'].quantile(0.9):.0e} ({name})" for name in METHODS]
         ),

@@ -68,12 +68,9 @@ def summary(tables: Tables) -> Summary:
         "largest": solves["contacts"].max(),
         "slowest": f"{1000 * solves[solves['solved']].groupby(['problem', 'tol'])['time'].min().max():.2g}",
     }
-    figures = {
-        "profiles": tuple(
-            Panel(f"to {tol:g}", partial(_profile, rows=solves, tol=tol, looks=_looks(solves))) for tol in (LOOSE, TIGHT)
-        ),
-    }
-    return Summary(numbers, figures, _looks(solves))
+    shown = looks(name for name in solves["name"].unique() if name not in RELAXED)  # the methods for Coulomb's law
+    panels = [Panel(f"to {tol:g}", partial(_profile, rows=solves, tol=tol, looks=shown)) for tol in (LOOSE, TIGHT)]
+    return Summary(numbers, {"profiles": panels}, shown)
 
 
 def _rows(solves: pd.DataFrame) -> Rows:
@@ -84,11 +81,6 @@ def _rows(solves: pd.DataFrame) -> Rows:
 def _changed(rows: Rows, others: Sequence[Rows]) -> str:
     """Return the numbers, from 1, of the rows whose verdict is another in some of the others; none if there are none."""
     return listing([str(k + 1) for k in range(len(rows)) if any(other[k][-1] != rows[k][-1] for other in others)])
-
-
-def _looks(rows: pd.DataFrame) -> dict[str, Look]:
-    """Return the looks of the methods for Coulomb's law."""
-    return looks(name for name in rows["name"].unique() if name not in RELAXED)
 
 
 def _profile(ax: Axes, rows: pd.DataFrame, tol: float, looks: dict[str, Look]) -> None:

@@ -94,12 +94,6 @@ def order(x: ArrayLike, y: ArrayLike) -> Slope:
     return Slope(*(float(np.polyfit(a[part], b[part], 1)[0]) for part in (ranks, ranks[:half], ranks[-half:])))
 
 
-def middle(values: ArrayLike) -> str:
-    """Format the median, with the least and the largest value."""
-    low, median, high = np.quantile(np.asarray(values, dtype=float), [0, 0.5, 1])
-    return f"{median:.0e} ({low:.0e} to {high:.0e})"
-
-
 def listing(items: Sequence[str], last: str = "and") -> str:
     """Return the items as "a, b and c"."""
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} {last} {items[-1]}" if items else "none"
