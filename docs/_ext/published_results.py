@@ -173,16 +173,17 @@ def lead(run: Entry, where: str, first: str, other: str) -> nodes.paragraph:
     if not {first, other} <= found.keys():
         return nodes.paragraph(text="–")
     text = f"{found[other] / found[first]:.2f}"
-    if [*found][:2] == [first, other] and (ends := interval(run.summary, where)):
+    if ends := interval(run.summary, where, first, other):
         text += f" ({' to '.join(ends)})" + ", undecided" * (float(ends[0]) <= 1)
     return nodes.paragraph(text=text)
 
 
-def interval(run: Summary, where: str) -> tuple[str, ...]:
-    """The ends of the interval of the lead from bodies, as the headline prints them; empty if it has none. An end printed as
-    1.00 is undecided, since the samples give no further digit."""
-    line = next(line for line in run["headline"] if re.match(f"{where}, \\d", line, re.IGNORECASE))
-    told = re.search(r"from bodies [^;]*? times ahead of \S+ \(([\d.]+) to ([\d.]+)\)", line, re.IGNORECASE)
+def interval(run: Summary, where: str, first: str, other: str) -> tuple[str, ...]:
+    """The ends of the interval of the lead from bodies, as the headline prints them; empty if these are not its two solvers. An
+    end printed as 1.00 is undecided, since the samples give no further digit."""
+    line = next((line for line in run["headline"] if re.match(f"{where}, \\d", line, re.IGNORECASE)), "")
+    first, other = re.escape(first), re.escape(other)
+    told = re.search(rf"from bodies {first} [^;]*? times ahead of {other} \(([\d.]+) to ([\d.]+)\)", line, re.IGNORECASE)
     return told.groups() if told else ()
 
 
