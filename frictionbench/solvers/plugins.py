@@ -12,8 +12,10 @@ import importlib
 import importlib.util
 import sys
 import traceback
+from contextlib import suppress
 from hashlib import file_digest, sha256
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint, EntryPoints, distributions
+from itertools import chain
 from pathlib import Path
 
 from numba import config
@@ -53,7 +55,7 @@ def files(source: str) -> list[Path]:
 def installed() -> dict[str, EntryPoint]:
     """The entry points by name, the first of each name, except names that are registered already; none is imported."""
     by_name: dict[str, EntryPoint] = {}
-    for point in entry_points(group=GROUP):
+    for point in _points():
         by_name.setdefault(point.name, point)
     return {name: point for name, point in sorted(by_name.items()) if name not in available()}
 
@@ -134,9 +136,19 @@ def describe_error(error: BaseException) -> str:
     return description + (f"; compiled kernels are damaged: delete {config.CACHE_DIR}" if damaged else "")
 
 
+def _points() -> list[EntryPoint]:
+    """The entry points of the group, without distributions whose metadata cannot be read, as a line without `=`."""
+    by_distribution: dict[str, EntryPoints] = {}  # the first of a name, which Python imports
+    for each in distributions():
+        with suppress(TypeError, ValueError):
+            if points := each.entry_points.select(group=GROUP):
+                by_distribution.setdefault(each.name, points)
+    return list(chain.from_iterable(by_distribution.values()))
+
+
 def _point(name: str) -> EntryPoint:
     """The entry point of this name. Errors: InputError if not exactly one distribution declares it, or it names no module."""
-    points = {(point.value, distribution(point)): point for point in entry_points(group=GROUP, name=name)}
+    points = {(point.value, distribution(point)): point for point in _points() if point.name == name}
     require(bool(points), "solver", f"no installed distribution declares an entry point {name} in the group {GROUP}")
     declared = " and by ".join(sorted(where for _, where in points))
     require(len(points) == 1, "solver", f"{name} is declared by {declared}; uninstall all but one")

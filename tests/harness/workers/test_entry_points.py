@@ -88,3 +88,15 @@ def test_unusable_entry_points(distribution) -> None:
     assert "nsgs" in variants
     assert plugins == ()
     assert [complaint.split()[:2] for complaint in complaints] == [["skipped:", "solver:"]] * 3
+
+
+@pytest.mark.parametrize(
+    ("metadata", "points"), [(METADATA.encode(), b"[other]\nno value\n"), (b"Name: \xff", POINTS.encode())]
+)
+def test_damaged_distributions_hide_no_others(metadata: bytes, points: bytes, distribution) -> None:
+    damaged = distribution / "damaged-3.dist-info"
+    damaged.mkdir()
+    (damaged / "METADATA").write_bytes(metadata)
+    (damaged / "entry_points.txt").write_bytes(points)
+    assert plugins.installed().keys() >= {"guest"}
+    assert plugins.version("guest").startswith("made-up 1.2 ")
