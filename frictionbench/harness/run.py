@@ -186,11 +186,15 @@ def _words(value: object) -> str:
 
 
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
-    """Return the records of all problems by origin, in the plan's order. A source that fails has one record with the reason."""
+    """Return the records of all problems by origin, in the plan's order. A source that fails has one record with the reason.
+
+    Errors: ResultsError if problems cannot be stored."""
     tasks = [Task(worker.run_source, (source,), COLLECT_SECONDS) for source in (*plan.sources, *plan.map_sources)]
     by_task: dict[int, list[Record]] = {}
     for outcome in progress.follow("sources of problems", pool, tasks):
         (source,) = outcome.task.arguments
+        if isinstance(outcome.value, str):
+            raise ResultsError(f"{pool.folder}: {outcome.value}")
         by_task[id(outcome.task)] = [no_problem(source, outcome.reason)] if outcome.failure else outcome.value
     return {origin(record): record for task in tasks for record in by_task[id(task)]}
 

@@ -171,19 +171,19 @@ def test_mutated_files(tmp_path, kind) -> None:
 
 
 @pytest.mark.parametrize(
-    ("room", "unwritten"), [pytest.param(2000, "manifest.json", marks=pytest.mark.slow), (9000, "solves.parquet")]
+    ("room", "of", "unwritten"),
+    [pytest.param(2000, "", "manifest.json", marks=pytest.mark.slow), (9000, "", "parquet"), (9000, "[blocks=50]", "OSError")],
 )
-def test_full_disk(tmp_path, room, unwritten) -> None:
-    """The size of files is limited to the given number of bytes."""
-    command = ["run", "smoke", "--jobs", "1", "--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]
+def test_full_disk(tmp_path, room, of, unwritten) -> None:
+    """The size of files is limited to the given number of bytes. A problem that cannot be stored is not skipped."""
+    command = ["run", "smoke", "--scene", f"stack{of}", "--solver", "nsgs", "--out", str(tmp_path / "run")]
     full = "from resource import RLIMIT_FSIZE, setrlimit; from frictionbench.commands.cli import main; "
     full += f"setrlimit(RLIMIT_FSIZE, ({room}, {room})); main()"
     broken = subprocess.run([sys.executable, "-c", full, *command], capture_output=True, text=True, check=False, timeout=120)
     assert broken.returncode == 2
-    assert broken.stderr.splitlines()[-1].startswith(f"frictionbench: {tmp_path / 'run' / unwritten}: ")
-    assert broken.stderr.splitlines()[-1].endswith("File too large")
+    assert re.match(f"frictionbench: {tmp_path}/run.*{unwritten}: .*File too large", broken.stderr.splitlines()[-1])
     assert frictionbench(*command).returncode == 0
-    assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
+    assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) <= {"solved", "unsolved"}
 
 
 RAW = re.compile("[\x1b\u202e\u2028]|(?i:\\\\u(001b|202e|2028))")  # also as JSON and scripts write them

@@ -40,6 +40,7 @@ from frictionbench.problems.spec import split
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import verify
 from frictionbench.results.conventions import COLD
+from frictionbench.results.files import ResultsError
 from frictionbench.results.motion import encoded
 from frictionbench.results.store import Row
 from frictionbench.solvers import Solver, SolverInfo, find, plugins
@@ -103,9 +104,12 @@ def describe_plugin(source: str, named: list[str]) -> dict[str, Any]:
     return {"source": source, "content": content, "solvers": {v: solver_facts(v) | {"version": version} for v in variants}}
 
 
-def run_source(source: Source) -> list[Record]:
-    """Collect a source's problems."""
-    return collect(_worker.folder, source)
+def run_source(source: Source) -> list[Record] | str:
+    """Collect a source's problems. Return their records or, if they cannot be stored, the reason, which ends the run."""
+    try:
+        return collect(_worker.folder, source)
+    except (OSError, ResultsError) as error:
+        return plugins.describe_error(error)
 
 
 def run_scene(name: str, parameters: dict[str, Any]) -> None:

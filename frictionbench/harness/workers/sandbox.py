@@ -74,7 +74,6 @@ def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], *writable: Pa
     others = [path.parent for path in writable]
     protected = _outermost([folder, folder / "problems", caches, *others, *map(Path, code), *named])
     (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, [path.resolve() for path in writable])
-    _tolerate_read_only_caches()
 
 
 def _outermost(paths: list[Path]) -> list[Path]:
@@ -83,8 +82,8 @@ def _outermost(paths: list[Path]) -> list[Path]:
     return sorted(path for path in resolved if not any(parent in resolved for parent in path.parents))
 
 
-def _tolerate_read_only_caches() -> None:
-    """Make numba skip caching, instead of raising, for kernels whose cache is read-only."""
+def tolerate_unwritable_caches() -> None:
+    """Make numba skip caching, instead of raising, for kernels whose cache is read-only or on a full disk."""
     save = caching.Cache.save_overload
 
     def tolerant(self: caching.Cache, *compiled: object) -> None:

@@ -5,7 +5,10 @@ import subprocess
 import sys
 from functools import partial
 
+from numba import njit
+
 from frictionbench.harness.deadline import Deadline
+from frictionbench.harness.workers.pool import Task, scratch_pool
 from tests.helpers.paths import ROOT
 
 BOUNDED = """
@@ -82,3 +85,14 @@ def test_compiler_event_does_not_stop_the_clock() -> None:
         assert deadline.left <= 5.0
         with event.trigger_event("numba:compiler_lock"):
             assert deadline.left <= 12.0
+
+
+def _compiles_on_a_full_disk() -> int:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+    return njit(cache=True)(lambda x: x + 1)(1)
+
+
+def test_a_kernel_that_cannot_be_cached_is_compiled() -> None:
+    with scratch_pool() as pool:
+        (outcome,) = pool.run([Task(_compiles_on_a_full_disk, (), 60.0)])
+    assert (outcome.value, outcome.reason) == (2, "")
