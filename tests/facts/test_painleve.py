@@ -46,12 +46,7 @@ STEEP = np.arctan(2.0)
 
 @pytest.mark.parametrize(
     ("mu", "spin", "forces", "modes"),
-    [
-        (0.3, 0.0, 1, {"l"}),
-        (0.3, 5.0, 1, {"o"}),
-        (1.6, 0.0, 0, {"s"}),
-        (1.6, 5.0, 2, {"o", "l", "s"}),
-    ],
+    [(0.3, 0.0, 1, {"l"}), (0.3, 5.0, 1, {"o"}), (1.6, 0.0, 0, {"s"}), (1.6, 5.0, 2, {"o", "l", "s"})],
 )
 def test_the_four_regimes(mu, spin, forces, modes) -> None:
     """K = spin^2 sin(angle) - g. Forces: one, one, none, two. Impulses: one, one, only the stick, three."""

@@ -157,9 +157,10 @@ def _grant(ruleset: int, path: Path) -> None:
         os.close(opened)
 
 
-NEW_MOUNTS, NEW_USERS, NEW_PROCESSES = 0x00020000, 0x10000000, 0x20000000  # linux/sched.h
+NEW_MOUNTS, NEW_SHARED_MEMORY, NEW_USERS, NEW_PROCESSES = 0x00020000, 0x08000000, 0x10000000, 0x20000000  # linux/sched.h
 BIND, RECURSIVE, PRIVATE = 0x1000, 0x4000, 1 << 18  # linux/mount.h
 MOUNT_SETATTR, AT_FDCWD, AT_RECURSIVE, READ_ONLY = 442, -100, 0x8000, 1
+SHARED_MEMORY = Path("/dev/shm")
 SETTINGS = Path("/proc/sys")  # the kernel's; root executes the program named in core_pattern
 CAPABILITIES = 0x20080522  # version 3 of the structures of capset(2)
 
@@ -174,7 +175,7 @@ def _enter_namespaces(protected: Sequence[Path], writable: Sequence[Path]) -> No
     The calling process becomes the keeper and does not return. Errors: OSError, in the calling process or in the new one.
     """
     user, group = os.getuid(), os.getgid()
-    checked("unshare", libc.unshare(NEW_USERS | NEW_MOUNTS | NEW_PROCESSES))
+    checked("unshare", libc.unshare(NEW_USERS | NEW_MOUNTS | NEW_SHARED_MEMORY | NEW_PROCESSES))
     for name, line in (("setgroups", "deny"), ("uid_map", f"{user} {user} 1"), ("gid_map", f"{group} {group} 1")):
         with open(f"/proc/self/{name}", "w", encoding="ascii") as mapping:
             mapping.write(line)
@@ -187,6 +188,9 @@ def _enter_namespaces(protected: Sequence[Path], writable: Sequence[Path]) -> No
     for path in writable:
         _mount(path, path, BIND)
         _set_attributes(path, _Attributes(clear=READ_ONLY))
+    used = any(path.is_relative_to(SHARED_MEMORY) for path in (*protected, *writable, Path.cwd()))
+    if SHARED_MEMORY.is_dir() and not used:
+        _mount(Path("tmpfs"), SHARED_MEMORY, 0, kind=b"tmpfs")  # its files end with the worker
     os.chdir(os.getcwd())  # into the new mounts: through the old ones everything could be written to
     status_end, status_writer = os.pipe()
     if os.fork():

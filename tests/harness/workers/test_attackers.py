@@ -45,7 +45,6 @@ for number in map(int, os.listdir("/proc/self/fd")):
 os._exit(0)
 """
 
-
 MALFORMED = ("None", "1", "[]", "{}", "{'source': 'x', 'content': 'y', 'solvers': {}}", "{'solvers': {'lemke': {}}}")
 NESTED = "__import__('functools').reduce(lambda inner, _: [inner], range(700), 1)"
 

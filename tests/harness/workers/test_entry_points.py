@@ -77,10 +77,8 @@ def test_unusable_entry_points(distribution) -> None:
     (distribution / "made_up" / "solvers.py").write_text("\n1 / 0", encoding="utf-8")
     with pytest.raises(InputError, match=r"guest of made-up 1\.2 cannot be imported \(ZeroDivisionError.*at solvers\.py:2"):
         load_plugins(["guest"])
-    twin = distribution / "twin-3.dist-info"
-    twin.mkdir()
+    twin = distribution / "damaged-1.2.dist-info"
     (twin / "METADATA").write_text(METADATA.replace("made-up", "twin"), encoding="utf-8")
-    (twin / "entry_points.txt").write_text(POINTS, encoding="utf-8")
     with pytest.raises(InputError, match=r"guest is declared by made-up 1\.2 and by twin"):
         load_plugins(["guest"])
     assert load_plugins(["nsgs"]) == (("nsgs",), ())

@@ -40,7 +40,6 @@ class BlocksSignals:
             pass
 """
 
-
 CONFIRM = """import sys; from pathlib import Path; from frictionbench.commands import confirm
 confirm._cells(confirm.Code([sys.executable, "-m", "frictionbench"], []), sys.argv[1:-2], Path(sys.argv[-1]), "bodies")"""
 SMOKE = ("smoke", "--scene", "stack", "--solver")

@@ -5,10 +5,9 @@ import subprocess
 import sys
 from functools import partial
 
-from numba import njit
-
 from frictionbench.harness.deadline import Deadline
 from frictionbench.harness.workers.pool import Task, scratch_pool
+from frictionbench.problems.compiled import kernel
 from tests.helpers.paths import ROOT
 
 BOUNDED = """
@@ -89,7 +88,7 @@ def test_compiler_event_does_not_stop_the_clock() -> None:
 
 def _compiles_on_a_full_disk() -> int:
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
-    return njit(cache=True)(lambda x: x + 1)(1)
+    return kernel(lambda x: x + 1)(1)
 
 
 def test_a_kernel_that_cannot_be_cached_is_compiled() -> None:

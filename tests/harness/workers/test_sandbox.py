@@ -34,6 +34,7 @@ ATTEMPTS = {
 KERNEL = {
     "have the kernel start a program": "open('/proc/sys/kernel/core_pattern', 'r+').close()",
     "make a control group": "os.mkdir('/sys/fs/cgroup/frictionbench-test')",
+    "leave shared memory": "os.readlink('/proc/self/ns/ipc') == IPC or os.stat('/dev/shm').st_dev == SHARED or 1 / 0",
 }
 SIGNALS = {"kill": "os.kill(PID, 0)", "trace": "open(f'/proc/{PID}/mem', 'rb').close()"}
 ALLOWED = {"write elsewhere": "open(FREE + '/log', 'w').close()", "start a program": "subprocess.run(['true'], check=True)"}
@@ -44,6 +45,7 @@ from numba.core import config
 from frictionbench.harness.workers import sandbox
 kind, RUN, FREE, LEMKE, attempts = sys.argv[1], *sys.argv[2:5], json.loads(sys.argv[5])
 PID, CACHE = os.getppid(), config.CACHE_DIR
+IPC, SHARED = os.readlink('/proc/self/ns/ipc'), os.stat('/dev/shm').st_dev
 sandbox.confine(kind, Path(RUN), (), Path(FREE))
 refused = []
 for name, attempt in attempts.items():
@@ -57,16 +59,11 @@ print(json.dumps(refused))
 
 def usable() -> list[str]:
     """The sandboxes that this kernel can build."""
-    tried = subprocess.run(
-        [sys.executable, "-c", "from frictionbench.harness.workers import sandbox; print(sandbox.best())"],
-        capture_output=True,
-        text=True,
-        check=True,
-        cwd=ROOT,
-    )
+    best = "from frictionbench.harness.workers import sandbox; print(sandbox.best())"
+    tried = subprocess.check_output([sys.executable, "-c", best], text=True, cwd=ROOT)
     version = sandbox.landlock_version()
     locks = [sandbox.LANDLOCK if version >= sandbox.SCOPES else sandbox.FILES_ONLY] if version else []
-    return [*([sandbox.NAMESPACES] if tried.stdout.strip() == sandbox.NAMESPACES else []), *locks]
+    return [*([sandbox.NAMESPACES] if tried.strip() == sandbox.NAMESPACES else []), *locks]
 
 
 def refused(kind: str, tmp_path: Path, attempts: dict[str, str]) -> set[str]:
@@ -76,12 +73,10 @@ def refused(kind: str, tmp_path: Path, attempts: dict[str, str]) -> set[str]:
     (folder / "shards").mkdir()
     (tmp_path / "free").mkdir()
     (folder / "problems" / "one.npz").write_bytes(b"numbers")
-    arguments = [kind, str(folder), str(tmp_path / "free"), str(ROOT / "solvers" / "lemke.py")]
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, *arguments, json.dumps(attempts)], capture_output=True, text=True, check=True, cwd=ROOT
-    )
+    arguments = [kind, str(folder), str(tmp_path / "free"), str(ROOT / "solvers" / "lemke.py"), json.dumps(attempts)]
+    told = subprocess.check_output([sys.executable, "-c", SCRIPT, *arguments], text=True, cwd=ROOT)
     assert (folder / "problems" / "one.npz").read_bytes() == b"numbers"
-    return set(json.loads(done.stdout))
+    return set(json.loads(told))
 
 
 @pytest.mark.parametrize("kind", usable())
