@@ -19,7 +19,7 @@ from frictionbench.harness.plans.atlas import axis
 from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.run import run
+from frictionbench.harness.run import now, run
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.catalogue import find_scene, scene
@@ -161,6 +161,7 @@ def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: s
         run(_with_points(plan, [grid + new for grid, new in zip(points, added, strict=True)]), folder, jobs, progress, cluster)
     for spec in plan.maps:
         trace(spec, folder)
+    store.write_manifest(folder, store.read_manifest(folder) | {"finished": now()})
 
 
 def _added(spec: Map, rows: pd.DataFrame) -> list[GridPoint]:

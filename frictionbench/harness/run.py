@@ -74,7 +74,8 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
     for table, table_rows in rows.items():
         store.write_table(folder, table, [table_rows[cell.key] for cell in cells if cell.table == table])
     names = sorted({record["problem"] for record in records.values()} - {""})
-    store.write_manifest(folder, store.read_manifest(folder) | {"problems": names, "finished": _now()})
+    finished = {} if plan.maps else {"finished": now()}  # harness.maps may add points
+    store.write_manifest(folder, store.read_manifest(folder) | {"problems": names} | finished)
 
 
 def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str:
@@ -133,7 +134,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
     # A process that was killed in write_manifest has left a temporary file.
     if folder.exists() and (not folder.is_dir() or any(not path.match(".manifest-*.json") for path in folder.iterdir())):
         raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written. Choose another --out")
-    begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": _now(), "options": plan.options}
+    begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": now(), "options": plan.options}
     store.write_manifest(folder, manifest | begun | dependencies.initial_content(plan))
 
 
@@ -222,5 +223,6 @@ def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
     return row | known_row(cell, limit, plugins, *record) | {"host": row.get("host", machine.host())}
 
 
-def _now() -> str:
+def now() -> str:
+    """Return the time as it is written into the manifest."""
     return datetime.now(UTC).isoformat(timespec="seconds")
