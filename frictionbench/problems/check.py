@@ -12,6 +12,7 @@ from frictionbench.problems.rows import Rows, from_dense, from_matrix
 
 Array = NDArray[np.float64]
 LARGEST_COUNT = 10**8  # the largest count: no machine holds a larger problem
+LARGEST_FLOAT = int(np.finfo(float).max)  # to compare with integers of any size, which float() may not take
 REAL = "fiu"  # numpy's kinds of real numbers: floats, integers with and without sign
 
 
@@ -60,21 +61,22 @@ def require_installed(module: str, extra: str) -> None:
 
 def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf, most: float = np.inf) -> float:
     """A finite number with above < value, least <= value <= most. Errors: InputError naming the parameter."""
-    real = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-    require(real, name, f"expected a number, got {value!r:.100}")
+    if not isinstance(value, (int, float, np.integer, np.floating)) or isinstance(value, bool):
+        raise InputError(f"{name}: expected a number, got {value!r:.100}")
+    if -np.inf < value < np.inf and abs(int(value)) <= LARGEST_FLOAT and above < value and least <= value <= most:
+        return float(value)
     limits = (
         [f"above {above:g}"] * (above > -np.inf)
         + [f"at least {least:g}"] * (least > -np.inf)
         + [f"at most {most:g}"] * (most < np.inf)
     )
-    inside = np.isfinite(value) and above < value and least <= value <= most
-    require(bool(inside), name, f"must be {' and '.join(['finite', *limits])}, got {value!r}")
-    return float(value)
+    raise InputError(f"{name}: must be {' and '.join(['finite', *limits])}, got {value!r:.100}")
 
 
 def count(name: str, value: Any, least: int = 1) -> int:
     """An integer from `least` to LARGEST_COUNT. Errors: InputError naming the parameter."""
-    require(isinstance(value, (int, np.integer)) and not isinstance(value, bool), name, f"expected an integer, got {value!r}")
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    require(whole, name, f"expected an integer, got {value!r:.100}")
     require(value >= least, name, f"must be at least {least}, got {value!r:.100}")
     require(value <= LARGEST_COUNT, name, f"must be at most {LARGEST_COUNT}, got {value!r:.100}")
     return int(value)

@@ -104,10 +104,8 @@ def pair(ratios, **given):
     """b takes 1 ms on each problem, a 1 ms over the ratio; a scene each."""
     plain = {"form_time": 0.0, "setup_time": 0.0}
     rows = [solve_row("a", f"p{i}", scene=f"s{i}", solve_time=1e-3 / r, **plain) for i, r in enumerate(ratios)]
-    return [
-        *rows,
-        *(solve_row("b", f"p{i}", scene=f"s{i}", **plain | {"solve_time": 1e-3} | given) for i in range(len(ratios))),
-    ]
+    given = {"solve_time": 1e-3} | given
+    return rows + [solve_row("b", f"p{i}", scene=f"s{i}", **plain | given) for i in range(len(ratios))]
 
 
 def test_a_winner_has_an_interval_without_one():

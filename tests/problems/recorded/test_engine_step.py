@@ -42,6 +42,7 @@ def test_steps_are_numbered(tmp_path) -> None:
         ({"impulse": np.zeros((2, 3))}, "impulse: expected length 9, got 6"),
         ({"impulse": IMPULSE, "notes": {"limits": 1.5}}, "notes: limits: must be finite and at least 0 and at most 1"),
         ({"impulse": IMPULSE, "step": 0.0}, "step: must be finite and above 0"),
+        ({"impulse": IMPULSE, "step": 10**400}, "step: must be finite and above 0"),
         ({"notes": NOTES}, "impulse: is missing"),
     ],
 )
