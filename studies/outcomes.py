@@ -122,7 +122,8 @@ def summary(tables: Tables) -> Summary:
     equal = known["nearest"] <= SAME
     below, above = known["nearest"][equal].max(), known["nearest"][~equal].min()
     require(below < SAME / 100 and above > SAME * 10, "answers are much nearer than the threshold, or farther apart")
-    least = several.reset_index().groupby("scene")["friction"].min()
+    where = several.reset_index().groupby("scene")["friction"].unique()
+    missing = rows[rows["outcome"] < 0].groupby("method").size()
     every = known[known["start"] == "zero"]
     cold = every.merge(several.reset_index()[PROBLEM])
     agreeing = _agreements(cold)
@@ -150,8 +151,9 @@ def summary(tables: Tables) -> Summary:
         "largest": problems["contacts"].max(),
         "solves": len(rows),
         "missed": len(rows) - len(known),
-        "least": listing([f"{name} from mu = {mu:g}" for name, mu in least.items()]),
-        "never": listing(sorted(set(problems.reset_index()["scene"]) - set(least.index))),
+        "missing": listing([f"{name} ({count})" for name, count in missing.items()]),
+        "where": listing([f"{name} (mu = {', '.join(f'{mu:g}' for mu in sorted(mus))})" for name, mus in where.items()]),
+        "never": listing(sorted(set(problems.reset_index()["scene"]) - set(where.index))),
         "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
         "agreements": [(*pair, share, agreeing.get(pair, "–")) for pair, share in _agreements(every).items()],
         "offered": int(problems.index.isin(ladder["friction"].unique(), level="friction").sum()),
