@@ -31,8 +31,11 @@ def describe() -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """Return the version of every installed distribution, and of this project's code."""
-    installed = {each.metadata["Name"]: each.version for each in distributions()}
+    """Return the version of every installed distribution whose metadata can be read, and of this project's code."""
+    installed = {}
+    for each in distributions():
+        with suppress(TypeError, ValueError):
+            installed[each.metadata["Name"] or ""] = each.version
     return {"frictionbench": revision(), **{name: installed[name] for name in sorted(installed) if name != "frictionbench"}}
 
 

@@ -65,11 +65,8 @@ def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf
         raise InputError(f"{name}: expected a number, got {value!r:.100}")
     if -np.inf < value < np.inf and abs(int(value)) <= LARGEST_FLOAT and above < value and least <= value <= most:
         return float(value)
-    limits = (
-        [f"above {above:g}"] * (above > -np.inf)
-        + [f"at least {least:g}"] * (least > -np.inf)
-        + [f"at most {most:g}"] * (most < np.inf)
-    )
+    bounds = ("above", above), ("at least", least), ("at most", most)
+    limits = [f"{word} {bound:g}" for word, bound in bounds if np.isfinite(bound)]
     raise InputError(f"{name}: must be {' and '.join(['finite', *limits])}, got {value!r:.100}")
 
 
