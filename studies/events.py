@@ -113,6 +113,7 @@ def summary(tables: Tables) -> Summary:
         "best": best,
         "quartiles": listing([f"{quartile:.1f}" for quartile in quartiles]),
         "second": listing([f"{slope} in {key[0].replace('_', ' ')}" for key, slope in slopes.items() if key[1] == HIGHER]),
+        "steady": listing(sorted({key[0].replace("_", " ") for key, one in slopes.items() if max(one) - min(one) < 0.02})),
         "failed": len(stepped) - len(whole),
         "stepped": len(stepped),
         "located": ends[["impacts", "accumulations"]].sum(),

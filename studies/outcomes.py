@@ -123,7 +123,6 @@ def summary(tables: Tables) -> Summary:
     below, above = known["nearest"][equal].max(), known["nearest"][~equal].min()
     require(below < SAME / 100 and above > SAME * 10, "answers are much nearer than the threshold, or farther apart")
     where = several.reset_index().groupby("scene")["friction"].unique()
-    missing = rows[rows["outcome"] < 0].groupby("method").size()
     every = known[known["start"] == "zero"]
     cold = every.merge(several.reset_index()[PROBLEM])
     agreeing = _agreements(cold)
@@ -151,7 +150,7 @@ def summary(tables: Tables) -> Summary:
         "largest": problems["contacts"].max(),
         "solves": len(rows),
         "missed": len(rows) - len(known),
-        "missing": listing([f"{name} ({count})" for name, count in missing.items()]),
+        "missing": listing([f"{name} ({n})" for name, n in rows[rows["outcome"] < 0].groupby("method").size().items()]),
         "where": listing([f"{name} (mu = {', '.join(f'{mu:g}' for mu in sorted(mus))})" for name, mus in where.items()]),
         "never": listing(sorted(set(problems.reset_index()["scene"]) - set(where.index))),
         "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
