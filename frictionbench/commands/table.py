@@ -30,9 +30,10 @@ def columns(header: Sequence[str], rows: Sequence[Sequence[str]], spare: Iterabl
     }
     cut = []
     for name in spare:
-        if _excess(widths, width) > 0:
+        if not _fits(widths, width):
             cut += [name] if widths.pop(list(header).index(name), None) else []
-    cells = _Cells(max(8, max(widths.values(), default=0) - _excess(widths, width)), break_on_hyphens=False)
+    most = next((each for each in range(width or 10**4, 8, -1) if _fits(widths, width, each)), 8)
+    cells = _Cells(most, break_on_hyphens=False)
     table = Table(*(Column(header[i], overflow="fold") for i in widths), box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for row in rows:
         table.add_row(*(Text(cells.fill(row[i])) for i in widths))
@@ -46,9 +47,9 @@ class _Cells(textwrap.TextWrapper):
     wordsep_simple_re = re.compile(r"( +)|(?<=[\[,_])")
 
 
-def _excess(widths: Mapping[int, int], width: int | None) -> int:
-    """Return by how many characters a table with these columns is wider than the screen, at least 0."""
-    return 0 if width is None else max(0, sum(widths.values()) + 2 * len(widths) - 2 - width)
+def _fits(widths: Mapping[int, int], width: int | None, most: int = 10**4) -> bool:
+    """Return whether a table with these columns, each at most so wide, is no wider than the screen."""
+    return width is None or sum(min(each, most) for each in widths.values()) + 2 * len(widths) - 2 <= width
 
 
 def say(text: str, indent: str = "", rest: str = "") -> None:

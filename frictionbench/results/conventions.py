@@ -113,7 +113,7 @@ def count(number: int, noun: str) -> str:
 
 def number(value: float, digits: int = 3) -> str:
     """Format a number with this many significant digits at most, and a short exponent if it has one: 316, 0.25, 3.16e-5."""
-    if value == 0 or 1e-3 <= abs(value) < 10**digits:
+    if value == 0 or 1e-3 <= abs(value) < 10**digits - 0.5:
         return f"{value:.{digits}g}"
     return re.sub(r"\.?0*e(-?)\+?0*", r"e\1", f"{value:.{digits - 1}e}")
 

@@ -65,6 +65,7 @@ def test_long_names_are_continued_after_a_part_of_them(monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.commands.table.screen", lambda: 38)
     lines = columns(("solver", "verdict"), [("siconos[method=friction_3d_nsgs,settings=newton]", "another law")])
     assert lines[1:] == ["siconos[method=friction_  another law", "3d_nsgs,settings=newton]"]
+    assert len(columns(("solver", "reason"), [("siconos[method=friction_3d_nsgs]", "it stalls " * 6)])) == 5
 
 
 def test_abbreviated_keys(tmp_path) -> None:
