@@ -188,8 +188,9 @@ def interval(run: Summary, where: str, first: str, other: str) -> tuple[str, ...
 
 
 def same(one: Summary, other: Summary) -> bool:
-    """Whether two runs have the same problems, to the last bit, and one machine."""
-    return bool(one["problems"]["hashes"] == other["problems"]["hashes"] and one["machine"] == other["machine"])
+    """Whether two runs have the same problems, to the last bit, and one machine, of which a run may use some cores only."""
+    machines = [{name: value for name, value in run["machine"].items() if name != "cores"} for run in (one, other)]
+    return bool(one["problems"]["hashes"] == other["problems"]["hashes"] and machines[0] == machines[1])
 
 
 def means(run: Summary, kind: str) -> dict[str, float]:
