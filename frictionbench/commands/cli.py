@@ -26,7 +26,7 @@ from frictionbench.results.conventions import DEFAULT_SCHEME, RankBy
 from frictionbench.results.files import json_text, printable
 
 app = typer.Typer(
-    help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",
+    help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack --solver lemke",
     no_args_is_help=True,
     add_completion=True,
     rich_markup_mode=None,  # otherwise [blocks=5] would be read as markup
