@@ -53,7 +53,7 @@ def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> Non
     assert falls.exit_code == 0
     ran: list[tuple[object, ...]] = []
     monkeypatch.setattr(confirm, "_cells", lambda *given: ran.append(given) or cells.read(seen.current))
-    assert again(replace(seen, flips=()), str(tmp_path / "base")).exit_code == 0
+    assert again(replace(seen, changes=()), str(tmp_path / "base")).exit_code == 0
     assert len(ran) == 2  # what the two runs did not show is looked for as well
     assert all("frictionbench-" in str(folder) for _, _, folder, _ in ran)  # the server removes it, also after a kill
     assert all(
@@ -61,7 +61,7 @@ def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> Non
         for note in falls.notes[-len(seen.worse) :]
     )
     monkeypatch.setattr(confirm, "_cells", lambda *_: replace(cells.read(seen.current), loaded={}))
-    same = replace(seen, flips=())
+    same = replace(seen, changes=())
     assert [again(same, str(tmp_path / "base"), limits=each).exit_code for each in (UNTIMED, Limits())] == [0, 2]
     assert "guest loads no guest.py there" in again(same, str(tmp_path / "base"), limits=Limits()).unusable
 

@@ -97,7 +97,7 @@ def test_ball_joints_move_together() -> None:
 @pytest.mark.parametrize("ratio", [1e-3, 1.0, 1e6])
 def test_islands_share_nothing_but_the_file(ratio) -> None:
     problem = make_instance("unlike_islands", islands=3, contacts=4, velocity_ratio=ratio)
-    assert labels(problem).islands >= 3
+    assert labels(problem)["islands"] >= 3
     same = make_instance("unlike_islands", islands=3, contacts=4, velocity_ratio=1.0)
     share = problem.q.reshape(3, -1) / same.q.reshape(3, -1)
     assert np.allclose(share, np.array([ratio, np.sqrt(ratio), 1.0])[:, None])
@@ -112,7 +112,7 @@ def test_island_ratio() -> None:
 
 def _islands(problem: FrictionProblem) -> tuple[int, float]:
     found = labels(problem)
-    return found.islands, found.island_ratio
+    return found["islands"], found["island_ratio"]
 
 
 @pytest.mark.parametrize("tilt", [0.05, 1.5])

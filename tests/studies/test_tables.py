@@ -101,7 +101,7 @@ def test_the_rods_impulse_tends_to_the_limit() -> None:
     away = np.abs(table.loc[table["solver"] == "lemke", "largest"] - 0.9)
     assert away.is_monotonic_decreasing
     assert away.iloc[-1] < 0.06
-    assert "settle, to 5 % in the last halving, in 2 of 2 pairs" in text("inclusion", rows)["answer"]
+    assert "settle, to 5 % of the largest component in the last halving, in 2 of 2 pairs" in text("inclusion", rows)["answer"]
 
 
 def test_the_predictor_corrector_solves_most_problems() -> None:

@@ -31,7 +31,7 @@ from frictionbench.solvers import solver
 class BlocksSignals:
     '''Hangs from the first call with all signals blocked, and so does its orphaned child process.'''
 
-    def setup(self, problem):
+    def solve(self, *given):
         signal.pthread_sigmask(signal.SIG_SETMASK, set(signal.Signals))
         if os.fork() == 0:
             os.setsid()
