@@ -1,6 +1,7 @@
 """Small problems that several tests share."""
 
 import numpy as np
+import pytest
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.residual import relaxation_residual, residual
@@ -66,6 +67,12 @@ def spatial(seed, contacts=5, nv=18, friction=None, friction_bias=False, joints=
 def with_joints(problem, joints, friction_bias=None) -> FrictionProblem:
     """A problem with joints F v = 0 and a friction bias added."""
     return problem.replace(joints=joints, joint_bias=None, friction_bias=friction_bias)
+
+
+def installed(spec):
+    """What is known of a solver, and the solver; the test is skipped if a library is missing."""
+    info, solver = find(spec)
+    return pytest.skip(info.missing) if info.missing else (info, solver)
 
 
 def own_residual(spec, problem, answer) -> float:

@@ -8,8 +8,8 @@ import pytest
 from frictionbench import instance
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import problem_of, scene
-from frictionbench.solvers import available, find, solve
-from tests.helpers.friction_problems import block
+from frictionbench.solvers import available, solve
+from tests.helpers.friction_problems import block, installed
 from tests.helpers.paths import ROOT
 from tools.direct.__main__ import BLOCKS, BODIES, FAIR, TOL, charged_tables, recorded_table
 from tools.direct.arrays import arrays
@@ -30,10 +30,7 @@ SAMPLES = {
 @pytest.mark.parametrize("sample", SAMPLES)
 @pytest.mark.parametrize("spec", CALLS)
 def test_a_call_by_hand_gives_the_adapters_answer(spec, sample) -> None:
-    info, _ = find(spec)
-    problem = SAMPLES[sample]
-    if info.missing:
-        pytest.skip(info.missing)
+    (info, _), problem = installed(spec), SAMPLES[sample]
     unmade = len(problem.joint_bias) and (CALLS[spec].by_matrix or not CALLS[spec].joints or info.refuses(problem))
     if problem.dimension not in CALLS[spec].d or problem.contacts > CALLS[spec].most or (spec, sample) in UNABLE or unmade:
         return

@@ -21,11 +21,12 @@ Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy
     'siconos[method=friction_3d_nsgs,settings=tuned]'`; for friction_3d_prox a weight sigma of the proximal term of 0.5 instead
     of 5, `frictionbench solve 'sphere_pyramid[levels=3,noise=0.3]' --solver 'siconos[method=friction_3d_prox]' --solver
     'siconos[method=friction_3d_prox,settings=tuned]'`. newton is tuned with the local solver ONECONTACT_NSN, but the default
-    one where a contact has no friction, as that aborts there. For lcp_lemke and lcp_pivot tuned is q + 1e-10 rand, without
-    ties, `frictionbench solve 'cubes[boxes=2]' --solver 'siconos[method=lcp_lemke]' --solver
-    'siconos[method=lcp_lemke,settings=tuned]'`. lcp_pivot follows Lemke's rule by default; lcp_pivot_least_index is the same
-    driver with LEAST_INDEX, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=lcp_pivot]'
-    --solver 'siconos[method=lcp_pivot_least_index]'`.
+    one where a contact has no friction, as that aborts there. For lcp_lemke and lcp_pivot tuned is q + 1e-10 rand, less for
+    slow contacts, without ties, and success where it holds of q, `frictionbench solve 'cubes[boxes=2]' --solver
+    'siconos[method=lcp_lemke]' --solver 'siconos[method=lcp_lemke,settings=tuned]'`. lcp_pivot follows Lemke's rule by
+    default; lcp_pivot_least_index is the same driver with LEAST_INDEX, `frictionbench solve
+    'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=lcp_pivot]' --solver
+    'siconos[method=lcp_pivot_least_index]'`.
 Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus
     and, for lcp_, solvers.pivots.dense_lcp. Where |r^| is larger it divides by that, and is called again from its own answer
     with a smaller tolerance, unless that answer's error is small enough. The drivers of friction_2d_ begin at 0 whatever their
@@ -144,6 +145,8 @@ class Siconos:
         }
         found = child("siconos_numerics.py", PYTHON).ask(**asked, **message)
         status, detail = (Status.FAILED if found["code"] else Status.SOLVED), f"Siconos' code {found['code']}"
+        if isinstance(given, DenseLCP) and not found["code"]:
+            status = given.status(found["r"], tol)
         scaled = given.scaled if isinstance(given, DenseLCP) else given
         return scaled.answer(found["r"], status, detail, found["clock"], iterations=found["iterations"])
 

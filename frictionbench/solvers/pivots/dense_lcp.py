@@ -2,14 +2,17 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms.lcp import by_unknown, dense_matrix
+from frictionbench.solvers.interface import Status
 from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, scaled_lcp
 
 
 class DenseLCP(NamedTuple):
-    """The scaled LCP w = M y + q, with M (n, n) and q (n,), and the ScaledLCP from which it was made."""
+    """The scaled LCP w = M y + q, with M (n, n) and q (n,), and the ScaledLCP it was made from; another q is perturbed."""
 
     scaled: ScaledLCP
     M: Array
@@ -24,6 +27,14 @@ class DenseLCP(NamedTuple):
         more = 1 + by_unknown(self.scaled.problem.friction, len(self.q))  # tangential defects are multiplied by 1 + mu
         more[:nc] = 1.0
         return min(1.0, float((more / self.scaled.unit[1])[:-nc].min()))
+
+    def status(self, y: Array, tol: float) -> Status:
+        """The status of a y that a library calls a solution: of a perturbed q it is a claim where it holds of the given q."""
+        if self.q is self.scaled.q:
+            return Status.SOLVED
+        force, speed = self.scaled.unit
+        error = np.abs(np.minimum(force * y, speed * (self.M @ y + self.scaled.q))).max()
+        return Status.SOLVED if error <= tol else Status.STALLED
 
 
 def dense_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> DenseLCP:

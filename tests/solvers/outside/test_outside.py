@@ -20,10 +20,11 @@ from frictionbench.results import store
 from frictionbench.solvers import Status, available, find, plugins, solve
 from frictionbench.solvers.needs import LICENSED, installed_version
 from frictionbench.solvers.outside.children.child import Child, DiedError
+from frictionbench.solvers.outside.lcp_libraries import perturbed
 from frictionbench.solvers.outside.mujoco import MuJoCo
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
-from tests.helpers.friction_problems import block, nothing, own_residual, spatial, with_joints
+from tests.helpers.friction_problems import block, installed, nothing, own_residual, spatial, with_joints
 from tests.helpers.paths import HELPERS, ROOT
 from tools.direct.page import FIELDS, facts, outcomes, page
 
@@ -55,10 +56,7 @@ UNABLE = {
 @pytest.mark.parametrize("name", EASY)
 @pytest.mark.parametrize("spec", SPECS)
 def test_installed_libraries_solve_easy_problems(spec, name) -> None:
-    info, _ = find(spec)
-    if info.missing:
-        pytest.skip(info.missing)
-    problem = EASY[name]
+    (info, _), problem = installed(spec), EASY[name]
     if reason := info.refuses(problem):
         with pytest.raises(InputError, match=reason):
             solve(problem, spec)
@@ -88,8 +86,7 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
 )
 def test_answers_are_accurate_and_accepted(spec, what) -> None:
     """Where other settings leave errors or claim failure (docs/fairness.md); ADMM on a dense and on a sparse matrix."""
-    if reason := find(spec)[0].missing:
-        pytest.skip(reason)
+    installed(spec)
     name, settings = parse("scene", what)
     answer = solve(problem := problem_of(name, **settings), spec, tol=1e-8)
     assert answer.status is Status.SOLVED
@@ -98,8 +95,7 @@ def test_answers_are_accurate_and_accepted(spec, what) -> None:
 
 @pytest.mark.parametrize("spec", ["clarabel", "scs", "proxsuite", "osqp"])
 def test_a_library_that_fails_says_so_and_prints_nothing(spec, capfd) -> None:
-    if reason := find(spec)[0].missing:
-        pytest.skip(reason)
+    installed(spec)
     solve(problem := scene("stack", blocks=8, push=0.3).problem(), spec)
     answer = solve(problem, spec, limit=1)
     assert answer.status is Status.FAILED
@@ -140,6 +136,13 @@ def test_share_of_the_dense_lcp_bounds_every_contacts_residual() -> None:
     assert dense_lcp(far.lcp()).share == 1
 
 
+def test_a_claim_for_a_perturbed_q_holds_of_the_given_one() -> None:
+    lcp = dense_lcp(scene("stack", blocks=2, push=1.0).problem())
+    nudged, y = perturbed(lcp, 1e-10), solve(lcp.scaled.problem, "lemke").z / lcp.scaled.stretch
+    ends = [given.status(z, 1e-8) for given in (lcp, nudged) for z in (y, y + 1e-3)]
+    assert ends == [Status.SOLVED, Status.SOLVED, Status.SOLVED, Status.STALLED]
+
+
 def test_whitened_rows_make_the_scaled_delassus_form() -> None:
     for problem in (spatial(5), scene("stack", blocks=2, push=1.0).problem()):
         (_, J, v, b, (counts, begins, columns, values)), dense = MuJoCo().form(problem), scaled_delassus(problem, (0, 1, 2))
@@ -156,9 +159,7 @@ def test_whitened_rows_make_the_scaled_delassus_form() -> None:
 @pytest.mark.parametrize("spec", ["daqp", "osqp", "mujoco", "mujoco_boxqp", "nsgs"])
 def test_a_problem_is_measured_for_one_law_only(spec) -> None:
     """The units of both laws would be a third of the time charged at 2 contacts."""
-    info, solver = find(spec)
-    if info.missing:
-        pytest.skip(info.missing)
+    _, solver = installed(spec)
     problem = scene("stack", blocks=1, push=1.0).problem().fresh()
     solver.form(problem)
     assert len({"_measures", "_relaxed_measures"} & set(vars(problem))) == 1
@@ -166,9 +167,7 @@ def test_a_problem_is_measured_for_one_law_only(spec) -> None:
 
 @pytest.mark.parametrize("spec", ["mujoco", "casadi[method=ipopt]"])
 def test_matrices_are_compressed_before_the_solve(spec) -> None:
-    (info, solver), problem = find(spec), EASY["two boxes"]
-    if info.missing:
-        pytest.skip(info.missing)
+    (_, solver), problem = installed(spec), EASY["two boxes"]
     expected, formed = solve(problem, spec), solver.form(problem)
     prepared = solver.setup(formed)
     formed[1][:] = 0.0
@@ -221,9 +220,7 @@ def test_commands_of_flaws_and_settings(field, command, name) -> None:
     named, settings = parse("scene", what)
     problem, told = problem_of(named, **settings), []
     for spec in specs:
-        info, solver = find(spec)
-        if info.missing:
-            pytest.skip(info.missing)
+        info, solver = installed(spec)
         answer = solver.solve(solver.prepare(problem.fresh()), tol, None)
         enough = ("solved",) if field != "Settings" else ("solved", "relaxed")
         good = verify(problem, answer, info.model, tol).verdict in enough and answer.status is Status.SOLVED
