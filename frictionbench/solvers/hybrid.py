@@ -102,8 +102,6 @@ class Hybrid:
             guess = (impulse if least <= USABLE_START and not rounded else start) if info.warm_start else None
             with TimeLimit(left() if name == members[-1] else TIME_SHARE * left()):
                 answer = member.solve(stage, tol, own_limit, guess)
-            if problem.mechanical:  # contacts without rows have no effect, and large impulses a rounding floor
-                answer.impulse[np.diff(problem.contact_rows.start) == 0] = 0.0
             work |= {f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             error, floor = residual_with_floor(problem, answer.impulse)
             if max(error, floor) <= tol:

@@ -65,7 +65,7 @@ from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factor
 
 LIMIT = 1500  # factorisations by default: most problems that are solved take less than 500
 STEPS = 20  # Newton steps for one proximal point: the method converges within a few, or not at all
-ENOUGH = 1e-2  # |s F| that suffices for a proximal point, relative to the least residual so far: an anchor need not be exact
+ENOUGH = 1e-2  # |s F| that suffices for a proximal point, relative to the least residual so far in the smallest unit
 ACCURATE = 1e-11  # |s F| that always suffices, relative to the largest free velocity: near what rounding leaves
 FIRST_RHO, RHO_GROWTH, RHO_DECAY = 1.0, 5.0, 0.5  # the first rho, and its factors after a failure and after a success
 LEAST_RHO = 1e-8  # the smallest rho: below it, G is singular to working accuracy
@@ -95,7 +95,7 @@ class ProximalNewton(Phased):
         history, factorisations, rho = [least], 0, FIRST_RHO if start is None else min(FIRST_RHO, least)
         while least > tol and factorisations < limit and not is_past(work.until):
             steps = min(STEPS, limit - factorisations)
-            aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0))
+            aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0) / problem.spread)
             used, off = newton(system, state, anchor, rho, work, aim, steps)
             factorisations += used
             if not used:
@@ -104,7 +104,7 @@ class ProximalNewton(Phased):
             history.append(error)
             if error < least:
                 impulse, least = state.r * system.impulse, error
-            if off < max(ENOUGH * least, ACCURATE):
+            if off < max(ENOUGH * least / problem.spread, ACCURATE):
                 anchor[:] = state.r
                 rho = max(RHO_DECAY * rho, LEAST_RHO)
             else:

@@ -37,8 +37,7 @@ def test_pivots_come_first_in_small_problems_and_sticking_chains(name: str) -> N
 
 
 def test_packed_problems_take_the_same_member_first() -> None:
-    problems: list[FrictionProblem] = [problem for problem, _ in FIRST_BY_PIVOTS.values()]
-    problems.append(known_by_W(problems[2]))
+    problems = [*(problem for problem, _ in FIRST_BY_PIVOTS.values()), known_by_W(scene("stack", push=1.0).problem())]
     np.testing.assert_array_equal(few_pivots_each(pack(problems)), [few_pivots(problem) for problem in problems])
 
 

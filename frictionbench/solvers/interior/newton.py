@@ -198,9 +198,8 @@ def evaluate_point(system: System, space: Space, point: Point, defect: Point, wo
         work.momentum[k] = 0.0
     for i in range(len(x)):
         r = _impulse(space, x, i)
-        work.impulse[i, 0], work.impulse[i, 1] = r[0] if system.pushes[i] else 0.0, r[1]
-        if space is not None:
-            work.impulse[i, 2] = r[2]
+        for k in range(work.impulse.shape[1]):
+            work.impulse[i, k] = r[k] if system.acts[i, k] else 0.0
         push(system.contacts, space, i, r, work.momentum)
     push_joints(system.joints, point.joint, work.momentum)
     accelerate(system, work.momentum, v)

@@ -45,7 +45,7 @@ class System(NamedTuple):
     slot, constant: the places in the fronts and the values of M + F'F/delta. inverse, indices, indptr: M^-1 by rows.
     shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual.
     pairs: number of products of a contact (solvers.interior.point): 4 in the plane, 2 in space, 1 without any friction.
-    pushes: whether a contact's normal impulse acts on anything; that of a joint's dry friction does not.
+    acts: whether components of a contact's impulse act on anything (nc, d); the normal ones of a joint's dry friction do not.
     """
 
     fronts: Fronts
@@ -64,7 +64,7 @@ class System(NamedTuple):
     shift: Array
     weight: Array
     pairs: Index64
-    pushes: NDArray[np.bool_]
+    acts: NDArray[np.bool_]
     speed: float
     impulse: float
 
@@ -139,7 +139,8 @@ def system_of(contacts, laws, motion, joints, units, relaxed):  # type: ignore[n
         own_joint_bias[j] = joint_bias[j] / (length[j] * units.speed)
     return System(
         fronts, elements, joined, slot, constant, value, index, begin,
-        own_free, own_offset, own_joint_bias, mu, bias, shift, weight, pairs, _pushes(elements, mu), units.speed, units.impulse,
+        own_free, own_offset, own_joint_bias, mu, bias, shift, weight, pairs, _acts(elements, mu, own_offset),
+        units.speed, units.impulse,
     )  # fmt: skip
 
 
@@ -163,14 +164,17 @@ def _laws(friction, friction_bias, scale, offset, free, place, unit, relaxed, un
 
 
 @part
-def _pushes(elements, friction):  # type: ignore[no-untyped-def]
-    """Whether a normal impulse changes a velocity, or permits friction to do so (nc,)."""
-    pushes = np.empty(len(friction), np.bool_)
-    for i in range(len(friction)):
-        pushes[i] = friction[i] > 0
+def _acts(elements, friction, offset):  # type: ignore[no-untyped-def]
+    """Whether components of the impulses change a velocity, permit friction to do so or oppose a slip of their own (nc, d)."""
+    acts = offset != 0
+    for i in range(len(acts)):
+        acts[i, 0] = False
         for a in range(elements.start[i], elements.start[i + 1]):
-            pushes[i] = pushes[i] or elements.push[a, 0] != 0
-    return pushes
+            for k in range(acts.shape[1]):
+                acts[i, k] = acts[i, k] or elements.push[a, k] != 0
+        for k in range(1, acts.shape[1]):
+            acts[i, 0] = acts[i, 0] or (friction[i] > 0 and acts[i, k])
+    return acts
 
 
 @part
