@@ -66,7 +66,7 @@ Formed = tuple[ContactForm, tuple[Index32, Index32, Array], Array]
 Prepared = tuple[Formed, Factor | None]  # None if the deadline leaves no time for a factorisation
 
 
-@solver("admm", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True, sparse=True)
+@solver("admm", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True)
 class ADMM:
     """Alternating direction method of multipliers on the convex relaxation's dual.
 
@@ -118,7 +118,7 @@ class ADMM:
         return monitored.answer(z, iterations=iterations, factorisations=factorisations, checks=monitored.seen)
 
 
-@solver("admm_coulomb", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+@solver("admm_coulomb", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True)
 class ADMMCoulomb(ADMM):
     """Alternating direction method of multipliers with de Saxcé's shift.
 

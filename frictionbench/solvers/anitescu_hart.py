@@ -29,7 +29,7 @@ INNER = 0.1  # error of each relaxation relative to the residual at its start: l
 INNER_LIMIT = 300  # products: impulses that are not unique still change when the velocities have long converged
 
 
-@solver("anitescu_hart", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+@solver("anitescu_hart", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True)
 class AnitescuHart:
     """Anitescu and Hart's fixed point: a sequence of convex relaxations, each shifted by the last one's sliding.
 

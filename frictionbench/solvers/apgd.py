@@ -24,7 +24,7 @@ from frictionbench.solvers.sweeps.stopping import monitor
 LIMIT = 20_000  # iterations by default, mostly with one product with W each: twice the sweeps of nsgs
 
 
-@solver("apgd", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True, sparse=True)
+@solver("apgd", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True)
 class APGD:
     """Accelerated projected gradient descent on the convex relaxation's dual.
 
@@ -46,7 +46,7 @@ class APGD:
         return monitored.answer(r, iterations=iterations, products=products)
 
 
-@solver("apgd_coulomb", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+@solver("apgd_coulomb", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True)
 class APGDCoulomb(APGD):
     """Accelerated projected gradient steps along de Saxcé's shifted velocity.
 

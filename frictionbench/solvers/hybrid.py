@@ -53,7 +53,6 @@ Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
     model="coulomb",
     dimension=(2, 3),
     warm_start=True,
-    sparse=True,
     members=tuple(dict.fromkeys((*PLANAR, *SPATIAL))),
 )
 class Hybrid:

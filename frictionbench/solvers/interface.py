@@ -104,8 +104,6 @@ class SolverInfo:
     model: the model that it solves: "coulomb" the friction problem itself, "lcp" its LCP (equivalent in the plane, polygonal in
     space; such a solver also takes a bare LCP), "relaxation" the convex relaxation, "regularised" that with soft contacts.
     dimension: of the contacts, 2 or 3 or both. warm_start: whether it uses a start.
-    sparse: whether it stays sparse on large problems. A class that stores dense matrices of the LCP's size states their number
-    in an attribute `dense_matrices`; the harness skips problems for which they exceed the memory.
     needs: required distributions, in the syntax of solvers.needs.
     lacks: what is not supported: friction_bias, joints, or asymmetry (of W, by methods that work in velocities: the Jacobian of
     an unsymmetric W is that of its symmetric part). Problems that have it are refused, asymmetry only above FILE_ROUNDING.
@@ -115,7 +113,8 @@ class SolverInfo:
     precision has an attribute of that name.
     members: the solvers that a portfolio may run.
     precision: of its arithmetic. A single-precision solver is run and ranked at tolerances and targets not below FINEST_TOL.
-    make: the class, a frozen dataclass whose fields are the settings.
+    make: the class, a frozen dataclass whose fields are the settings. If it stores dense matrices of the LCP's size, its
+    attribute `dense_matrices` is their number; the harness skips problems for which they exceed the memory.
     """
 
     name: str
@@ -123,7 +122,6 @@ class SolverInfo:
     model: Model
     dimension: tuple[int, ...]
     warm_start: bool
-    sparse: bool
     needs: tuple[str, ...]
     lacks: tuple[str, ...]
     remote: bool
@@ -140,7 +138,7 @@ class SolverInfo:
         self._require(self.model in get_args(Model), "model", f"one of {', '.join(get_args(Model))}")
         self._require(self.dimension in ((2,), (3,), (2, 3)), "dimension", "(2,), (3,) or (2, 3)")
         self._require(self.precision in get_args(Precision), "precision", f"one of {', '.join(get_args(Precision))}")
-        for flag in ("warm_start", "sparse", "remote"):
+        for flag in ("warm_start", "remote"):
             self._require(isinstance(getattr(self, flag), bool), flag, "True or False")
         for names in ("needs", "lacks", "variants", "members"):
             texts = getattr(self, names)
@@ -218,7 +216,6 @@ def solver(
     model: Model,
     dimension: tuple[int, ...] = (2,),
     warm_start: bool = False,
-    sparse: bool = False,
     needs: tuple[str, ...] = (),
     lacks: tuple[str, ...] = (),
     remote: bool = False,
@@ -253,7 +250,7 @@ def solver(
         made: Any = dataclass(frozen=True)(whole)
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is already registered by {_solvers[name].make}")
-        facts = (family, model, dimension, warm_start, sparse, needs, lacks, remote, variants, members, precision)
+        facts = (family, model, dimension, warm_start, needs, lacks, remote, variants, members, precision)
         _solvers[name] = SolverInfo(name, *facts, made)
         return made
 

@@ -78,7 +78,6 @@ PATIENCE = 12  # iterations of the predictor-corrector without progress: no run 
     model="coulomb",
     dimension=(2, 3),
     warm_start=True,
-    sparse=True,
     members=("nsgs", "relaxation_ip", "proximal_newton"),
 )
 class InteriorPoint(Phased):

@@ -23,7 +23,7 @@ from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.stopping import should_continue
 
 
-@solver("nncg", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+@solver("nncg", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True)
 class NNCG:
     """Nonlinear nonsmooth conjugate gradients over Gauss-Seidel sweeps.
 

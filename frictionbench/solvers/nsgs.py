@@ -23,7 +23,7 @@ from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.stopping import ENDS, Monitor, should_continue
 
 
-@solver("nsgs", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+@solver("nsgs", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True)
 class NSGS:
     """Nonsmooth Gauss-Seidel: solve each contact's friction law in turn.
 

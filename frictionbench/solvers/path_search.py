@@ -87,7 +87,7 @@ WELL = 1 / 16  # below this share of its bound of rounding errors, a residual do
 CRASH, STEPS, RESTARTS = 2, 3, 4  # indices of work, after those of pivots and factorisations
 
 
-@solver("path_search", family="newton", model="lcp", dimension=(2, 3), sparse=True)
+@solver("path_search", family="newton", model="lcp", dimension=(2, 3))
 class PathSearch:
     """PATH-like normal-map Newton: crash, then a pivotal path to the Newton point, restarted where it stalls.
 

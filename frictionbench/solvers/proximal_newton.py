@@ -73,7 +73,7 @@ HALVINGS = 8  # lengths tried for a step, each half the last: if none decreases 
 DECREASE = 1e-4  # share of the predicted decrease of |s F| that a step must reach (the usual Armijo constant)
 
 
-@solver("proximal_newton", family="newton", model="coulomb", dimension=(3,), warm_start=True, sparse=True)
+@solver("proximal_newton", family="newton", model="coulomb", dimension=(3,), warm_start=True)
 class ProximalNewton(Phased):
     """Proximal points found by Newton's method on Alart and Curnier's equations, sparse in the velocities.
 

@@ -20,7 +20,7 @@ START_SHARE = 250  # factorisations from each start: above the default limit, so
 PATIENCE = 60  # iterations without progress: a heavy body on a light one needs impulses a million times the first ones
 
 
-@solver("relaxation_ip", family="interior point", model="relaxation", dimension=(2, 3), sparse=True)
+@solver("relaxation_ip", family="interior point", model="relaxation", dimension=(2, 3))
 class RelaxationInteriorPoint(Phased):
     """Mehrotra's predictor-corrector on the convex relaxation, one sparse factorisation in the velocities an iteration."""
 

@@ -29,7 +29,7 @@ INNER = 0.1  # error of each half relative to the residual at its start: less co
 INNER_LIMIT = 5000  # iterations of a half; the next round continues from its result
 
 
-@solver("staggered", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+@solver("staggered", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True)
 class Staggered:
     """Staggered projections: alternate the normal and the friction problem.
 

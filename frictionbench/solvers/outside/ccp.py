@@ -45,7 +45,7 @@ _TUNED: dict[str, dict[str, float]] = {"highs": {"qp_regularization_value": 0.0}
 _VARIANTS = (*(f"backend={name}" for name in BACKENDS), *(f"backend={name},settings=tuned" for name in _TUNED))
 
 
-@relaxation_library("ccp", sparse=True, needs=("qpsolvers", "highspy"), lacks=(), variants=_VARIANTS)
+@relaxation_library("ccp", needs=("qpsolvers", "highspy"), lacks=(), variants=_VARIANTS)
 class CCP:
     """The convex relaxation as a QP in the velocities, by a library through qpsolvers.
 
@@ -118,7 +118,7 @@ def _iterations_and_detail(extras: Mapping[str, Any]) -> tuple[int | None, str]:
     return extras.get("iter"), str(extras.get("infostring", ""))
 
 
-@relaxation_library("ccp_cone", dimension=(2, 3), sparse=True, needs=("cvxpy", "clarabel"))
+@relaxation_library("ccp_cone", dimension=(2, 3), needs=("cvxpy", "clarabel"))
 class CCPCone:
     """The convex relaxation, with circular cones in space, by CVXPY with Clarabel. (outside)
 

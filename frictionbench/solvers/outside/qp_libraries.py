@@ -32,9 +32,7 @@ _CLARABEL_TUNED = {
 }
 
 
-@relaxation_library(
-    "clarabel", dimension=(2, 3), sparse=True, needs=("clarabel",), variants=("settings=default", "settings=tuned")
-)
+@relaxation_library("clarabel", dimension=(2, 3), needs=("clarabel",), variants=("settings=default", "settings=tuned"))
 class Clarabel:
     """The convex relaxation by Clarabel itself, with circular cones in space. (outside)
 
@@ -93,7 +91,7 @@ class Clarabel:
         return settings
 
 
-@relaxation_library("osqp", warm_start=True, sparse=True, needs=("osqp",), variants=("", "settings=tuned"))
+@relaxation_library("osqp", warm_start=True, needs=("osqp",), variants=("", "settings=tuned"))
 class OSQP:
     """The convex relaxation as a QP by OSQP itself. (outside)
 
@@ -142,7 +140,6 @@ class OSQP:
 @relaxation_library(
     "proxsuite",
     warm_start=True,
-    sparse=True,
     needs=("proxsuite",),
     variants=tuple(f"matrices={kind}{tuned}" for kind in ("sparse", "dense") for tuned in ("", ",settings=tuned")),
 )
@@ -198,7 +195,7 @@ class ProxSuite:
         return scaled.answer(np.array(qp.results.z), solved, info.iter, info.status.name, info.solve_time * 1e-6)
 
 
-@relaxation_library("piqp", sparse=True, needs=("piqp",), variants=("matrices=sparse", "matrices=dense"))
+@relaxation_library("piqp", needs=("piqp",), variants=("matrices=sparse", "matrices=dense"))
 class PIQP:
     """The convex relaxation as a QP by PIQP itself. (outside)
 
@@ -238,7 +235,7 @@ class PIQP:
         return scaled.answer(np.array(result.z_u), solved, int(result.info.iter), status.name, clock)
 
 
-@relaxation_library("scs", dimension=(2, 3), sparse=True, needs=("scs",), variants=("settings=default", "settings=tuned"))
+@relaxation_library("scs", dimension=(2, 3), needs=("scs",), variants=("settings=default", "settings=tuned"))
 class SCS:
     """The convex relaxation by SCS itself, with circular cones in space. (outside)
 
