@@ -31,10 +31,10 @@ Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q
     and, for lcp_, solvers.pivots.dense_lcp. Where |r^| is larger it divides by that, and is called again from its own answer
     with a smaller tolerance, unless that answer's error is small enough. The drivers of friction_2d_ begin at 0 whatever their
     guess is: they are asked at once for eps over 2 sqrt(contacts), as impulses add up in piles.
-Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
-    'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and the fixed
-    points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit. ONECONTACT_NSN fails where
-    the default does not, `frictionbench solve painleve_rod --solver 'siconos[method=friction_3d_nsgs,settings=newton]'`.
+Flaws: friction_2d_lemke returns 0 for wrong answers, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
+    'siconos[method=friction_2d_lemke]'`; so at times do friction_2d_cpg and global_friction_3d_ipm. This and and nsn_fb end in
+    failed assertions, and fixed points (aclmfp, tfp) reach the time limit on difficult problems. ONECONTACT_NSN fails where the
+    default does not, `frictionbench solve painleve_rod --solver 'siconos[method=friction_3d_nsgs,settings=newton]'`.
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
 """
 
