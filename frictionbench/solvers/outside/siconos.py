@@ -32,7 +32,7 @@ Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q
     with a smaller tolerance, unless that answer's error is small enough. The drivers of friction_2d_ begin at 0 whatever their
     guess is: they are asked at once for eps over 2 sqrt(contacts), as impulses add up in piles.
 Flaws: friction_2d_lemke returns 0 for wrong answers, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
-    'siconos[method=friction_2d_lemke]'`; so at times do friction_2d_cpg and global_friction_3d_ipm. This and and nsn_fb end in
+    'siconos[method=friction_2d_lemke]'`; so at times do friction_2d_cpg and global_friction_3d_ipm. ipm and nsn_fb end in
     failed assertions, and fixed points (aclmfp, tfp) reach the time limit on difficult problems. ONECONTACT_NSN fails where the
     default does not, `frictionbench solve painleve_rod --solver 'siconos[method=friction_3d_nsgs,settings=newton]'`.
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
