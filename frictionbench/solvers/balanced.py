@@ -33,9 +33,9 @@ class Balanced(NamedTuple):
 
 def with_balance(cls: Any, model: str, outside: bool) -> Any:
     """Wrap the steps of the class to balance the problem and convert the answer; inherited ones are already wrapped."""
-    for name, balance in (("form", _form), ("setup", _setup), ("solve", _solve)):
-        step = getattr(cls, name)
-        if not hasattr(step, "__wrapped__"):
+    for name, balance in (("form", _form), ("setup", _setup), ("solve", _solve), ("begin", _solve)):
+        step = getattr(cls, name, None)
+        if step and not hasattr(step, "__wrapped__"):
             setattr(cls, name, wraps(step)(balance(step)))
     cls.is_outside, cls.usual_model, cls.has_relaxed_units = outside, model, model in ("relaxation", "regularised")
     return cls

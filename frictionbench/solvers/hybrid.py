@@ -3,16 +3,20 @@
 No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all, and is the
 fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane (`few_pivots`), and Newton's
 method on dense rows in space (solvers.dense). For the largest problems a few sweeps of Gauss-Seidel save most of the interior
-point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow.
+point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. In the plane, Lemke's method is
+mostly faster than the paths of the interior point on up to FEW contacts, and is tried between its predictor-corrector and
+these.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, and its rounding floor
-are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. In the plane the
-staggered method solves problems in which a very heavy body rests beside light ones, whose digits are lost in factorisations. In
-space proximal points solve walls of boxes in which the interior point stalls, and projected gradients solve nearly dependent
-rows of dry friction, for which the shifts of the other methods are too large. (Algorithm portfolios: Gomes and Selman 2001.)
+are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. If rounding explains
+two answers of like floors, the floor is the problem's, and it stops as well. In the plane the staggered method solves problems
+in which a very heavy body rests beside light ones, whose digits are lost in factorisations. In space proximal points solve
+walls of boxes in which the interior point stalls, and projected gradients solve nearly dependent rows of dry friction, for
+which the shifts of the other methods are too large. (Algorithm portfolios: Gomes and Selman 2001.)
 tests/benchmarks/test_hybrid.py measures up to how many contacts Lemke's method is faster in the plane (docs/tried.md).
 """
 
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -27,7 +31,7 @@ from frictionbench.problems.rows import Index32
 from frictionbench.solvers.clock import TimeLimit, is_over, left
 from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_each, few_each, few_steps
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
-from frictionbench.solvers.interior_point import first_phase_of
+from frictionbench.solvers.interior_point import InteriorPoint, first_phase_of
 
 PLANAR = "lemke", "interior_point", "staggered"
 SPATIAL = "nsgs", "interior_point", "proximal_newton", "apgd_coulomb"
@@ -35,6 +39,8 @@ NEWTON = "Newton's method on dense rows"  # solvers.dense, which is not a regist
 TIME_SHARE = 0.9  # of the remaining time limit, for each member except the last: nearly all problems are solved by the first
 STORAGE = 2**32  # bytes of dense matrices above which a further member is skipped: its pivots would take hours
 USABLE_START = 0.01  # the largest residual at which the impulses of one member are a better start for the next than zeros
+FEW = 100  # contacts up to which pivots are faster than the paths of an interior point
+ALIKE = 2.0  # the largest ratio of two methods' floors at which rounding is that of the problem, not of an answer
 SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
 SWEPT = 6, 60  # contacts up to which nsgs is the fastest on W, and from which on its sweeps save more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only, as W is singular
@@ -60,19 +66,22 @@ class Hybrid:
 
     In space the first is Newton's method on dense rows, for few contacts or none; it counts newton sweeps and steps.
     If the first member fails, and Newton's method too, a linear program looks for contacts that contradict each other.
-    Impulses within tol, or explained by rounding, have the status ROUNDING if no member finds better ones.
+    Impulses explained by rounding have the status ROUNDING if no member finds better ones, or a second one finds the like.
     limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
 
     knows_rounding = takes_unlike = True
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        simple, other, *others = PLANAR if problem.dimension == 2 else SPATIAL
-        if (steps := few_steps(problem)) or (problem.dimension == 3 and problem.mechanical and not problem.contacts):
-            return problem, (NEWTON, other, simple, *others), steps
-        sizes = problem.contacts, len(problem.free_velocity), len(problem.joint_bias)
-        simple_first = few_pivots(problem) if problem.dimension == 2 else _sweeps_help(*sizes)
-        members = (simple, other, *others) if simple_first else (other, simple, *others)
+        nc, space = problem.contacts, problem.dimension == 3
+        simple, other, *others = SPATIAL if space else PLANAR
+        if (steps := few_steps(problem)) or (space and problem.mechanical and not nc):
+            return problem, (NEWTON, other, other, simple, *others), steps
+        sizes = nc, len(problem.free_velocity), len(problem.joint_bias)
+        if _sweeps_help(*sizes) if space else few_pivots(problem):
+            members = (simple, other, *others) if space else (simple, other, other, *others)
+        else:
+            members = (other, simple, *others) if space or nc > FEW else (other, simple, other, *others)
         return problem, members, find(members[0])[1].form(problem)
 
     def setup(self, formed: Prepared) -> Prepared:
@@ -82,38 +91,43 @@ class Hybrid:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem, members, stage = prepared
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
-        work: dict[str, int] = {}
-        tried, rounded, late = 0, False, False
+        work: Counter[str] = Counter()
+        hidden, late = 0.0, False  # hidden: the floor of the last impulses whose residual rounding explains
         if members[0] == NEWTON:
             impulse, least, floor, sweeps, steps = few_contacts(problem, stage, tol, limit, start)
-            tried, work = 1, {"newton sweeps": sweeps, "newton steps": steps, "members": 1}
+            work.update({"newton sweeps": sweeps, "newton steps": steps, "members": 1})
             if least <= tol and floor <= tol:
                 return Answer(impulse, Status.SOLVED, work, detail=f"answered by {NEWTON}")
-            found_by, rounded, members = NEWTON, least <= tol, members[1:]
-        for name in members:
+            found_by, hidden, members = NEWTON, floor if least <= max(tol, floor) else 0.0, members[1:]
+        for turn, name in enumerate(members):
             info, member = find(name)
-            if tried:  # the first member is prepared already, and either sparse or given a small problem
+            if work:  # the first member is prepared already, and either sparse or given a small problem
                 if dense_storage(member, problem) > STORAGE:
                     continue
                 stage = member.prepare(problem)
-            tried += 1
             own_limit = min(SWEEPS, limit or SWEEPS) if name == "nsgs" else limit
-            guess = (impulse if least <= USABLE_START and not rounded else start) if info.warm_start else None
-            with TimeLimit(left() if name == members[-1] else TIME_SHARE * left()):
-                answer = member.solve(stage, tol, own_limit, guess)
-            work |= {f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
+            near = least <= USABLE_START and not hidden and name != "lemke"  # which is faster from zero than nearby
+            guess = (impulse if near else start) if info.warm_start else None
+            again = name in members[turn + 1 :]  # its paths come later
+            method = member.begin if again and isinstance(member, InteriorPoint) else member.solve
+            with TimeLimit(left() if turn == len(members) - 1 else TIME_SHARE * left()):
+                answer = method(stage, tol, own_limit, guess)
+            work.update({f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": 1})
             error, floor = residual_with_floor(problem, answer.impulse)
             if max(error, floor) <= tol:
                 return Answer(answer.impulse, Status.SOLVED, work, detail=f"answered by {name}")
-            rounded = rounded or error <= tol or (error <= floor and answer.status is Status.SOLVED)
             if error < least:
                 impulse, least, found_by = answer.impulse, error, name
+            if error <= max(tol, floor):
+                if hidden / ALIKE <= floor <= hidden * ALIKE:
+                    return Answer(impulse, Status.ROUNDING, work, detail=f"the nearest answer is by {found_by}")
+                hidden = floor
             late = late or answer.status is Status.TIME_LIMIT
-            if name == members[0] and (proof := contradiction(problem)) and proof.least_residual > tol:
+            if turn == 0 and (proof := contradiction(problem)) and proof.least_residual > tol:
                 return Answer(impulse, Status.INFEASIBLE, work, detail=str(proof))
             if is_over():
                 break
-        status = Status.ROUNDING if rounded else Status.TIME_LIMIT if late else Status.STALLED
+        status = Status.ROUNDING if hidden else Status.TIME_LIMIT if late else Status.STALLED
         return Answer(impulse, status, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:

@@ -27,6 +27,7 @@ shortest path in all problems. Therefore all first receive a short share of the 
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -107,6 +108,11 @@ class InteriorPoint(Phased):
         if answer.status in (Status.STALLED, Status.BREAKDOWN) and _has_parts(problem):
             return self._solve_parts(problem, answer, tol, limit, start)
         return answer
+
+    def begin(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        """The step solve with the predictor-corrector only, around the given impulses and from a start of its own."""
+        phases = islice(self._phases(*prepared, start, Counter()), 1 if start is None else 2)
+        return run(prepared, phases, tol, LIMIT if limit is None else limit, PATIENCE, residual)
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         """The first phase in a compiled loop; problems that it does not solve are left to be solved one by one."""
