@@ -23,7 +23,7 @@ from frictionbench.solvers.dense.rows import dense_rows
 from frictionbench.solvers.many import impulses_of
 
 ROWS = 120  # the largest number of contact rows, normal and tangential: a step then takes some tenths of a millisecond
-JOINED_ROWS = 160  # the largest number of contact rows and joint equations together
+JOINED_ROWS = 360  # of contact rows and joint equations together, where it takes half the time of an interior point
 # Bodies without joints: above SMALL_ROWS, Newton's method is used only if the rows do not exceed HYPERSTATIC times the
 # velocities. Otherwise W is singular, and other methods are faster.
 SMALL_ROWS, HYPERSTATIC = 36, 1.25
