@@ -27,10 +27,12 @@ from typing import Any, NamedTuple
 
 import flint
 import numpy as np
-from flint import arb, arb_mat, fmpq, fmpq_mat, fmpz_mat
+from flint import arb, arb_mat, fmpq, fmpq_mat
 from numpy.typing import NDArray
 from scipy.linalg import qr
 from scipy.optimize import linprog
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 import frictionbench as fb
 from frictionbench.harness.plans import hard
@@ -55,15 +57,8 @@ class NotCertifiedError(Exception):
     """The message says why."""
 
 
-class Mode(NamedTuple):
-    """closed, slides: (nc,), which contacts are closed, and which of these slide."""
-
-    closed: Flags
-    slides: Flags
-
-
-def mode_of(problem: FrictionProblem, r: Array, tie: float) -> Mode:
-    """Determine the mode as in the equations of Alart and Curnier.
+def mode_of(problem: FrictionProblem, r: Array, tie: float) -> tuple[Flags, Flags]:
+    """Return which contacts (nc,) are closed, and which of these slide, as in the equations of Alart and Curnier.
 
     tie: contacts whose normal impulse and velocity are both within `tie` of zero, relative to the unit, count as closed,
     because other contacts may hold them closed. Errors: NotCertifiedError if the problem has a friction bias.
@@ -75,7 +70,7 @@ def mode_of(problem: FrictionProblem, r: Array, tie: float) -> Mode:
     closed = idle | (x[:, 0] > u[:, 0])
     size, speed = (np.linalg.norm(each, axis=1) for each in (x[:, 1:] - u[:, 1:], u[:, 1:]))
     slides = (speed > ZERO_SHARE * problem.units) & (idle | (size > problem.friction * x[:, 0]))
-    return Mode(closed, closed & (problem.friction > 0) & slides)
+    return closed, closed & (problem.friction > 0) & slides
 
 
 class Rows(NamedTuple):
@@ -94,13 +89,9 @@ def rows_of(problem: FrictionProblem, wanted: Whole) -> Rows:
     if not problem.mechanical:
         W = problem.W.toarray()[np.ix_(wanted, wanted)]
         return Rows(arb_mat(W.tolist()), [arb(float(q)) for q in problem.q[wanted]], None)
-    whole = np.zeros((nc * d, len(problem.free_velocity)))
-    whole[::d] = problem.normal.toarray()
-    for k in range(d - 1):
-        whole[k + 1 :: d] = problem.tangent.toarray()[k :: d - 1]
     offset = np.zeros(nc * d)
     offset[::d] = problem.bias
-    rows = np.vstack([whole, problem.joints.toarray()])[wanted]
+    rows = np.vstack([problem.jacobian.toarray(), problem.joints.toarray()])[wanted]
     b = np.concatenate([offset, problem.joint_bias])[wanted]
     A = arb_mat(rows.tolist())
     push = _solved_by_blocks(problem.mass.toarray(), rows)  # M^-1 A'
@@ -110,74 +101,60 @@ def rows_of(problem: FrictionProblem, wanted: Whole) -> Rows:
 
 def _solved_by_blocks(mass: Array, rows: Array) -> arb_mat:
     """Return M^-1 rows', computed exactly by the diagonal blocks of M."""
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
-
     count, label = connected_components(csr_array(mass != 0))
     solution = np.zeros(rows.T.shape, dtype=object)
     for block in range(count):
         in_block = np.flatnonzero(label == block)
-        used = np.flatnonzero(rows[:, in_block].any(axis=0 if len(in_block) == 0 else 1))
+        used = np.flatnonzero(rows[:, in_block].any(axis=1))
         if not len(used):
             continue
-        M = fmpq_mat([[_rational(x) for x in line] for line in mass[np.ix_(in_block, in_block)].tolist()])
-        right = fmpq_mat([[_rational(x) for x in line] for line in rows[np.ix_(used, in_block)].T.tolist()])
-        solved = M.solve(right)
+        solved = _rational(mass[np.ix_(in_block, in_block)]).solve(_rational(rows[np.ix_(used, in_block)].T))
         for i, v in enumerate(in_block):
             for k, row in enumerate(used):
                 solution[v, row] = arb(solved[i, k])
     return arb_mat(solution.tolist())
 
 
-def _rational(x: float) -> fmpq:
-    return fmpq(*float(x).as_integer_ratio())
+def _rational(matrix: Array) -> fmpq_mat:
+    return fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in line] for line in matrix.tolist()])
 
 
 def certify(problem: FrictionProblem, impulse: Array) -> float:
     """Return the radius. Errors: NotCertifiedError with the reason."""
     flint.ctx.prec = BITS
-    known = impulse
     r = refined(problem, impulse)
     if r is None:
         raise NotCertifiedError("it cannot be refined to rounding")
     try:
-        return _certified(problem, known, r, mode_of(problem, r, 0.0))
+        return _Certificate(problem, impulse, r, 0.0).radius()
     except NotCertifiedError:
-        return _certified(problem, known, r, mode_of(problem, r, ZERO_SHARE))
-
-
-def _certified(problem: FrictionProblem, known: Array, r: Array, mode: Mode) -> float:
-    """Return the radius. Errors: NotCertifiedError with the reason."""
-    d, nc = problem.dimension, problem.contacts
-    closed, slides = np.flatnonzero(mode.closed), np.flatnonzero(mode.slides)
-    stuck = np.flatnonzero(mode.closed & ~mode.slides & (problem.friction > 0))
-    zero = np.concatenate([closed * d, *(stuck * d + k for k in range(1, d)), nc * d + np.arange(len(problem.joint_bias))])
-    zero = zero.astype(np.int64)
-    sliding = np.concatenate([slides * d + k for k in range(1, d)]).astype(np.int64) if len(slides) else np.zeros(0, np.int64)
-    if len(zero) + len(sliding) > MOST_UNKNOWNS:
-        raise NotCertifiedError(f"too large: {len(zero) + len(sliding)} unknowns")
-    return _Certificate(problem, known, r, mode, zero, sliding).radius()
+        return _Certificate(problem, impulse, r, ZERO_SHARE).radius()
 
 
 class _Certificate:
-    """One problem in one mode. zero, sliding: the rows with zero velocity, and the tangential rows of sliding contacts."""
+    """One problem in the mode of its refined impulses r, which `tie` decides. known: the answer.
 
-    def __init__(self, problem: FrictionProblem, known: Array, r: Array, mode: Mode, zero: Whole, sliding: Whole) -> None:
-        self.problem, self.known, self.r, self.mode = problem, known, r, mode
-        self.zero, self.sliding, self.d = zero, sliding, problem.dimension
-        self.active = np.concatenate([zero, sliding])
+    Errors of all methods: NotCertifiedError with the reason.
+    """
+
+    def __init__(self, problem: FrictionProblem, known: Array, r: Array, tie: float) -> None:
+        self.problem, self.known, self.r, (self.closed, self.slide) = problem, known, r, mode_of(problem, r, tie)
+        self.slides, d = np.flatnonzero(self.slide), problem.dimension
+        closed, joints = np.flatnonzero(self.closed), np.arange(len(problem.joint_bias))
+        stuck = np.flatnonzero(self.closed & ~self.slide & (problem.friction > 0))
+        held = [closed * d, *(stuck * d + k for k in range(1, d)), problem.contacts * d + joints]
+        self.zero, self.d = np.concatenate(held), d  # the rows with zero velocity
+        self.active = np.concatenate([self.zero, *(self.slides * d + k for k in range(1, d))])  # and of sliding contacts
+        if len(self.active) > MOST_UNKNOWNS:
+            raise NotCertifiedError(f"too large: {len(self.active)} unknowns")
         self.rows = rows_of(problem, self.active)
         self.at = {int(row): k for k, row in enumerate(self.active)}  # row -> position among the active
-        self.slides = np.flatnonzero(mode.slides)
         self.kept = self._basis()
         self.impulse = self._start()
         self.unknown = self._unknowns()
 
     def _basis(self) -> Whole:
-        """Return the positions of linearly independent rows among the zero rows.
-
-        Errors: NotCertifiedError if the others do not depend on these in exact arithmetic.
-        """
+        """Return the positions of linearly independent rows among the zero rows, on which the others depend exactly."""
         n = len(self.zero)
         if not n:
             return np.zeros(0, np.int64)
@@ -186,7 +163,7 @@ class _Certificate:
         if len(independent) < n:
             if self.rows.exact is None:
                 raise NotCertifiedError("rows of W depend on each other, and what they follow from is not known")
-            whole, part = _rank(self.rows.exact[:n]), len(independent)
+            whole, part = _rational(self.rows.exact[:n]).rank(), len(independent)
             if whole > part:
                 raise NotCertifiedError(f"{n - part} active rows depend on the others but for rounding")
         return independent
@@ -230,11 +207,7 @@ class _Certificate:
         p = self.problem
         F, mass = p.joints.toarray(), p.mass.toarray()
         push = np.linalg.solve(mass, F.T)
-        J = np.zeros((self.r.size, F.shape[1]))
-        J[:: self.d] = p.normal.toarray()
-        for k in range(self.d - 1):
-            J[k + 1 :: self.d] = p.tangent.toarray()[k :: self.d - 1]
-        v = p.free_velocity + np.linalg.solve(mass, J.T @ self.r.ravel())
+        v = p.free_velocity + np.linalg.solve(mass, p.jacobian.T @ self.r.ravel())
         return np.asarray(np.linalg.lstsq(F @ push, -(F @ v + p.joint_bias), rcond=None)[0])
 
     def _friction(self, i: int) -> Array:
@@ -252,8 +225,8 @@ class _Certificate:
 
     def _with_room(self, start: Array) -> Array:
         """Return impulses with the same effect and the largest slack in all limits; in space pyramids replace the cones."""
-        n, d, mu, kept = len(self.zero), self.d, self.problem.friction, self.kept
-        closed = np.flatnonzero(self.mode.closed)
+        n, d, mu, kept, unit = len(self.zero), self.d, self.problem.friction, self.kept, np.eye(len(self.zero))
+        closed = np.flatnonzero(self.closed)
         _, root = self._scaled(n)
         equal = self._effect()[kept]
         size = self._sizes(start[:n] * root[:n])
@@ -261,19 +234,18 @@ class _Certificate:
         limits, right, of = [], [], []  # each: limit'dx + room of its contact <= right
         for c, i in enumerate(closed):
             normal = self.at[int(i * d)]
-            limits.append(_entry(n, {normal: -1.0}))
+            limits.append(-unit[normal])
             right.append(start[normal] * root[normal] / size[normal])
             of.append(c)
-            if not self.mode.slides[i] and mu[i] > 0:
+            if not self.slide[i] and mu[i] > 0:
                 tangential = [self.at[int(i * d + k)] for k in range(1, d)]
                 for turn in np.array([[1.0], [-1.0]]) if d == 2 else _CORNERS:
-                    limit = {normal: -mu[i]} | {k: t * root[normal] / root[k] for k, t in zip(tangential, turn, strict=True)}
-                    limits.append(_entry(n, limit))
+                    limits.append(-mu[i] * unit[normal] + (turn * root[normal] / root[tangential]) @ unit[tangential])
                     right.append((mu[i] * start[normal] - float(turn @ start[tangential])) * root[normal] / size[normal])
                     of.append(c)
         above, below = np.array(limits), np.array(right)
         # First maximise each contact's slack, to find contacts that cannot be loaded; then the least slack of all others.
-        room = _most_room(equal, above, below, np.array([_entry(len(closed), {c: 1.0}) for c in of]), [], 100 * ROOM)
+        room = _most_room(equal, above, below, np.eye(len(closed))[of], [], 100 * ROOM)
         free = room[n:] > ROOM
         still = [self.at[int(i * d + k)] for i in closed[~free] for k in range(d) if int(i * d + k) in self.at]
         held = np.array([c for c in range(len(of)) if free[of[c]]], dtype=int)
@@ -333,7 +305,7 @@ class _Certificate:
         return arb_mat(lines)
 
     def radius(self) -> float:
-        """Return the radius. Errors: NotCertifiedError with the reason."""
+        """Return the radius."""
         columns = [*map(int, self.unknown), *range(len(self.zero), len(self.active))]
         point = [arb(float(x)) for x in self.impulse]
         if columns:
@@ -355,7 +327,7 @@ class _Certificate:
         return self._distance(point)
 
     def _newton(self, point: list[arb], box: list[arb]) -> list[arb]:
-        """Return F'(box)^-1 F(point). Errors: NotCertifiedError if the derivative may be singular."""
+        """Return F'(box)^-1 F(point)."""
         try:
             step = self._derivative(box).solve(arb_mat([[x] for x in self._equations(point)]))
         except ZeroDivisionError:
@@ -365,20 +337,20 @@ class _Certificate:
     def _require_strict(self, impulse: list[arb]) -> None:
         """Check the strict inequalities. Errors: NotCertifiedError naming one that is not proved."""
         u, d, mu = self._velocities(impulse), self.d, self.problem.friction
-        for i in map(int, np.flatnonzero(self.mode.closed)):
+        for i in map(int, np.flatnonzero(self.closed)):
             pressed = impulse[self.at[i * d]]
             if all(impulse[self.at[i * d + k]] == 0 for k in range(d) if i * d + k in self.at):
                 continue  # its impulse and its u_n are exactly 0
             if not pressed > 0:
                 raise NotCertifiedError(f"contact {i} is closed, with an impulse of 0 to {float(abs(pressed).upper()):.0e} N s")
-            if self.mode.slides[i]:
+            if self.slide[i]:
                 if not self._slip(i, u)[2] > 0:
                     raise NotCertifiedError(f"contact {i} is between sticking and sliding")
             elif mu[i] > 0:
                 friction = sum((impulse[self.at[i * d + k]] ** 2 for k in range(1, d)), arb(0)).sqrt()
                 if not friction < arb(float(mu[i])) * pressed:
                     raise NotCertifiedError(f"contact {i} is between sticking and sliding")
-        opened = np.flatnonzero(~self.mode.closed)
+        opened = np.flatnonzero(~self.closed)
         for other, speed in zip(opened, self._elsewhere(opened * d, impulse), strict=True):
             if not speed > 0:
                 raise NotCertifiedError(f"contact {other} is between open and closed")
@@ -427,28 +399,11 @@ def _most_room(equal: Array, above: Array, below: Array, of: Array, still: list[
     return np.asarray(result.x)
 
 
-def _entry(n: int, values: dict[int, float]) -> Array:
-    vector = np.zeros(n)
-    for k, value in values.items():
-        vector[k] = value
-    return vector
-
-
 def _pivots(matrix: Array) -> Whole:
     """Return the indices of linearly independent rows of a symmetric matrix, in order."""
     _, R, order = qr(matrix, pivoting=True, mode="economic")
     size = np.abs(np.diag(R))
     return np.sort(order[: int((size > DEPENDENT_PIVOT * size.max(initial=0.0)).sum())])
-
-
-def _rank(rows: Array) -> int:
-    """Return the exact rank of a matrix of double-precision numbers."""
-    exact = []
-    for line in rows.tolist():
-        ratios = [x.as_integer_ratio() for x in line]
-        common = max(below for _, below in ratios)  # powers of 2
-        exact.append([above * (common // below) for above, below in ratios])
-    return int(fmpz_mat(exact).rank())
 
 
 def lines() -> Any:
