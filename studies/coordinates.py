@@ -76,7 +76,12 @@ def summary(tables: Tables) -> Summary:
         "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in free[free["speed"] == max(SPEEDS)].groupby("form")),
         "slow": listing([f"{order(rows['step'], rows['error'])} at {speed:g} rad/s" for speed, rows in slow]),
     }
-    figures = {"drift": (Panel("drift", partial(_drift, hinges=hinges)), Panel("error", partial(_error, drifts=drifts)))}
+    figures = {
+        "drift": (
+            Panel("drift", partial(_draw, rows=hinges, column="drift")),
+            Panel("error", partial(_draw, rows=drifts, column="error")),
+        )
+    }
     return Summary(numbers, figures)
 
 
@@ -84,18 +89,12 @@ def _orders(rows: pd.DataFrame) -> str:
     return ", ".join(f"{scheme} {order(group['step'], group['error'])}" for scheme, group in rows.groupby("scheme"))
 
 
-def _drift(ax: Axes, hinges: pd.DataFrame) -> None:
-    for scheme, rows in hinges.groupby("scheme"):
-        ax.plot(rows["step"], rows["drift"], "o-", ms=4, label=str(scheme))
-    finish(ax, "step, s", "gap of a hinge, m", "xy")
-
-
-def _error(ax: Axes, drifts: pd.DataFrame) -> None:
-    for number, (scheme, rows) in enumerate(drifts.groupby("scheme")):
-        for form, one in rows.groupby("form"):
+def _draw(ax: Axes, rows: pd.DataFrame, column: str) -> None:
+    for number, (scheme, of) in enumerate(rows.groupby("scheme")):
+        for form, one in of.groupby("form"):
             line = "o--" if form == "angles" else "o-"
-            ax.plot(one["step"], one["error"], line, color=f"C{number}", ms=4, label=f"{scheme}, {form}")
-    finish(ax, "step, s", "error at the end, m or rad", "xy")
+            ax.plot(one["step"], one[column], line, color=f"C{number}", ms=4, label=f"{scheme}, {form}")
+    finish(ax, "step, s", "gap of a hinge, m" if column == "drift" else "error at the end, m or rad", "xy")
 
 
 STUDY = Study((drifts, free), summary)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ WAYS: dict[str, tuple[str, float, int | None]] = {  # solver, tolerance, limit
 DURATION = 0.3  # s
 HANDS = ("adroit_relocate", "hand_block", "hand_egg", "hand_pen")
 ROBOTS = ("humanoid", "humanoid_CMU", "quadruped", "hopper", "walker", "cheetah", "ant", "fetch_slide", *HANDS)
+QUICK, SEEDS = ("humanoid", "quadruped", "hopper", "walker", "cheetah", "ant"), (1, 2, 3, 4)
 MOVED = 1e-12  # change of the velocities at the twin's start
 COMPARABLE = 1e-6  # largest distance of exact paths that are the same, m, and of velocities, relative to their change
 HELD = 1.0  # largest displacement of an object that stands or is held, mm
@@ -62,35 +64,43 @@ TASKS = {  # scene, and the body that must not move
 }
 
 
-def paths(names: Iterable[str] = ROBOTS, duration: float = DURATION) -> Iterator[Row]:
-    """Robots under smooth controls: the distance of each way's bodies from the reference's at the end."""
-    for name in names:
+def paths(
+    names: Iterable[str] = ROBOTS, duration: float = DURATION, seeds: Iterable[int] = (0,), ways: Iterable[str] = tuple(WAYS)
+) -> Iterator[Row]:
+    """Robots under smooth controls: the distance of each way's bodies from the reference's at the end.
+
+    ways: the reference is the first. The steps of its path are also solved from zero by two methods.
+    """
+    for name, seed in product(names, seeds):
         known: Array | None = None
-        for way in WAYS:
-            model, data, drive = _driven(name)
+        met: list[fb.FrictionProblem] = []
+        for way in ways:
+            model, data, drive = _driven(name, seed)
             if way == TWIN:
                 data.qvel[:] += MOVED * np.random.default_rng(0).normal(size=model.nv)
-            centres = _moved(model, data, drive, way, duration)
-            known = centres if known is None else known  # of the reference, the first way
-            yield {"model": name, "way": way, "error": float(np.linalg.norm(centres - known, axis=1).max())}  # of a body, m
+            centres = _moved(model, data, drive, way, duration, met if way == REFERENCE else None)
+            known = centres if known is None else known
+            error = float(np.linalg.norm(centres - known, axis=1).max())  # of a body, m
+            yield {"model": name, "seed": seed, "way": way, "error": error} | (_facts(met) if way == REFERENCE else {})
 
 
-def steps(names: Iterable[str] = ROBOTS, duration: float = DURATION) -> Iterator[Row]:
-    """The steps of the reference's paths: how many have friction at a contact, and how many two answers from zero."""
-    for name in names:
-        met: list[fb.FrictionProblem] = []
-        _moved(*_driven(name), REFERENCE, duration, met)
-        answers = [[fb.solve(problem, WAYS[way][0], tol=1e-12).impulse for way in (REFERENCE, OTHER)] for problem in met]
-        judged = list(zip(met, answers, strict=True))
-        apart = np.array([velocity_distance(problem, *pair) or 0.0 for problem, pair in judged])  # over the change by contact
-        yield {
-            "model": name,
-            "steps": len(met),
-            "residual": max(fb.residual(problem, r) for problem, pair in judged for r in pair),
-            "frictional": sum((problem.friction > 0).any() for problem in met),
-            "several": int((apart > COMPARABLE).sum()),
-            "apart": apart.max(),
-        }
+def others(names: Iterable[str] = QUICK, duration: float = DURATION, seeds: Iterable[int] = SEEDS) -> Iterator[Row]:
+    """The same by other seeds, which change the first velocities and the controls."""
+    return paths(names, duration, seeds, (REFERENCE, TWIN, *SOLVED, "10 sweeps"))
+
+
+def _facts(met: list[fb.FrictionProblem]) -> Row:
+    """Return how many steps there are, how many have friction at a contact, and how many two answers from zero."""
+    answers = [[fb.solve(problem, WAYS[way][0], tol=1e-12).impulse for way in (REFERENCE, OTHER)] for problem in met]
+    judged = list(zip(met, answers, strict=True))
+    apart = np.array([velocity_distance(problem, *pair) or 0.0 for problem, pair in judged])  # over the change by contact
+    return {
+        "steps": len(met),
+        "residual": max(fb.residual(problem, r) for problem, pair in judged for r in pair),
+        "frictional": sum((problem.friction > 0).any() for problem in met),
+        "several": int((apart > COMPARABLE).sum()),
+        "apart": apart.max(),
+    }
 
 
 def tasks(names: Iterable[str] = tuple(TASKS), duration: float = DURATION) -> Iterator[Row]:
@@ -132,12 +142,12 @@ def _built(task: str) -> tuple[Any, Any]:
     return model, data
 
 
-def _driven(name: str) -> tuple[Any, Any, Any]:
+def _driven(name: str, seed: int) -> tuple[Any, Any, Any]:
     """Return a robot's model, its data at the start, and its smooth controls."""
     from tools.robots.models import MODELS, begin
 
     model = next(one for one in MODELS if one.name == name).load()
-    return model, *begin(model, "smooth", 0)
+    return model, *begin(model, "smooth", seed)
 
 
 def _moved(model: Any, data: Any, drive: Any, way: str, duration: float, met: list[fb.FrictionProblem] | None = None) -> Array:
@@ -158,8 +168,9 @@ def _moved(model: Any, data: Any, drive: Any, way: str, duration: float, met: li
 
 
 def summary(tables: Tables) -> Summary:
-    met, grips = tables["steps"].set_index("model"), tables["grips"]
-    ends = tables["paths"].pivot_table(index="way", columns="model", values="error", sort=False).drop(REFERENCE)
+    first, grips, others = tables["paths"], tables["grips"], tables["others"]
+    met = first[first["way"] == REFERENCE].set_index("model")
+    ends = first.pivot_table(index="way", columns="model", values="error", sort=False).drop(REFERENCE)
     several, unstable = met[met["several"] > 0], ends.columns[ends.loc[TWIN] > COMPARABLE]
     alone = ends.drop(columns=several.index.union(unstable))
     moved = tables["tasks"].pivot_table(index="way", columns="task", values="moved")
@@ -170,13 +181,26 @@ def summary(tables: Tables) -> Summary:
     require((moved.loc[exact, "grasp"] > HELD).nunique() == 2, "exact steps hold the grasp and lose it")
     require((grips["residual"] < TOLERANCES[-2]).all(), "every method answers the grasp's step exactly")
     loosest = [f"{task} {next((way for way in SOLVED if moved.loc[way, task] <= HELD), 'none')}" for task in moved]
+    again = others.pivot_table(index="way", columns=["model", "seed"], values="error", sort=False)
+    shown = others[others["several"] > 0].set_index(["model", "seed"]).index
+    near = again.loc[:, (again.loc[TWIN] < COMPARABLE) & ~again.columns.isin(shown)].drop(REFERENCE)
+    clear = near.loc[:, near.loc[SOLVED[-1]] < COMPARABLE]
+    hidden = near.columns.difference(clear.columns)
     numbers = {
+        "more": [again.columns.size, near.columns.size, clear.columns.size],
+        "seeds": len(SEEDS),
+        "quick": listing(list(QUICK)),
+        "shown": listing([f"{model} by seed {seed}" for model, seed in shown]),
+        "hidden": listing([f"{model} by seed {seed} ({near[model, seed].drop(TWIN).min():.0e} m)" for model, seed in hidden]),
+        "often": {way: f"{count} of {clear.columns.size}" for way, count in (clear > HELD / 1e3).sum(axis=1).items()},
+        "most": clear.max(axis=1).map("{:.0e}".format).to_dict(),
+        "spread": _table(clear.T.groupby("model", sort=False).agg(_range).T),
         "alone": alone.columns.size,
         "names": listing(list(alone.columns)),
         "several": listing(list(several.index)),
         "unstable": listing([f"{name} ({ends.loc[TWIN, name]:.0e} m)" for name in unstable]),
         "splits": listing(
-            [f"{row.several} of {row.steps} of {row.Index} (by {100 * row.apart:.0f} %)" for row in several.itertuples()]
+            [f"{row.several:g} of {row.steps:g} of {row.Index} (by {100 * row.apart:.0f} %)" for row in several.itertuples()]
         ),
         "smooth": listing(list(met.index[met["frictional"] == 0])),
         "twin": f"{alone.loc[TWIN].max():.0e}",
@@ -202,6 +226,10 @@ def _table(cells: pd.DataFrame) -> list[str]:
     return [lines[0].replace("|  |", "| |"), f"|---|{'---|' * len(cells.columns)}", *lines[1:]]
 
 
+def _range(errors: pd.Series) -> str:
+    return f"{errors.min():.0e} to {errors.max():.0e}"
+
+
 def _draw(ax: Axes, groups: dict[str, pd.DataFrame]) -> None:
     """Plot a dot for each model."""
     for k, (label, errors) in enumerate(groups.items()):
@@ -211,4 +239,4 @@ def _draw(ax: Axes, groups: dict[str, pd.DataFrame]) -> None:
     finish(ax, "nsgs: residual; sweeps; other laws", "error, m", "y")
 
 
-STUDY = Study((paths, steps, tasks, grips), summary, needs=("mujoco", "dm_control", "gymnasium_robotics"))
+STUDY = Study((paths, others, tasks, grips), summary, needs=("mujoco", "dm_control", "gymnasium_robotics"))

@@ -66,14 +66,16 @@ def summary(tables: Tables) -> Summary:
     }
     names = sorted(ratios, key=lambda name: ratios[name][WARM][0])
     free = (counts[WARM] == 0).groupby("variant").mean()
-    middle = (motions[WARM] / motions[COLD]).groupby("variant").median()
+    middle = (motions[WARM] / motions[COLD]).groupby("variant").agg(["median", "min", "max"]).sort_values("median")
+    missing = 0.5 ** (motions.groupby("variant").size().min() - 1)  # that a median is beyond the least or the largest
     texts = [
         f"{name} ({COUNTS[name]}) {'{:.2f} ({:.2f} to {:.2f})'.format(*ratios[name][WARM])}, "
-        f"{middle[name]:.2f} in the median motion, from another step {ratios[name][SHUFFLED][0]:.2f}"
+        f"{_spread(middle.loc[name])} in the median motion, from another step {ratios[name][SHUFFLED][0]:.2f}"
         for name in names
     ]
     numbers = {
-        "middles": [f"{middle[name]:.2f} ({name})" for name in (middle.idxmin(), middle.idxmax())],
+        "middles": [f"{_spread(middle.loc[name])} for {name}" for name in middle.index[[0, -1]]],
+        "sure": f"{100 * (1 - len(names) * missing):.3g}",
         "gained": sum(ratios[name][WARM][2] < 1 for name in names),
         "methods": len(names),
         "problems": problems.iloc[0],
@@ -90,6 +92,10 @@ def summary(tables: Tables) -> Summary:
         ),
     }
     return Summary(numbers, figures)
+
+
+def _spread(of: pd.Series) -> str:
+    return "{:.2f} ({:.2f} to {:.2f})".format(*of)
 
 
 def _count(variant: str, work: object) -> float:

@@ -72,7 +72,7 @@ def rows(variant: str, warm: int, shuffled: int) -> list[dict[str, object]]:
 def test_only_problems_with_all_three_starts_are_compared() -> None:
     made = pd.DataFrame(rows("lemke", 5, 10) + rows("nsgs", 20, 30))
     account = text("warm", {"solves": made})
-    assert account["answer"].startswith("From the step before, methods take a median of 0.25 (lemke) to 1.00 (nsgs) of their")
+    assert account["answer"].startswith("From the step before, methods take 0.25 (0.25 to 0.25) for lemke to 1.00")
     assert "for 1 of 2 the interval of the ratio of sums is below 1" in account["answer"]
     assert "Of 4 problems with all three starts" in account["body"]
     made.loc[(made["variant"] == "nsgs") & (made["step"] == 2) & (made["start"] == "warm"), "verdict"] = "unsolved"

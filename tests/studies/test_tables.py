@@ -156,7 +156,7 @@ def test_the_error_of_a_path_follows_the_tolerance() -> None:
         if find_spec(package) is None:
             pytest.skip(f"{package} is not installed")
     robots, tasks = {"names": ("humanoid",)}, {"names": ("grasp", "hinge"), "duration": 0.1}
-    found = reduced("exactness", paths=robots, steps=robots, tasks=tasks)
+    found = reduced("exactness", paths=robots, others=robots | {"seeds": (1,)}, tasks=tasks)
     error = found["paths"].set_index("way")["error"]
     assert error["1e-01"] > 1e2 * error["1e-06"] > 1e4 * error["1e-10"]
     assert error["twin"] < 1e-9
