@@ -134,10 +134,9 @@ def _run(results: Results | str | Path) -> Run:
 
 
 def _panels(chart: str, run: Run) -> list[Panel]:
-    panels = next((each.panels for each in CHARTS if each.name == chart), None)
-    if panels is None or chart not in __all__:
+    if chart not in __all__ or chart not in CHARTS:
         raise ValueError(f"chart: there is no chart {chart!r}")
-    return [panel for panel in panels(run) if isinstance(panel, Panel)]
+    return [panel for panel in CHARTS[chart].panels(run) if isinstance(panel, Panel)]
 
 
 def _legend(ax: Axes, run: Run, panel: Panel) -> None:

@@ -38,7 +38,10 @@ def standard_streams() -> Iterator[None]:
     """Run a command's block with these streams. If one cannot be written, exit with 141 (128 + SIGPIPE) and no message if its
     reader has ended, otherwise with 2 and a line on the other stream."""
     for number in (0, 1, 2):
-        _open_if_closed(number)
+        try:
+            os.fstat(number)
+        except OSError:  # closed: the next file that is opened would be given its number
+            os.dup2(os.open(os.devnull, os.O_RDWR), number)
     for number, name in ((1, "stdout"), (2, "stderr")):
         if getattr(sys, name) is getattr(sys, f"__{name}__"):  # unless a caller has redirected it
             setattr(sys, name, _stream(number, getattr(sys, name)))
@@ -55,14 +58,6 @@ def standard_streams() -> Iterator[None]:
         with suppress(Unwritable):
             print(f"frictionbench: {unwritable}", file=sys.stderr, flush=True)
         sys.exit(UNUSABLE)
-
-
-def _open_if_closed(number: int) -> None:
-    """Keep a closed descriptor from being given to the next file that is opened."""
-    try:
-        os.fstat(number)
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_RDWR), number)
 
 
 def _stream(number: int, replaced: Any) -> io.TextIOWrapper:

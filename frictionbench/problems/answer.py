@@ -103,12 +103,8 @@ def is_plain(answer: Any) -> bool:
     )
 
 
-def identical(one: Answer, other: Answer) -> bool:
-    """Whether two checked answers are the same to the last bit, work counters included."""
-    return _bits(one) == _bits(other)
-
-
-def _bits(answer: Answer) -> tuple[Any, ...]:
+def bits(answer: Answer) -> tuple[Any, ...]:
+    """All bits of a checked answer, work counters included, by which two answers are compared."""
     z, softness = (None if part is None else part.tobytes() for part in (answer.z, answer.softness))
     return answer.status, answer.impulse.shape, answer.impulse.tobytes(), z, softness, answer.work
 

@@ -187,15 +187,12 @@ def shown_levels(table: pd.DataFrame) -> list[str]:
     return [name for name in LEVELS if name != "p99" or table["p99"].notna().any()]
 
 
-def decade(contacts: "pd.Series[float]") -> "pd.Series[int]":
-    """Return the exponent of each number's decade: 1 for up to 10 contacts, 2 for 11 to 100, and so on."""
-    return np.ceil(np.log10(contacts.fillna(0).clip(lower=1))).clip(lower=1).astype(int)
-
-
 def strata(rows: pd.DataFrame) -> "pd.Series[str]":
-    """Return the name of each row's stratum. rows: with columns scene, contacts and dimension."""
-    size, dimension = decade(rows["contacts"]).astype(str), rows["dimension"].fillna(0).astype(int).astype(str)
-    return rows["scene"] + " 1e" + size + " d" + dimension
+    """Return the name of each row's stratum, with the decade of its contacts: 1e1 for up to 10, 1e2 for 11 to 100, and so on.
+
+    rows: with columns scene, contacts and dimension."""
+    decade = np.ceil(np.log10(rows["contacts"].fillna(0).clip(lower=1))).clip(lower=1).astype(int)
+    return rows["scene"] + " 1e" + decade.astype(str) + " d" + rows["dimension"].fillna(0).astype(int).astype(str)
 
 
 def weights(rows: pd.DataFrame, by: Sequence[str] = ()) -> "pd.Series[float]":

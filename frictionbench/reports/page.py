@@ -138,7 +138,7 @@ def _faded(run: Run) -> list[str]:
 def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]]:
     """Return by section the charts that have panels. Charts that depend on the ranking have panels for each of the runs."""
     by_section: dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]] = {}
-    for chart in CHARTS:
+    for chart in CHARTS.values():
         drawn = {run.rank_by: chart.panels(run)[chart.on_page] for run in (runs if chart.ranked else runs[:1])}
         if any(drawn.values()):
             by_section.setdefault(chart.section, []).append((chart, drawn))

@@ -49,9 +49,8 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
     """
     paper = subfolder(folder, "paper")
     captions: dict[str, str] = {}
-    charts = {chart.name: chart for chart in CHARTS}
-    for name in charts if figures is None else figures:
-        captions |= _save_chart(charts[name], run, paper, width, font)
+    for name in CHARTS if figures is None else figures:
+        captions |= _save_chart(CHARTS[name], run, paper, width, font)
     made = printed(run)
     for table in made:
         write_text(paper / f"{table.name}.tex", booktabs(table))
@@ -63,20 +62,23 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
 
 def chart_names(run: Run, names: Sequence[str] | None = None) -> Sequence[str]:
     """Check the names of charts, None for all, and return them. Errors: ResultsError naming one that the run lacks."""
-    charts = {chart.name: chart for chart in CHARTS}
-    if missing := [name for name in names or () if name not in charts or not charts[name].panels(run)]:
-        there = [name for name, chart in charts.items() if chart.panels(run)]
+    if missing := [name for name in names or () if name not in CHARTS or not CHARTS[name].panels(run)]:
+        there = [name for name, chart in CHARTS.items() if chart.panels(run)]
         raise ResultsError(f"figures: there is no {missing[0]} of these results; there are {', '.join(there)}")
-    return names or [*charts]
+    return names or [*CHARTS]
 
 
 def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) -> dict[str, str]:
     """Save the figures of a chart, one with all panels or one for each map, each in parts that fit on a page. Return the
     captions by the files' names."""
     drawings, captions, caption = chart.panels(run), dict[str, str](), _caption(chart, run)
-
-    def save(stem: str, text: str, panels: Sequence[Panel], handles: Mapping[str, Artist]) -> None:
-        """handles: legend entries besides the labels."""
+    figures: list[tuple[str, str, Sequence[Panel], Mapping[str, Artist]]]  # the file, the caption, the panels, legend entries
+    figures = [(chart.name, caption, [one for one in drawings if isinstance(one, Panel)], NO_HANDLES)]
+    for one in drawings:
+        if isinstance(one, Drawing):
+            text = f"{one.title.rstrip('.')}. {caption} {one.note}".rstrip()
+            figures.append((f"{chart.name}_{one.name}", text, one.panels, one.handles))
+    for stem, text, panels, handles in figures:
         columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
         height = ASPECT * width / columns
         room = TALLEST - legend_size([plain(name) for name in run.looks], width, FONT)[1]
@@ -89,25 +91,15 @@ def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) ->
             continued = f"{title} (continued, {k // most + 1} of {-(-len(panels) // most)})." if k else text
             marked = any(PORTFOLIO in text for text in (continued, *named, *(panel.title for panel in part)))
             captions[name] = continued + " An asterisk marks a portfolio, which runs other solvers." * marked
-
-    save(chart.name, caption, [one for one in drawings if isinstance(one, Panel)], NO_HANDLES)
-    for one in drawings:
-        if isinstance(one, Drawing):
-            text = f"{one.title.rstrip('.')}. {caption} {one.note}".rstrip()
-            save(f"{chart.name}_{one.name}", text, one.panels, one.handles)
     return captions
 
 
 def _caption(chart: Chart, run: Run) -> str:
-    """Return the caption in print: the title and the chart's caption."""
+    """Return the caption in print: the title and the chart's caption, without markup and sentences on the page only."""
     title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
-    return f"{title}. {_plain(chart.caption)}".removeprefix(". ")
-
-
-def _plain(caption: str) -> str:
-    """Return a caption without markup and without the sentences that apply to the page only."""
-    sentences = Markup(caption).striptags().replace(". ", ".\n").splitlines()
-    return " ".join(sentence for sentence in sentences if not sentence.startswith(ON_PAGE_ONLY))
+    sentences = Markup(chart.caption).striptags().replace(". ", ".\n").splitlines()
+    printed_ones = (sentence for sentence in sentences if not sentence.startswith(ON_PAGE_ONLY))
+    return f"{title}. {' '.join(printed_ones)}".removeprefix(". ")
 
 
 RESTRICTED = {"scenes": ["scene", "problem_class"], "solvers": ["variant", "solver", "label"]}  # columns with their names

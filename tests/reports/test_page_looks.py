@@ -46,7 +46,7 @@ def test_no_text_overlaps(tmp_path, solvers):
     assert [fault for view in found for fault in view["faults"]] == []
     assert {view["dark"] for view in found} == {False, True}
     run = read_run(folder)
-    panels = sum((1 + chart.ranked) * len(chart.panels(run)[chart.on_page]) for chart in CHARTS)
+    panels = sum((1 + chart.ranked) * len(chart.panels(run)[chart.on_page]) for chart in CHARTS.values())
     assert {view["drawn"] for view in found} == {panels}
 
 

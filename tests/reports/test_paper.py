@@ -34,7 +34,7 @@ def run(tmp_path) -> Run:
 
 
 def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("frictionbench.reports.paper.CHARTS", ())
+    monkeypatch.setattr("frictionbench.reports.paper.CHARTS", {})
     paper = write_paper(tmp_path, run)
     times, verdicts = ((paper / f"{name}.tex").read_text() for name in ("times", "solvability"))
     assert r"solver & " + " & ".join(rf"to \ensuremath{{10^{{-{k}}}}} & mean" for k in (4, 6, 8)) + r" \\" in times

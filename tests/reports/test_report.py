@@ -227,11 +227,11 @@ def test_charts_on_page_and_in_paper(tmp_path):
     write_histories(folder, [history])
     page, paper = Page(write_report(folder)), write_paper(folder, read_run(folder))
     run = read_run(folder)
-    drawn = [chart for chart in CHARTS if chart.panels(run)]
-    assert [chart for chart in CHARTS if chart not in drawn] == [*MAPS, steps.CHART]
+    drawn = [chart for chart in CHARTS.values() if chart.panels(run)]
+    assert [chart for chart in CHARTS.values() if chart not in drawn] == [*MAPS, steps.CHART]
     files = {f"{chart.name}.{kind}" for chart in drawn for kind in ("svg", "pdf")}
     assert {file.name for file in paper.iterdir() if file.suffix in (".svg", ".pdf")} == files
-    assert page.count["figure"] == sum((1 + chart.ranked) * len(chart.panels(run)[chart.on_page]) for chart in CHARTS)
+    assert page.count["figure"] == sum((1 + chart.ranked) * len(chart.panels(run)[chart.on_page]) for chart in drawn)
     for chart in drawn:
         assert chart.title in page.text
         assert Markup(chart.caption).striptags() in page.text

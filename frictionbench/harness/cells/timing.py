@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 
 from frictionbench.harness.process import no_forked_child, waited
 from frictionbench.problems import LCP, FrictionProblem
-from frictionbench.problems.answer import checked_copy, identical, is_plain
+from frictionbench.problems.answer import bits, checked_copy, is_plain
 from frictionbench.problems.copies import nudged
 from frictionbench.solvers import Answer, Solver
 
@@ -79,7 +79,7 @@ class Timing:
     new_answers: list[tuple[FrictionProblem | LCP, Answer]] = field(default_factory=list)
 
     def add_answer(self, answer: Answer) -> None:
-        if not any(identical(answer, known) for known in self.answers):
+        if bits(answer) not in map(bits, self.answers):
             self.answers.append(answer)
 
     def add_sample(self, call: Call) -> None:

@@ -23,7 +23,6 @@ from frictionbench.problems.analysis.polyhedra import (
     Cone,
     Polyhedron,
     Shape,
-    contains,
     cut,
     distinct,
     is_face,
@@ -53,13 +52,12 @@ class Census:
     pieces: maximal polyhedra of solutions, each with its mode, a letter per contact ("o"pen, "s"tick, "l"eft, "r"ight,
     "c"losed without friction, and in capitals open contacts with a friction bias).
     velocities: the maximal images of the pieces in y; different impulses may have the same velocity.
-    shape, velocity_shape: whether there are none, one, a convex set, isolated points, or another nonconvex set.
+    shape: whether there are none, one, a convex set, isolated points, or another nonconvex set.
     """
 
     pieces: tuple[Polyhedron, ...]
     velocities: tuple[Polyhedron, ...]
     shape: Shape
-    velocity_shape: Shape
 
     @property
     def count(self) -> int | None:
@@ -172,7 +170,6 @@ def enumerate_solutions(
         tuple(_scaled(piece, x_unit) for piece in pieces),
         tuple(_scaled(image, y_unit) for image in images),
         shape(pieces, lambda x: is_solution(x * x_unit)),
-        shape(images, lambda y: any(contains(image, y) for image in images)),
     )
 
 

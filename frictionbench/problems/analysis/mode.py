@@ -13,8 +13,8 @@ def mode(problem: FrictionProblem, impulse: Array) -> str:
     require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
     least = ZERO * problem.units
     opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= least
-    slides = np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1) > least
-    slip = np.where(slides, np.sign(problem.contact_velocity(impulse)[:, 1]), 0).astype(int)
+    along = problem.contact_velocity(impulse)[:, 1]
+    slip = np.where(np.abs(along) > least, np.sign(along), 0).astype(int)
     return "".join(np.where(opened, "o", np.array(["s", "r", "l"])[slip]))
 
 

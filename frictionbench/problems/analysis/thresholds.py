@@ -54,6 +54,5 @@ THRESHOLDS: dict[str, Callable[[FrictionProblem], bool]] = {
 
 def existence(problem: FrictionProblem, pointed: bool) -> str:
     """Why the problem is known to have a solution: "gaps", "pointed", or "" if neither condition holds."""
-    if not problem.mechanical or problem.joint_bias.any():
-        return "pointed" if pointed else ""
-    return "gaps" if gaps_only(problem) else "pointed" if pointed else ""
+    open_contacts = problem.mechanical and not problem.joint_bias.any() and gaps_only(problem)
+    return "gaps" if open_contacts else "pointed" if pointed else ""

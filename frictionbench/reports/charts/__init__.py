@@ -1,4 +1,4 @@
-"""The charts of page and paper, in the order in which they are shown."""
+"""The charts of page and paper by name, in the order in which they are shown."""
 
 from frictionbench.reports.charts import (
     convergence,
@@ -13,7 +13,6 @@ from frictionbench.reports.charts import (
 )
 
 MAPS = (failure_maps.VERDICTS, failure_maps.TYPES, failure_maps.TIMES)
-CHARTS = (
-    *(stability.CHART, convergence.FORCES, *MAPS, pareto.CHART, speed_accuracy.CHART, convergence.CHART),
-    *(profiles.CHART, profiles.WORK, profiles.WITHIN, growth.CHART, steps.CHART, energy.CHART),
-)
+_ABOVE = (stability.CHART, convergence.FORCES, *MAPS, pareto.CHART, speed_accuracy.CHART, convergence.CHART)
+_BELOW = (profiles.CHART, profiles.WORK, profiles.WITHIN, growth.CHART, steps.CHART, energy.CHART)
+CHARTS = {chart.name: chart for chart in (*_ABOVE, *_BELOW)}
