@@ -3,9 +3,9 @@
 No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all, and is the
 fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane (`few_pivots`), and Newton's
 method on dense rows in space (solvers.dense). For the largest problems a few sweeps of Gauss-Seidel save most of the interior
-point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. In the plane, Lemke's method is
-mostly faster than the paths of the interior point on up to FEW contacts, and is tried between its predictor-corrector and
-these.
+point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. On up to FEW contacts in which
+its predictor-corrector is trapped, Lemke's method in the plane and Gauss-Seidel are mostly faster than its paths, and are tried
+before these: the interior point has two turns.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, and its rounding floor
 are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. If rounding explains
@@ -33,15 +33,16 @@ from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import InteriorPoint, first_phase_of
 
-PLANAR = "lemke", "interior_point", "staggered"
-SPATIAL = "nsgs", "interior_point", "proximal_newton", "apgd_coulomb"
+INTERIOR = "interior_point"
+PLANAR, SPATIAL = ("staggered",), ("proximal_newton", "apgd_coulomb")  # the last members
 NEWTON = "Newton's method on dense rows"  # solvers.dense, which is not a registered solver
 TIME_SHARE = 0.9  # of the remaining time limit, for each member except the last: nearly all problems are solved by the first
 STORAGE = 2**32  # bytes of dense matrices above which a further member is skipped: its pivots would take hours
 USABLE_START = 0.01  # the largest residual at which the impulses of one member are a better start for the next than zeros
-FEW = 100  # contacts up to which pivots are faster than the paths of an interior point
+FEW = 100  # contacts up to which simpler methods are mostly faster than the paths of a trapped interior point
 ALIKE = 2.0  # the largest ratio of two methods' floors at which rounding is that of the problem, not of an answer
-SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
+SWEEPS = 30  # of nsgs at first: a fraction of the time of interior_point at any size
+MORE_SWEEPS = 300  # where others fail; more solve few other problems
 SWEPT = 6, 60  # contacts up to which nsgs is the fastest on W, and from which on its sweeps save more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only, as W is singular
 ALWAYS, CHAINS = 36, 64  # contacts up to which pivots are faster, in general and in chains
@@ -59,7 +60,7 @@ Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
     model="coulomb",
     dimension=(2, 3),
     warm_start=True,
-    members=tuple(dict.fromkeys((*PLANAR, *SPATIAL))),
+    members=("lemke", "nsgs", INTERIOR, *PLANAR, *SPATIAL),
 )
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
@@ -74,15 +75,14 @@ class Hybrid:
 
     def form(self, problem: FrictionProblem) -> Prepared:
         nc, space = problem.contacts, problem.dimension == 3
-        simple, other, *others = SPATIAL if space else PLANAR
-        if (steps := few_steps(problem)) or (space and problem.mechanical and not nc):
-            return problem, (NEWTON, other, other, simple, *others), steps
-        sizes = nc, len(problem.free_velocity), len(problem.joint_bias)
-        if _sweeps_help(*sizes) if space else few_pivots(problem):
-            members = (simple, other, *others) if space else (simple, other, other, *others)
-        else:
-            members = (other, simple, *others) if space or nc > FEW else (other, simple, other, *others)
-        return problem, members, find(members[0])[1].form(problem)
+        steps, sizes = few_steps(problem), (nc, len(problem.free_velocity), len(problem.joint_bias))
+        by_newton = steps or (space and problem.mechanical and not nc)
+        simple_first = _sweeps_help(*sizes) if space else few_pivots(problem)
+        first = NEWTON if by_newton else ("nsgs" if space else "lemke") if simple_first else None
+        simple = ("nsgs",) if space or first else ("lemke", "nsgs")
+        members = INTERIOR, *simple, *((INTERIOR,) if nc <= FEW else ()), *(SPATIAL if space else PLANAR)
+        members = (first, *members) if first else members
+        return problem, members, steps if by_newton else find(members[0])[1].form(problem)
 
     def setup(self, formed: Prepared) -> Prepared:
         problem, members, first = formed
@@ -105,7 +105,8 @@ class Hybrid:
                 if dense_storage(member, problem) > STORAGE:
                     continue
                 stage = member.prepare(problem)
-            own_limit = min(SWEEPS, limit or SWEEPS) if name == "nsgs" else limit
+            sweeps = MORE_SWEEPS if turn else SWEEPS
+            own_limit = min(sweeps, limit or sweeps) if name == "nsgs" else limit
             near = least <= USABLE_START and not hidden and name != "lemke"  # which is faster from zero than nearby
             guess = (impulse if near else start) if info.warm_start else None
             again = name in members[turn + 1 :]  # its paths come later

@@ -7,12 +7,13 @@ for a thousand boxes than for ten.
 
 The problem is not monotone, and the predictor-corrector can be trapped: in a few of a hundred random instances, and in large
 piles with much friction. In space, and in the plane from LARGE contacts on, the convex relaxation is then solved, which is
-monotone. If its solution nearly obeys Coulomb's law, as it does when nothing slides, the predictor-corrector starts from it. In
-the plane, from LARGE contacts on, semismooth Newton (solvers.interior.fischer_burmeister) is next: it follows no path, and
-solves most large random contact graphs and piles of discs. Finally the central path is followed around its folds
-(solvers.interior.central_path) from one start after the other: some are the same for all problems, others are centred points
-(solvers.interior.point) around the result of Gauss-Seidel, the relaxation's solution or given impulses. No start has the
-shortest path in all problems. Therefore all first receive a short share of the work, then a few receive a long one.
+monotone. If its solution nearly obeys Coulomb's law, as it does when nothing slides, the predictor-corrector starts from it, as
+it does later from the result of Gauss-Seidel. In the plane, from LARGE contacts on, semismooth Newton
+(solvers.interior.fischer_burmeister) is next: it follows no path, and solves most large random contact graphs and piles of
+discs. Finally the central path is followed around its folds (solvers.interior.central_path) from one start after the other:
+some are the same for all problems, others are centred points (solvers.interior.point) around the result of Gauss-Seidel, the
+relaxation's solution or given impulses. No start has the shortest path in all problems. Therefore all first receive a short
+share of the work, then a few receive a long one.
 
 * In space, for many contacts with much friction, paths are several times shorter if the products of friction are larger than
   the normal ones at the start, so that sliding and sticking are decided after opening and closing.
@@ -62,7 +63,7 @@ RELAXED_STARTS = ((3.0, 10.0), (3.0, 3.0), (1.0, 10.0), (3.0, 30.0))  # the swep
 SWEEPS = 1000  # of nsgs, whose result is a start: they take the time of ten or twenty factorisations
 LEAST_DISTANCE = 1e-10  # of a start of the predictor-corrector from the boundary, as a residual: less is lost in rounding
 PATH_DISTANCE, LONG_DISTANCES = 0.3, (3.0, 10.0)  # the same for paths in the plane, which are shorter from well inside
-NEARLY_SOLVED = 0.01  # the largest residual of the relaxation's solution from which the predictor-corrector is tried
+NEARLY_SOLVED = 0.01  # the largest residual of another method's impulses from which the predictor-corrector is tried
 GIANT = 0.9  # share of contacts in one part above which parts are not solved separately: it would take as long as the whole
 LIMIT = 16000  # factorisations in all: enough for the shares of all starts in problems of a few hundred contacts
 NEWTON_SHARE = 100  # factorisations of one run of semismooth Newton: 95 % of the runs that converge within 150 take fewer
@@ -160,8 +161,8 @@ class InteriorPoint(Phased):
             return _nested(problem, "relaxation_ip", spent)
 
         space, large = problem.dimension == 3, problem.contacts >= LARGE
-        if (space or large) and residual(problem, relaxed()) <= NEARLY_SOLVED:
-            yield predictor_corrector, _around(problem, system, relaxed(), LEAST_DISTANCE), PHASE_SHARE
+        if space or large:
+            yield from _near(problem, system, relaxed())
         if space:
             yield from self._spatial(problem, system, relaxed(), start, spent)
             return
@@ -170,6 +171,7 @@ class InteriorPoint(Phased):
                 yield fischer_burmeister, start_point(system, impulse, speed), NEWTON_SHARE
             yield fischer_burmeister, trapped, NEWTON_SHARE
         swept = _guess(problem, start, spent)
+        yield from _near(problem, system, swept)
         yield trace, new_path(_around(problem, system, swept, PATH_DISTANCE)), PHASE_SHARE
         for impulse, speed in PLANAR_STARTS:
             yield trace, new_path(start_point(system, impulse, speed)), PHASE_SHARE
@@ -194,7 +196,9 @@ class InteriorPoint(Phased):
 
         first, last = (new_path(_generic(system, *each)) for each in (FIRST_START, LAST_START))
         yield trace, first, int(SHORT_PATH * share)
-        swept = around(_guess(problem, start, spent), *SWEPT_START)
+        guess = _guess(problem, start, spent)
+        yield from _near(problem, system, guess)
+        swept = around(guess, *SWEPT_START)
         yield trace, swept, int(SHORT_PATH * share)
         nearest, *others = (around(relaxed, *each) for each in RELAXED_STARTS)
         paths = [*loaded, nearest, swept, *others, first, last]
@@ -231,6 +235,12 @@ def _guess(problem: FrictionProblem, start: Array | None, spent: Counter[str]) -
     """The impulses (nc, d) that Gauss-Seidel finds, or the given ones if their residual is smaller."""
     swept = _nested(problem, "nsgs", spent, limit=SWEEPS)
     return start if start is not None and residual(problem, start) < residual(problem, swept) else swept
+
+
+def _near(problem: FrictionProblem, system: System, impulse: Array) -> Iterator[Phase]:
+    """The predictor-corrector around impulses (nc, d) that nearly are a solution, otherwise nothing."""
+    if residual(problem, impulse) <= NEARLY_SOLVED:
+        yield predictor_corrector, _around(problem, system, impulse, LEAST_DISTANCE), PHASE_SHARE
 
 
 def _generic(system: System, impulse: float, speed: float, wide: float) -> Point:
