@@ -58,10 +58,6 @@ def blocks(matrix, d: int) -> str:
     return head + pattern + "".join(f"{k}\n{numbers(block.T.ravel())}\n" for k, block in enumerate(rows.data))
 
 
-def local_text(problem, matrix: str) -> str:
-    return f"{problem.dimension}\n{problem.contacts}\n{matrix}{numbers(problem.q)}\n{numbers(problem.friction)}\n"
-
-
 def global_text(problem, write) -> str:
     offset = [x for b in problem.bias for x in (b, *[0] * (problem.dimension - 1))]
     vectors = "\n".join(map(numbers, (problem.mass @ problem.free_velocity, offset, problem.friction)))

@@ -1,6 +1,7 @@
 """Batches: the same problems each time, verified in every way, and what starts warm."""
 
 import json
+from itertools import count
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ SIZES = [("stack", {"blocks": 1}, 2, 2), ("cubes", {"boxes": 1}, 3, 4)]
 
 @pytest.fixture(autouse=True)
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, value in {"ROUNDS": 1, "SAMPLE": 2}.items():
+    for name, value in {"ROUNDS": 3, "SAMPLE": 2}.items():
         monkeypatch.setattr(batch, name, value)
 
 
@@ -38,17 +39,19 @@ def test_it_starts_warm_near_the_answers() -> None:
 def test_every_way_is_timed_and_verified(way: str) -> None:
     cell = BatchCell("stack", {"blocks": 1}, 4, "lemke", way, 1e-8)
     row = time_batch(cell, batch_of("stack", json.dumps(cell.parameters), 4), find("lemke")[0])
-    assert (row["verdict"], row["verified"], len(row["times"])) == ("solved", 1.0, 1)
+    assert (row["verdict"], row["verified"], len(row["times"])) == ("solved", 1.0, 3)
     assert json.loads(row["work"])["pivots"] > 0
     row |= vars(cell) | {"model": "lcp", **batch_of("stack", '{"blocks": 1}', 4).facts, **row}
     assert float(rate_of(row)[3].replace(",", "")) > 0
 
 
-def test_what_is_not_solved_has_the_worst_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A loop that solves all problems but one, and claims that one as well."""
-    problems = batch_of("stack", '{"blocks": 1}', 4)
+@pytest.mark.parametrize("when", [0, 1, 3])
+def test_what_is_not_solved_has_the_worst_verdict(when: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A loop that at first, in a round drawn at random or in the last solves all problems but one, and claims that one too."""
+    problems, call = batch_of("stack", '{"blocks": 1}', 4), count()
     answers = solve_many(problems.problems, "lemke")
-    given = [Answer(answers[k] * (k != 2), answers.status[k]) for k in range(4)]
-    monkeypatch.setattr(batch, "_way", lambda *_: lambda: given)
+    solved, given = ([Answer(answers[k] * (k != left), answers.status[k]) for k in range(4)] for left in (None, 2))
+    monkeypatch.setattr("secrets.randbelow", lambda most: 0)
+    monkeypatch.setattr(batch, "_way", lambda *_: lambda: given if next(call) == when else solved)
     row = time_batch(BatchCell("stack", {"blocks": 1}, 4, "lemke", "calls", 1e-8), problems, find("lemke")[0])
     assert (row["verdict"], row["verified"], row["reason"]) == ("wrong", 0.75, "1 of 4 wrong")

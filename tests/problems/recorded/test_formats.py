@@ -16,7 +16,7 @@ from frictionbench.problems.recorded import fclib, forms, read
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import known_by_W, spatial, with_joints
-from tests.helpers.recorded import FOLDER, blocks, columns, dense, global_text, local_text, numbers, recorded, triplets
+from tests.helpers.recorded import FOLDER, blocks, columns, dense, global_text, numbers, recorded, triplets
 
 PLANAR, SPATIAL = random_problem(3, contacts=4, bodies=2), spatial(5, contacts=3)
 BOTH = pytest.mark.parametrize("problem", [PLANAR, SPATIAL], ids=["planar", "spatial"])
@@ -27,7 +27,8 @@ BOTH = pytest.mark.parametrize("problem", [PLANAR, SPATIAL], ids=["planar", "spa
 def test_siconos_text_of_a_local_problem(tmp_path, problem, write) -> None:
     matrix = write(problem.W, problem.dimension) if write is blocks else write(problem.W)
     path = tmp_path / "problem.dat"
-    path.write_text(local_text(problem, matrix) + "\na remark\n", encoding="ascii")
+    text = f"{problem.dimension}\n{problem.contacts}\n{matrix}{numbers(problem.q)}\n{numbers(problem.friction)}\n\na remark\n"
+    path.write_text(text, encoding="ascii")
     assert read(path).hash == known_by_W(problem).hash
 
 
