@@ -121,13 +121,15 @@ def loaded() -> Loaded:
 
 def _program(event: str, arguments: tuple[Any, ...]) -> str | None:
     """Return the path of the program started by an audit event in STARTED, or None if it is not found."""
-    named = arguments[0]
-    if event == "subprocess.Popen" and "-c" in arguments[1][1:2]:  # a shell
-        event, named = "os.system", arguments[1][2]
+    named, words, folder, environment = arguments if event == "subprocess.Popen" else (arguments[0], [], None, None)
+    if "-c" in words[1:2]:  # a shell
+        event, named = "os.system", words[2]
     try:
         words = shlex.split(os.fsdecode(named)) if event == "os.system" else [os.fsdecode(named)]
-        return os.path.abspath(found) if words and (found := shutil.which(words[0])) else None
-    except (TypeError, ValueError):
+        place = os.path.join(os.fsdecode(folder or ""), words[0]) if "/" in words[0] else words[0]
+        found = shutil.which(place, path=(environment or os.environ).get("PATH"))
+        return os.path.abspath(found) if found else None
+    except (AttributeError, LookupError, TypeError, ValueError):
         return None
 
 

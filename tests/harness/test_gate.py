@@ -185,7 +185,7 @@ READS = (
     "import sched, numpy, runpy; runpy.run_path({home!r} + '/run.py'); "
     "[numpy.load({home!r} + place) for place in ('/a.npy', '/two/a.npy')]; "
     "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close(); import os, subprocess; "
-    "subprocess.run([{home!r} + '/run.sh']); subprocess.run({home!r} + '/sh.sh', shell=True); "
+    "subprocess.run(['./run.sh'], cwd={home!r}); subprocess.run('sh.sh', shell=True, env={{'PATH': {home!r}}}); "
     "os.system({home!r} + '/by_os.sh 1'); import multiprocessing; fork = multiprocessing.get_context('fork'); "
     "opened = (numpy.load, 'child.npy'), (open, 'made.txt', 'w'), (open, 'made.txt'); "
     "children = [fork.Process(target=call, args=({home!r} + '/' + name, *mode)) for call, name, *mode in opened]; "

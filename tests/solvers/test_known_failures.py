@@ -8,7 +8,6 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.recorded import native
 from frictionbench.problems.spec import parse
 from tests.helpers.friction_problems import assert_solved, contacts_of, known_by_W, spatial
 from tests.helpers.paths import DATA
@@ -29,15 +28,9 @@ def false_ray(name: str, i: int) -> FrictionProblem:
     return FrictionProblem.from_delassus(M[np.ix_(rows, rows)], q[rows], M[3 * nc :, :nc].diagonal(), 2)
 
 
-def redundant_joints(name: int) -> FrictionProblem:
-    data = np.load(DATA / f"planar_joints_{name}.npz")
-    more = {"friction_bias": data["fb"], "joints": data["F"], "joint_bias": data["bF"]}
-    return contacts_of(data["N"], data["T"], data["mu"], data["v"], mass=data["M"], bias=data["b"], **more)
-
-
-def robot(name: str) -> FrictionProblem:
-    """A step where Newton's method cycled or met nearly dependent rows, or one of 100 joint equations or idle contacts."""
-    return native.load(DATA / f"robot_{name}.npz")
+def stored(kind: str, name: object) -> FrictionProblem:
+    """A robot's step where Newton's method cycled or met nearly dependent rows, or of many or redundant joint equations."""
+    return fb.load(DATA / f"{kind}_{name}.npz")
 
 
 def table() -> FrictionProblem:
@@ -53,6 +46,7 @@ def table() -> FrictionProblem:
     return known_by_W(problem)
 
 
+robot, redundant_joints = (partial(stored, kind) for kind in ("robot", "planar_joints"))
 # (solver, problem, the largest count of pivots or factorisations)
 FAILED = [
     (IP, "stack[blocks=400]", 30),

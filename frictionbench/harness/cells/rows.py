@@ -122,13 +122,14 @@ def finding_columns(
 def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer, reference: Array | None) -> Row:
     """Return the columns of an answer to a friction problem beyond its residuals."""
     free = problem.free_velocity
-    energy = float(free @ (problem.mass @ free)) / 2 or 1.0
+    energy, impulse = float(free @ (problem.mass @ free)) / 2 or 1.0, answer.impulse
+    readable = problem.dimension == 2 and problem.contacts <= MOST_IN_MODE and impulse.shape == (problem.contacts, 2)
     return {
         "residual_floor": finding.floor,
         "fclib_error": finding.fclib_error,
-        "backward_error": backward_error(problem, answer.impulse),
+        "backward_error": backward_error(problem, impulse),
         "energy_defect": abs(finding.energy_defect) / energy,
-        "mode": _mode(problem, answer.impulse),
+        "mode": mode(problem, impulse) if readable and np.isfinite(impulse).all() else None,
         **_velocity_columns(problem, finding, answer, reference),
     }
 
@@ -145,12 +146,6 @@ def _velocity_columns(problem: FrictionProblem, finding: Finding, answer: Answer
         "velocity_error": error,
         "outcome_distance": None if finest is None else velocity_distance(problem, finest, reference),
     }
-
-
-def _mode(problem: FrictionProblem, impulse: Array) -> str | None:
-    """Return the mode of the solution if it is short enough to be read."""
-    readable = problem.dimension == 2 and problem.contacts <= MOST_IN_MODE and impulse.shape == (problem.contacts, 2)
-    return mode(problem, impulse) if readable and np.isfinite(impulse).all() else None
 
 
 def _times(timing: Timing) -> Row:
