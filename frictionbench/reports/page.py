@@ -56,7 +56,10 @@ def view(run: Run) -> Values:
     scenes = set(run.rows["scene"])
     runs = [run, run.ranked_by(run.rank_by.other)]
     rankings = [_ranked(one) for one in runs]
-    simulated = _simulated(run)
+    simulated: dict[str, Records] = {
+        str(scene): simulations.drop(columns=CURVES).head(MOST_SIMULATIONS).to_dict("records")
+        for scene, simulations in run.simulations.groupby("scene", sort=False)
+    }
     return {
         "run": run,
         "head": _head(run, rankings),
@@ -152,14 +155,6 @@ def _maps(run: Run) -> Values:
     smallest = robustness.smallest(failed).to_dict("records")
     changes = {one.spec.name: robustness.changes(one) for one in cells if one.spec.constant}
     return {"robustness": robustness.robustness(cells), "changes": changes, "failed": len(failed), "smallest": smallest}
-
-
-def _simulated(run: Run) -> dict[str, Records]:
-    """Return the simulations listed for each scene."""
-    return {
-        str(scene): simulations.drop(columns=CURVES).head(MOST_SIMULATIONS).to_dict("records")
-        for scene, simulations in run.simulations.groupby("scene", sort=False)
-    }
 
 
 def _classes(run: Run, simulated: dict[str, Records]) -> Records:

@@ -72,25 +72,28 @@ def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], *writable: Pa
     named = [file for plugin in plugins for file in files(plugin.source)]
     code: list[str | Path] = [PACKAGE.parent, sys.prefix, sys.base_prefix, site.getusersitepackages(), *filter(None, sys.path)]
     others = [path.parent for path in writable]
-    protected = _outermost([folder, folder / "problems", caches, *others, *map(Path, code), *named])
+    places = [folder, folder / "problems", caches, *others, *map(Path, code), *named]
+    resolved = {path.resolve() for path in places if path.exists()}
+    protected = sorted(path for path in resolved if resolved.isdisjoint(path.parents))  # without those inside another one
     (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, [path.resolve() for path in writable])
 
 
-def _outermost(paths: list[Path]) -> list[Path]:
-    """Return the existing paths with links resolved, without those inside another one."""
-    resolved = {path.resolve() for path in paths if path.exists()}
-    return sorted(path for path in resolved if not any(parent in resolved for parent in path.parents))
+def tolerate_unusable_caches() -> None:
+    """Make numba compile, instead of raising, where the cache is read-only, on a full disk, or damaged by a power cut."""
+    load, save = caching.Cache.load_overload, caching.Cache.save_overload
 
+    def loaded(self: caching.Cache, *wanted: object) -> object:
+        with suppress(Exception):
+            return load(self, *wanted)
+        with suppress(OSError):
+            self.flush()
+        return None
 
-def tolerate_unwritable_caches() -> None:
-    """Make numba skip caching, instead of raising, for kernels whose cache is read-only or on a full disk."""
-    save = caching.Cache.save_overload
-
-    def tolerant(self: caching.Cache, *compiled: object) -> None:
+    def saved(self: caching.Cache, *compiled: object) -> None:
         with suppress(OSError):
             save(self, *compiled)
 
-    caching.Cache.save_overload = tolerant
+    caching.Cache.load_overload, caching.Cache.save_overload = loaded, saved
 
 
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446  # system calls

@@ -219,7 +219,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
         os.setsid()
         process.close_all_but(tasks.fileno(), replies)
         folder, plugin_files, _ = settings
-        sandbox.tolerate_unwritable_caches()
+        sandbox.tolerate_unusable_caches()
         if child.owner:
             kernels = child.scratch.with_name(sha256(f"{folder}\0{child.owner}".encode()).hexdigest())
             kernels.mkdir(exist_ok=True)

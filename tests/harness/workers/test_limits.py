@@ -4,6 +4,7 @@ import resource
 import subprocess
 import sys
 from functools import partial
+from pathlib import Path
 
 from frictionbench.harness.deadline import Deadline
 from frictionbench.harness.workers.pool import Task, scratch_pool
@@ -91,7 +92,17 @@ def _compiles_on_a_full_disk() -> int:
     return kernel(lambda x: x + 1)(1)
 
 
+def _hits_in_a_damaged_cache(suffix: str) -> list[int]:
+    """How often a kernel is found in its cache, whose files of this suffix were emptied, and then again."""
+    made = [kernel(lambda x: x + 1) for _ in range(3)]
+    made[0](1)
+    for path in Path(made[0].stats.cache_path).glob(f"*{suffix}"):
+        path.write_bytes(b"")
+    return [sum(each.stats.cache_hits.values()) for each in made[1:] if each(1) == 2]
+
+
 def test_a_kernel_that_cannot_be_cached_is_compiled() -> None:
+    tasks = [Task(_hits_in_a_damaged_cache, (".nbi",), 60.0), Task(_hits_in_a_damaged_cache, (".nbc",), 60.0)]
     with scratch_pool() as pool:
-        (outcome,) = pool.run([Task(_compiles_on_a_full_disk, (), 60.0)])
-    assert (outcome.value, outcome.reason) == (2, "")
+        outcomes = list(pool.run([*tasks, Task(_compiles_on_a_full_disk, (), 60.0)]))
+    assert [(outcome.value, outcome.reason) for outcome in outcomes] == [([0, 1], ""), ([0, 1], ""), (2, "")]
