@@ -551,7 +551,7 @@ def _run() -> None:
         sys.exit(2)
     except _Stopped as stopped:
         number = stopped.args[0]
-        notes = [f"interrupted by {signal.Signals(number).name}", *getattr(stopped, "__notes__", ["nothing was stored"])]
+        notes = [f"interrupted by {signal.Signals(number).name}", *getattr(stopped, "__notes__", [])]
         with suppress(Unwritable):  # the terminal may be closed
             typer.echo(f"\nfrictionbench: {'; '.join(notes)}", err=True)
         sys.exit(128 + number)

@@ -34,7 +34,7 @@ class ConvergenceHistory:
     impulse: list[list[FiniteFloat]]
 
     def __post_init__(self) -> None:
-        if len(self.units) != len(self.residuals):
+        if len(self.units) != len(self.residuals) or len({*map(len, self.impulse)}) > 1:
             raise ValueError(f"the history of {self.variant} on {self.scene} is incomplete")
 
 
