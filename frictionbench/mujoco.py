@@ -44,7 +44,7 @@ from frictionbench.problems.capture.mujoco import Kinds
 from frictionbench.problems.capture.parts import Contacts, posed, require_finite, without_noise
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.residual import residual
-from frictionbench.problems.simulate import ledger_defect
+from frictionbench.problems.verify import ledger_defect
 from frictionbench.solvers import solve
 
 CORRECTED_SHARE = 0.2  # of a penetration, corrected in one step

@@ -5,6 +5,7 @@ python -m tools.columns > docs/columns.md
 
 from typing import Any
 
+from frictionbench.reports.drawing.text import pipe
 from frictionbench.results.schema import SCHEMA_VERSION, TABLES
 
 PAGE = """# Columns
@@ -44,7 +45,7 @@ def describe() -> str:
 def _markdown(columns: tuple[Any, ...]) -> str:
     types = [f"list of {c.type.value_type}" if hasattr(c.type, "value_type") else str(c.type) for c in columns]
     cells = [[f"`{c.name}`", kind, c.unit, c.meaning.replace("|", "\\|")] for c, kind in zip(columns, types, strict=True)]
-    return "\n".join(f"| {' | '.join(row)} |" for row in [["column", "type", "unit", "meaning"], ["---"] * 4, *cells])
+    return "\n".join(pipe(("column", "type", "unit", "meaning"), cells))
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.measures import judged, penetration, violations
 from frictionbench.problems.recorded import native
 from frictionbench.problems.residual import contact_residuals, residual_floor
-from frictionbench.problems.simulate import ledger_defect
+from frictionbench.problems.verify import ledger_defect
 from frictionbench.results.files import replaced, subfolder
 from frictionbench.results.judgement import LAWS, Judgement, write_judgements
 

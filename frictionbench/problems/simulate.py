@@ -1,4 +1,4 @@
-"""Simulation of a scene over time, and the energy balance of its steps."""
+"""Simulation of a scene over time."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -40,17 +40,3 @@ def first_problem(scene: Scene, scheme: Scheme = anitescu_potra) -> FrictionProb
 def first_problem_of(scene: Scene, scheme: str) -> FrictionProblem:
     """The first problem that the named scheme sets up in a scene; for the default scheme, the one after its impacts."""
     return scene.problem() if SCHEMES[scheme] is anitescu_potra else first_problem(scene, SCHEMES[scheme])
-
-
-def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:
-    """The energy, J, that an answer (nc, d) adds compared with the energy balance of an exact answer.
-
-    With v* the free velocity, lambda = |u_t|, and u = J v + b, an exact answer satisfies
-
-        T(v) = T(v*) - |J'r|^2/2 (in M^-1) - b.r_n - sum lambda (mu r_n + b_f),
-
-    and the defect of any answer is sum r_n u_n + r_t.u_t + |u_t| (mu r_n + b_f), positive if the answer has too much energy.
-    """
-    u = problem.contact_velocity(impulse)
-    slip = np.linalg.norm(u[:, 1:], axis=1)
-    return float(np.sum(impulse * u) + slip @ (problem.friction * impulse[:, 0] + problem.friction_bias))

@@ -34,7 +34,6 @@ from frictionbench.problems.forms.islands import NOISE
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import contact_floors, contact_residuals, fclib_error, largest, polygon_residuals
-from frictionbench.problems.simulate import ledger_defect
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 
 NEAR_MISS = 10.0  # times the tolerance: a smaller residual may be due to another norm in the solver's own stopping test
@@ -107,6 +106,20 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
     status = answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else ""
     reasons = [why, soft, "" if accepted and quiet else answer.detail, status]
     return Finding(verdict, "; ".join(filter(None, reasons)), exact, of_model, floor, fclib_error(problem, impulse), defect)
+
+
+def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:
+    """The energy, J, that an answer (nc, d) adds compared with the energy balance of an exact answer.
+
+    With v* the free velocity, lambda = |u_t|, and u = J v + b, an exact answer satisfies
+
+        T(v) = T(v*) - |J'r|^2/2 (in M^-1) - b.r_n - sum lambda (mu r_n + b_f),
+
+    and the defect of any answer is sum r_n u_n + r_t.u_t + |u_t| (mu r_n + b_f), positive if the answer has too much energy.
+    """
+    u = problem.contact_velocity(impulse)
+    slip = np.linalg.norm(u[:, 1:], axis=1)
+    return float(np.sum(impulse * u) + slip @ (problem.friction * impulse[:, 0] + problem.friction_bias))
 
 
 def _softness(problem: FrictionProblem, answer: Answer, model: str, tol: float) -> tuple[Array | None, str]:

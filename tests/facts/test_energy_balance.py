@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.residual import residual
-from frictionbench.problems.simulate import ledger_defect
+from frictionbench.problems.verify import ledger_defect
 from tests.helpers.friction_problems import contacts_of
 
 

@@ -5,7 +5,8 @@ import pytest
 
 from frictionbench.problems.catalogue import scene
 from frictionbench.problems.schemes import Step
-from frictionbench.problems.simulate import ledger_defect, simulate
+from frictionbench.problems.simulate import simulate
+from frictionbench.problems.verify import ledger_defect
 from tests.helpers.friction_problems import lemke
 
 G = 9.81

@@ -13,8 +13,7 @@ from frictionbench.harness.contract.check import mirrored, permuted, rotated
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
-from frictionbench.problems.simulate import ledger_defect
-from frictionbench.problems.verify import verify
+from frictionbench.problems.verify import ledger_defect, verify
 from frictionbench.solvers import Answer, Status, solve
 from tests.helpers.friction_problems import spatial, with_joints
 

@@ -69,6 +69,7 @@ def stored_answer(folder: Path, problem: str) -> Array | None:
 
 
 def answer_file(folder: Path, problem: str) -> Path:
+    """Return the path of a stored problem's reference answer."""
     return folder / "problems" / f"{problem}.answer.npz"
 
 
@@ -90,10 +91,12 @@ def stored_start(folder: Path, problem: str, source_origin: str, start: str, dig
 
 
 def digest_of(impulses: Array) -> str:
+    """Return the hash by which a start's impulses are recognised."""
     return sha256(repr(impulses.shape).encode() + np.ascontiguousarray(impulses, float).tobytes()).hexdigest()
 
 
 def starts_file(folder: Path, problem: str, source_origin: str) -> Path:
+    """Return the path of the starts of a stored problem, which depend on its origin."""
     return folder / "problems" / f"{problem}.{sha256(source_origin.encode()).hexdigest()[:8]}.starts.npz"
 
 

@@ -21,11 +21,8 @@ def inverse_mass(mass: Rows) -> Rows:
     Errors: InputError naming `mass` if it is not symmetric to rounding or not positive definite.
     """
     n, value = len(mass.start) - 1, mass.value
-    if (
-        np.array_equal(mass.start, np.arange(n + 1))
-        and np.array_equal(mass.column, mass.start[:-1])
-        and bool((value > 0).all())
-    ):
+    is_diagonal = np.array_equal(mass.start, np.arange(n + 1)) and np.array_equal(mass.column, mass.start[:-1])
+    if is_diagonal and bool((value > 0).all()):
         return Rows(mass.start, mass.column, 1 / value)
     length = np.diff(mass.start)
     row = np.repeat(np.arange(n), length)

@@ -19,6 +19,7 @@ References: Pfeiffer and Glocker 1996; Génot and Brogliato 1999; Acary and Brog
 """
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,11 +110,5 @@ def _impact(
     return [inelastic], after, "accumulation", time + float(2 * rebound[0] / (-back[0] * (1 - e[0])))
 
 
-@scheme("event_driven", events=True)
-def event_driven(scene: Scene, now: Step, solve: Solve) -> Step:
-    return follow(scene, now, solve, impact)
-
-
-@scheme("event_driven_newton", events=True)
-def event_driven_newton(scene: Scene, now: Step, solve: Solve) -> Step:
-    return follow(scene, now, solve, newton)
+scheme("event_driven", events=True)(partial(follow, law=impact))
+scheme("event_driven_newton", events=True)(partial(follow, law=newton))
