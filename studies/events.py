@@ -117,11 +117,7 @@ def summary(tables: Tables) -> Summary:
         "failed": len(stepped) - len(whole),
         "stepped": len(stepped),
         "located": ends[["impacts", "accumulations"]].sum(),
-        "stopped": [
-            {"motion": f"{row.scene}{_settings(row.parameters)}", "reason": row.reason}
-            | {"reached": f"{row.reached:.3g}", "before": f"{row.reached + row.duration / 10:.3g}"}
-            for row in stopped.itertuples()
-        ],
+        "stopped": stopped.assign(before=stopped["reached"] + stopped["duration"] / SAMPLES).to_dict("records"),
     }
     figures = {
         "work": tuple(
@@ -138,11 +134,6 @@ def _best(name: str, driven: pd.DataFrame, whole: pd.DataFrame) -> dict[str, Any
     chosen, best = group.iloc[len(group) // 2], whole[whole["scene"] == name].sort_values("error").iloc[0]
     facts = {"scene": name.replace("_", " "), "error": chosen["error"], "work": int(chosen["work"])}
     return facts | {"stepped": best["error"], "steps": int(best["work"]), "scheme": best["scheme"]}
-
-
-def _settings(parameters: str) -> str:
-    named = ", ".join(f"{name}={value:g}" for name, value in json.loads(parameters).items())
-    return f" ({named})" if named else ""
 
 
 def _work(ax: Axes, errors: pd.DataFrame) -> None:

@@ -25,7 +25,5 @@ def test_indentation_decides_where_forces_are_two(share: float, lifts: bool) -> 
     p, K = 1 + 3 * cos**2 - 4.5 * sin * cos, 16 * sin - 9.81
     made = replace(made, q0=made.q0 - [0, share * -K / p / k, 0])
     end = comply(made, k)
-    tip = end.v[-1, 1] - end.v[-1, 2] * np.cos(end.q[-1, 2])
-    turned = abs(end.v[-1, 2] - 4.0) > 0.5
-    assert turned is not lifts
-    assert tip > 0
+    assert (abs(end.v[-1, 2] - 4.0) > 0.5) is not lifts
+    assert end.v[-1, 1] - end.v[-1, 2] * np.cos(end.q[-1, 2]) > 0, "the speed of the tip"

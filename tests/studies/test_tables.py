@@ -1,12 +1,12 @@
 """Each study at reduced size: what its tables must show, and its text and figures from them."""
 
 import re
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
 
 from studies.cone import SPACE
+from studies.exactness import STUDY
 from studies.outcomes import answers, digits
 from studies.study import order
 from tests.helpers.studies import reduced, text
@@ -151,10 +151,8 @@ def test_no_solve_is_ended_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None
     assert {row["tol"] for row in digits(pyramid, (0.8,), (1e-4,))} == {1e-4}
 
 
+@pytest.mark.skipif(not STUDY.runs(), reason="packages of robots are not installed")
 def test_the_error_of_a_path_follows_the_tolerance() -> None:
-    for package in ("mujoco", "dm_control", "gymnasium_robotics"):
-        if find_spec(package) is None:
-            pytest.skip(f"{package} is not installed")
     robots, tasks = {"names": ("humanoid",)}, {"names": ("grasp", "hinge"), "duration": 0.1}
     found = reduced("exactness", paths=robots, others=robots | {"seeds": (1,)}, tasks=tasks)
     error = found["paths"].set_index("way")["error"]
