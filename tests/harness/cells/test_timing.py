@@ -154,7 +154,7 @@ def test_a_wait_for_a_core_is_no_reuse(clock, monkeypatch):
 
 
 def test_simulation_discards_loading_calls(clock):
-    info = SolverInfo("late", "test", "coulomb", (2,), False, False, (), (), False, (), (), "double", Late)
+    info = SolverInfo("late", "test", "coulomb", (2,), False, (), (), False, (), (), "double", Late)
     cell = SimulationCell("stopping_block", {}, "late", 1e-8, steps=3)
     stage = scene("stopping_block")
     found = simulation.run_closed_loop(cell, stage, info, Late(clock, loads=2))
