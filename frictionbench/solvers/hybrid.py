@@ -4,8 +4,8 @@ No single method is fast, accurate and reliable on every friction problem. The i
 fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane (`few_pivots`), and Newton's
 method on dense rows in space (solvers.dense). For the largest problems a few sweeps of Gauss-Seidel save most of the interior
 point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. On up to FEW contacts in which
-its predictor-corrector is trapped, Lemke's method in the plane and Gauss-Seidel are mostly faster than its paths, and are tried
-before these: the interior point has two turns.
+its predictor-corrector is trapped, Lemke's method in the plane, Gauss-Seidel, and some proximal points in space are mostly
+faster than its paths, and come before these: the interior point has two turns.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, and its rounding floor
 are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. If rounding explains
@@ -42,6 +42,7 @@ USABLE_START = 0.01  # the largest residual at which the impulses of one member 
 FEW = 100  # contacts up to which simpler methods are mostly faster than the paths of a trapped interior point
 ALIKE = 2.0  # the largest ratio of two methods' floors at which rounding is that of the problem, not of an answer
 SWEEPS = 30  # of nsgs at first: a fraction of the time of interior_point at any size
+SHORT, LONG = 100, 1500  # factorisations of proximal_newton before and after the paths of the interior point
 MORE_SWEEPS = 300  # where others fail; more solve few other problems
 SWEPT = 6, 60  # contacts up to which nsgs is the fastest on W, and from which on its sweeps save more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only, as W is singular
@@ -79,8 +80,8 @@ class Hybrid:
         by_newton = steps or (space and problem.mechanical and not nc)
         simple_first = _sweeps_help(*sizes) if space else few_pivots(problem)
         first = NEWTON if by_newton else ("nsgs" if space else "lemke") if simple_first else None
-        simple = ("nsgs",) if space or first else ("lemke", "nsgs")
-        members = INTERIOR, *simple, *((INTERIOR,) if nc <= FEW else ()), *(SPATIAL if space else PLANAR)
+        simple, last = (("nsgs",) if space or first else ("lemke", "nsgs")), SPATIAL if space else PLANAR
+        members = INTERIOR, *simple, *((*last[:-1], INTERIOR) if nc <= FEW else ()), *last
         members = (first, *members) if first else members
         return problem, members, steps if by_newton else find(members[0])[1].form(problem)
 
@@ -105,11 +106,11 @@ class Hybrid:
                 if dense_storage(member, problem) > STORAGE:
                     continue
                 stage = member.prepare(problem)
-            sweeps = MORE_SWEEPS if turn else SWEEPS
-            own_limit = min(sweeps, limit or sweeps) if name == "nsgs" else limit
+            again = name in members[turn + 1 :]  # this turn is a short one
+            most = (MORE_SWEEPS if turn else SWEEPS) if name == "nsgs" else SHORT if again else LONG
+            own_limit = min(most, limit or most) if name in ("nsgs", SPATIAL[0]) else limit
             near = least <= USABLE_START and not hidden and name != "lemke"  # which is faster from zero than nearby
             guess = (impulse if near else start) if info.warm_start else None
-            again = name in members[turn + 1 :]  # its paths come later
             method = member.begin if again and isinstance(member, InteriorPoint) else member.solve
             with TimeLimit(left() if turn == len(members) - 1 else TIME_SHARE * left()):
                 answer = method(stage, tol, own_limit, guess)

@@ -99,7 +99,7 @@ FAILED = [
     *((spec, partial(false_ray, "bar", i), ANY) for spec in (IP, LEMKE, PATH) for i in range(11)),
     *((spec, partial(false_ray, "blocks", i), ANY) for spec in (IP, LEMKE, PATH) for i in range(4)),
     *((spec, partial(redundant_joints, name), 40) for spec in (IP, "lemke", PATH, "nsgs") for name in (1000, 1022, 1044)),
-    *(("hybrid", partial(robot, of), ANY) for of in ("redundant", "limits", "hand", "dry_friction", "light", "loops", "idle")),
+    *(("hybrid", partial(robot, at.stem[6:]), ANY if "dry" in str(at) else 100) for at in sorted(DATA.glob("robot_*.npz"))),
     *((spec, partial(robot, "idle"), 60) for spec in (IP, "proximal_newton")),
 ]
 
@@ -116,6 +116,6 @@ def test_an_instance_is_solved(spec: str, made: str | Callable[[], FrictionProbl
     problem = fb.problem(name, **settings) if isinstance(made, str) else made()
     dependent = "dry_friction" in str(made)  # rounding hides a residual of 2e-7
     work = assert_solved(problem, spec, 1e-6 if dependent else 1e-8).work
-    assert max(work.get("factorisations", 0), work.get("pivots", 0)) <= most
+    assert max(work.get(unit, 0) for unit in ("factorisations", "pivots", f"{IP} factorisations")) <= most
     assert not work.get("restarts")
-    assert "robot" not in str(made) or (work.get("members", 1) > 1) == dependent  # rounding decides which solves it
+    assert "robot" not in str(made) or (work.get("members", 1) > 2) == dependent  # rounding decides which solves it
