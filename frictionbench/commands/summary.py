@@ -56,6 +56,7 @@ def _reasons(rows: pd.DataFrame) -> str:
     """Return why cells were skipped or crashed, the most frequent reasons first."""
     failed = rows[rows["verdict"].isin([Verdict.SKIPPED, Verdict.CRASHED]) & rows["reason"].notna()]
     counts = failed.groupby(["variant", "verdict", "reason"]).size().sort_values(ascending=False, kind="stable")
-    lines = [f"{count} × {variant} {verdict}: {reason}"[:LONGEST] for (variant, verdict, reason), count in counts.items()]
+    lines = [f"{count} × {variant} {verdict}: {reason}" for (variant, verdict, reason), count in counts.items()]
+    lines = [line if len(line) <= LONGEST else f"{line[: LONGEST - 4]} ..." for line in lines]
     more = [f"... and {len(lines) - MOST_REASONS} more reasons, in the report"] if len(lines) > MOST_REASONS else []
     return "\n".join([*lines[:MOST_REASONS], *more])

@@ -45,7 +45,7 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
     """Write figures as PDF and SVG, tables, captions and references; return DIR/paper.
 
     figures: some of chart_names(), None for all. width: of every figure, inches. font: serif or sans. A chart that is taller
-    than a page is continued in further files, NAME_2 and so on. Captions of earlier calls' figures are kept.
+    than a page is continued in further files, NAME_2 and so on. Captions and settings of earlier calls' figures are kept.
     """
     paper = subfolder(folder, "paper")
     captions: dict[str, str] = {}
@@ -138,15 +138,16 @@ def booktabs(table: Table) -> str:
 
 
 def captions_file(captions: Mapping[str, str], setting: str, paper: Path) -> str:
-    """Return captions.tex: the captions by table and figure, the setting, and earlier captions if they contain no commands."""
-    file, line = paper / "captions.tex", rf"^(\\expandafter\\def\\csname benchcaption@(\w+)\\endcsname\{{{ESCAPED}\}})$"
+    """Return captions.tex: captions and the setting by table and figure, and earlier ones if they contain no commands."""
+    file, line = paper / "captions.tex", rf"^(\\expandafter\\def\\csname (bench\w+@\w+)\\endcsname\{{{ESCAPED}\}})$"
     earlier = read_text(file, LARGEST_CAPTIONS) if file.exists() else ""
     named = {name: line for line, name in re.findall(line, earlier, re.MULTILINE)}
     lines = [
-        r"% \input{captions}, then \caption{\benchcaption{times}} and, where and on what it was made, \benchsetting",
+        r"% \input{captions}, then \caption{\benchcaption{times}} and, in the text, on what it was made: \benchsetting{times}",
         r"\newcommand{\benchcaption}[1]{\csname benchcaption@#1\endcsname}",
-        rf"\newcommand{{\benchsetting}}{{{escaped(setting)}}}",
+        r"\newcommand{\benchsetting}[1]{\csname benchsetting@#1\endcsname}",
     ]
     for name, caption in captions.items():
-        named[name] = rf"\expandafter\def\csname benchcaption@{name}\endcsname{{{escaped(caption)}}}"
+        for key, text in ((f"benchcaption@{name}", caption), (f"benchsetting@{name}", setting)):
+            named[key] = rf"\expandafter\def\csname {key}\endcsname{{{escaped(text)}}}"
     return "\n".join([*lines, *named.values(), ""])
