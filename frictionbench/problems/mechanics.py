@@ -243,6 +243,11 @@ class Mechanics(ReadOnly):
         to mu |u_t| at a sliding contact."""
         return self._relaxed_measures[3]
 
+    @property
+    def relaxation_spread(self) -> float:
+        """The spread of the relaxation's units."""
+        return self._relaxed_measures[4]
+
     @cached_property
     def bearing_islands(self) -> Index64:
         """(nc,), labels below 2 nc + nv: contacts with equal labels are connected by contacts that can carry load."""

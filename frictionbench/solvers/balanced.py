@@ -16,7 +16,6 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.check import Array
-from frictionbench.problems.forms.islands import spread
 from frictionbench.problems.forms.lcp import by_unknown
 from frictionbench.problems.residual import contact_floors, contact_residuals, largest
 
@@ -51,7 +50,7 @@ def _form(form: Any) -> Any:
             return form(self, problem)
         relaxed, polygon = self.has_relaxed_units, self.usual_model == "lcp" and problem.dimension == 3  # W defines its LCP
         jointed = problem if problem.contacts and len(problem.joint_bias) and not (self.is_outside or polygon) else None
-        alike = (spread(problem.relaxation_units) if relaxed else problem.spread) <= UNLIKE
+        alike = (problem.relaxation_spread if relaxed else problem.spread) <= UNLIKE
         if alike and jointed is None:
             return form(self, problem)
         same, factor = (problem, np.ones(problem.contacts)) if alike else problem.balanced(relaxed)

@@ -213,7 +213,10 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
 @part
 def _unit(worst, row, s):  # type: ignore[no-untyped-def]
     """The unit of a contact, in its own dimension, from the largest demand, speed and terms of an island (3, 3)."""
-    needed, fastest, terms = worst[:, 2] * np.sqrt(s) if row else np.maximum(worst[:, 0], worst[:, 1] * np.sqrt(s))
+    root = np.sqrt(s)  # numbers instead of vectors, which would be allocated for each contact
+    needed = worst[0, 2] * root if row else max(worst[0, 0], worst[0, 1] * root)
+    fastest = worst[1, 2] * root if row else max(worst[1, 0], worst[1, 1] * root)
+    terms = worst[2, 2] * root if row else max(worst[2, 0], worst[2, 1] * root)
     return max(needed if needed > NOISE * terms else fastest, CANCELLED * terms)
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.compiled import kernel
+from frictionbench.problems.forms.delassus import largest
 from frictionbench.problems.mechanics import Mechanics
 from frictionbench.problems.rows import Array, Rows
 
@@ -93,7 +94,7 @@ def _program(problem: Mechanics, section: Array) -> tuple[Rows, Array, Rows, Arr
 def bias_of_size(problem: Mechanics) -> Array:
     """b_f, 0 where it is of rounding's size: its slack would cost nothing, and grow without bound."""
     b_f = problem.friction_bias
-    return np.where(b_f * problem.scale > LEAST_BIAS * problem.units, b_f, 0.0) if b_f.any() else b_f
+    return np.where(b_f * problem.scale > LEAST_BIAS * problem.units, b_f, 0.0) if largest(b_f, 1) else b_f
 
 
 def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:
@@ -102,8 +103,9 @@ def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:
 
 @kernel
 def matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, b_f, section):  # type: ignore[no-untyped-def]
-    """The starts of P's columns, q, G by columns (start, row, value) without zeros, and h."""
-    nc, nv, m, d = len(mu), len(free), len(section), offset.shape[1]
+    """The starts of P's columns, q, G by columns (start, row, value) without zeros, and h. offset: (nc, d), or (nc, 1) if the
+    others are 0."""
+    nc, nv, m, d = len(mu), len(free), len(section), J.shape[1]
     wide = 0
     for i in range(nc):
         wide += b_f[i] > 0
@@ -141,7 +143,7 @@ def matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, b_f
                         G_start[slack + (1 if fill else 2)] += 1
                     if fill:
                         h[at] = along * offset[i, 0]
-                        for a in range(1, d):
+                        for a in range(1, offset.shape[1]):
                             h[at] += across * section[k, a] * offset[i, a]
                 if segment and fill:
                     q[nv + block - nc] = b_f[i]

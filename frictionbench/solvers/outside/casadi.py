@@ -85,9 +85,10 @@ class CasADi:
         library_solver = _quadratic(self.method, len(prepared.g), eps if self.method == "qpoases" else 0.0, limit or 10_000)
         result = library_solver(h=prepared.H, g=prepared.g, lbx=0.0, ubx=np.inf)
         stats = library_solver.stats()
-        status, z = Status.SOLVED if stats["success"] else Status.FAILED, np.array(result["x"]).ravel()
         detail, clock = stats["unified_return_status"], stats.get("t_wall_solver")
-        return prepared.answer(z, status, detail, clock, iterations=int(stats["iter_count"]))
+        return prepared.answer(
+            np.array(result["x"]).ravel(), stats["success"], tol, detail, clock, iterations=int(stats["iter_count"])
+        )
 
 
 @lru_cache(maxsize=16)

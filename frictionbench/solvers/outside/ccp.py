@@ -52,8 +52,9 @@ class CCP:
     backend: which library. settings: default or tuned. Work: the backend's iterations, where it reports them.
 
     Licence: qpsolvers LGPL-3.0; HiGHS MIT, ECOS GPL-3.0, QPALM LGPL-3.0-or-later.
-    Form: the dimensionless QP (solvers.outside.scaled_program), dense for ECOS; highs is given the unknowns in reversed order,
-        for docs/fairness.md shows a wrong answer in the natural one. Setup: qpsolvers' problem. Solve: qpsolvers' call.
+    Form: the dimensionless QP (solvers.outside.scaled_program), dense for ECOS; highs is given rows and columns alike, as what
+        it adds to P changes light bodies more, and the unknowns in reversed order, for docs/fairness.md shows a wrong answer in
+        the natural one. Setup: qpsolvers' problem. Solve: qpsolvers' call.
     Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
     Settings: for highs, HiGHS' active sets, qp_regularization_value is 1e-7 by default; tuned is 0. hipo is its interior point.
     Tolerance: eps is tol in the units of the scaled program. highs and hipo both feasibilities eps/10, no less than 1e-10, and
@@ -78,12 +79,12 @@ class CCP:
         return ("friction_bias", "asymmetry") if BACKENDS[self.backend].definite else ("asymmetry",)
 
     def form(self, problem: FrictionProblem) -> tuple[ScaledProgram, Any]:
-        definite = BACKENDS[self.backend].definite
-        scaled = scaled_program(problem, from_free=self.backend in ("hipo", "ecos"))
-        P, G, A, b = scaled.matrices(definite)
-        if self.backend == "highs":
-            return scaled, (P[::-1, ::-1], scaled.q[::-1], G[:, ::-1], scaled.h, None if A is None else A[:, ::-1], b)
-        return scaled, (P, scaled.q, G, scaled.h, A, b)
+        highs, definite = self.backend == "highs", BACKENDS[self.backend].definite
+        scaled = scaled_program(problem, definite, from_free=self.backend in ("hipo", "ecos"), alike=highs)
+        (A, b), P, q, G = scaled.equations, scaled.P, scaled.q, scaled.G
+        if highs:
+            P, q, G, A = P[::-1, ::-1], q[::-1], G[:, ::-1], None if A is None else A[:, ::-1]
+        return scaled, (P, q, G, scaled.h, A, b)
 
     def setup(self, formed: tuple[ScaledProgram, Any]) -> tuple[ScaledProgram, Any]:
         scaled, arguments = formed
@@ -125,7 +126,7 @@ class CCPCone:
     Work: Clarabel's iterations.
 
     Licence: Apache-2.0 (CVXPY and Clarabel).
-    Form: the dimensionless program (solvers.outside.scaled_program). Setup: CVXPY builds and canonicalises it. Solve:
+    Form: that of `clarabel`. Setup: CVXPY builds and canonicalises it. Solve:
         Clarabel's, its own setup inside, and CVXPY's unpacking.
     Clock: none that excludes its setup.
     Settings: Clarabel's defaults.
@@ -136,18 +137,17 @@ class CCPCone:
     """
 
     def form(self, problem: FrictionProblem) -> ScaledProgram:
-        return scaled_program(problem, from_free=True)
+        return scaled_program(problem, from_free=True, alike=True)
 
     def setup(self, scaled: ScaledProgram) -> tuple[ScaledProgram, Any]:
         """The CVXPY problem, and its canonical data with what converts their solution."""
         cvxpy: Any = import_module("cvxpy")
-        d, (P, G, A, b) = scaled.contacts[1], scaled.matrices(dense=False)
-        x = cvxpy.Variable(len(scaled.q))
-        s = scaled.h - G @ x
+        d, x = scaled.contacts[1], cvxpy.Variable(len(scaled.q))
+        s = scaled.h - scaled.G @ x
         constraints = [s >= 0 if d == 2 else cvxpy.SOC(s[::d], cvxpy.vstack([s[j::d] for j in range(1, d)]))]
-        if A is not None:
-            constraints.append(A @ x == b)
-        objective = cvxpy.Minimize(cvxpy.quad_form(x, P, assume_PSD=True) / 2 + scaled.q @ x)
+        if len(scaled.b):
+            constraints.append(scaled.A @ x == scaled.b)
+        objective = cvxpy.Minimize(cvxpy.quad_form(x, scaled.P, assume_PSD=True) / 2 + scaled.q @ x)
         built = cvxpy.Problem(objective, constraints)
         return scaled, (built, built.get_problem_data("CLARABEL", solver_opts={}))
 

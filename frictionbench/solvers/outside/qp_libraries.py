@@ -2,7 +2,7 @@
 
 Form: the dimensionless QP (solvers.outside.scaled_program), sparse, or dense with matrices=dense. Setup: the library's object,
     its ordering and scaling. Solve: its solve.
-Charged: with joint equations .2 ms at 40 contacts and .4 at 80 for what they hold and the units, which no call by hand needs.
+Charged: with joint equations .1 ms at 40 contacts and .3 at 80 for what they hold and the units, which no call by hand needs.
 """
 
 from importlib import import_module
@@ -15,13 +15,13 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.outside import STOPPING_MARGIN
-from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program, stacked
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program
 
 Prepared = tuple[ScaledProgram, Any]  # and what the library is given: its arguments, after setup its object
 
 LEAST_GAP = {
     "clarabel": 1e-15,  # with 1e-14 some claims are wrong, with 1e-16 accurate answers are failures: docs/fairness.md
-    "proxsuite": 1e-14,
+    "proxsuite": 1e-15,  # with 1e-14 some answers on walls are off by 2e-8
     "piqp": 1e-15,  # with 3e-16 it takes five times as many iterations on pyramids, with 1e-14 errors of 1e-7 remain on stacks
 }
 _GAP_ROUNDING = 4.4e-16  # of a gap's terms: without, PIQP accepts no iterate on some chains, and takes twice as many elsewhere
@@ -39,8 +39,8 @@ class Clarabel:
     settings: default or tuned. Work: iterations.
 
     Licence: Apache-2.0.
-    Form: the dimensionless program (solvers.outside.scaled_program), A and G stacked, P's upper half. Setup: Clarabel's solver
-        object, its ordering and scaling. Solve: its solve. (It has no warm start.)
+    Form: the dimensionless program (solvers.outside.scaled_program) with rows and columns alike, A and G stacked, P's upper
+        half. Setup: Clarabel's solver object, its ordering and scaling. Solve: its solve. (It has no warm start.)
     Clock: its solve_time, which includes its setup.
     Settings: presolve off, which would forbid setting tolerances afterwards. tuned is for programs that are already scaled, as
         these are: equilibrate_enable off, static_regularization_constant = 1e-12 instead of 1e-8 and, as that leaves nothing
@@ -59,9 +59,8 @@ class Clarabel:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, from_free=True)
-        P, G, A, _ = scaled.matrices(dense=False, upper=True)
-        return scaled, (P, scaled.q, stacked(G, A), scaled.limits(0.0)[1])
+        scaled = scaled_program(problem, from_free=True, upper=True, alike=True)
+        return scaled, (scaled.P, scaled.q, scaled.stacked(), scaled.right)
 
     def setup(self, formed: Prepared) -> Prepared:
         clarabel: Any = import_module("clarabel")
@@ -111,9 +110,8 @@ class OSQP:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem)
-        P, G, A, _ = scaled.matrices(dense=False, upper=True)
-        return scaled, (P, scaled.q, stacked(G, A), *scaled.limits(-np.inf))
+        scaled = scaled_program(problem, upper=True)
+        return scaled, (scaled.P, scaled.q, scaled.stacked(), scaled.least(-np.inf), scaled.right)
 
     def setup(self, formed: Prepared) -> Prepared:
         scaled, arguments = formed
@@ -125,12 +123,12 @@ class OSQP:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, workspace = prepared
         workspace.update_settings(eps_abs=tol * scaled.share / STOPPING_MARGIN, max_iter=limit or 100_000)
-        x, y = np.zeros(len(scaled.q)), np.zeros(len(scaled.h) + len(scaled.b))
+        x, y = np.zeros(len(scaled.q)), np.zeros(len(scaled.right))
         if start is not None:
             y[: len(scaled.h)] = scaled.multipliers(start)
-            P, G, A, _ = scaled.matrices(dense=False)
-            if A is None and P.diagonal().all():
-                x = sparse.linalg.spsolve(P, -scaled.q - G.T @ y)
+            if not len(scaled.b) and scaled.P.diagonal().all():
+                P = scaled.P + sparse.triu(scaled.P, 1).T
+                x = sparse.linalg.spsolve(P.tocsc(), -scaled.q - scaled.G.T @ y)
         workspace.warm_start(x=x, y=y)
         result = workspace.solve(raise_error=False)
         info = result.info
@@ -151,11 +149,11 @@ class ProxSuite:
     Licence: BSD-2-Clause.
     Clock: ProxQP's own solve_time.
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
-        solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=20,mass_ratio=100000]' --solver
+        solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=30,push=0.7,friction=0.2]' --solver
         'proxsuite' --solver 'proxsuite[settings=tuned]'`, and with sparse matrices mu_min_in, the least proximal step of the
         inequalities, 3e-7 instead of 1e-8, with which it may stall at accurate answers with large mass ratios.
     Tolerance: eps_abs = eps/100 for both residuals, as with eps it calls answers solved that are off by 10 tol; gap eps^2, no
-        less than 1e-14, which is tested only on request; eps_rel = 0, 4.4e-16 for the gap, for rounding; eps stands for tol.
+        less than 1e-15, which is tested only on request; eps_rel = 0, 4.4e-16 for the gap, for rounding; eps stands for tol.
     Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
     """
 
@@ -163,9 +161,9 @@ class ProxSuite:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, from_free=True)
-        P, G, A, b = scaled.matrices(self.matrices == "dense")
-        return scaled, (P, scaled.q, A, b, G, np.full(len(scaled.h), -1e20), scaled.h)
+        dense = self.matrices == "dense"  # about the free motion it then stalls where contacts are open by far
+        scaled = scaled_program(problem, dense, from_free=not dense)
+        return scaled, (scaled.P, scaled.q, *scaled.equations, scaled.G, np.full(len(scaled.h), -1e20), scaled.h)
 
     def setup(self, formed: Prepared) -> Prepared:
         (scaled, arguments), proxqp = formed, import_module("proxsuite").proxqp
@@ -203,7 +201,7 @@ class PIQP:
 
     Licence: BSD-2-Clause.
     Clock: PIQP's own solve_time.
-    Charged: some 10 µs more than a call by hand at 2 contacts, 40 at 20 with dense matrices, .1 to .3 ms with the joints of 40
+    Charged: some 10 µs more than a call by hand at 2 contacts with dense matrices, 30 at 20, .1 to .3 ms with the joints of 40
         and 80: the units, and what joints hold.
     Settings: compute_timings on.
     Tolerance: eps_abs = eps, gap eps^2, no less than 1e-15; eps_rel = 0, for the gap 4.4e-16; eps stands for tol.
@@ -213,9 +211,8 @@ class PIQP:
     matrices: str = "sparse"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, from_free=True)
-        P, G, A, b = scaled.matrices(self.matrices == "dense")
-        return scaled, (P, scaled.q, A, b, G, None, scaled.h)
+        scaled = scaled_program(problem, self.matrices == "dense", from_free=True)
+        return scaled, (scaled.P, scaled.q, *scaled.equations, scaled.G, None, scaled.h)
 
     def setup(self, formed: Prepared) -> Prepared:
         scaled, arguments = formed
@@ -245,10 +242,9 @@ class SCS:
     Form: the dimensionless program (solvers.outside.scaled_program), A above G, P's upper half. Setup: none, as tolerances are
         set with the problem. Solve: its object, ordering and scaling, and its solve.
     Clock: its setup_time and solve_time.
-    Charged: by default it takes 675 iterations on a stack of 300 contacts, by hand 225; 75 and 50 on a chain of 40.
     Settings: without output. scale, the weight of the dual residual that it begins with, is 0.1 by default, and its Anderson
         acceleration uses 10 steps; tuned are 1, of the size of P and A here, and 6, `frictionbench solve
-        'stack[blocks=150,push=1]' --solver scs --solver 'scs[settings=tuned]'`.
+        'pyramid[push=1]' --solver scs --solver 'scs[settings=tuned]'`.
     Tolerance: eps_abs = eps/2 for both residuals and the gap, eps_rel = 0; eps stands for tol. Tall stacks stall at eps/10.
     Reference: O'Donoghue, Chu, Parikh and Boyd 2016.
     """
@@ -256,10 +252,10 @@ class SCS:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem)
-        (P, G, A, _), d = scaled.matrices(dense=False, upper=True), scaled.contacts[1]
-        data = {"P": P, "A": stacked(A, G), "b": np.concatenate([scaled.b, scaled.h]), "c": scaled.q}
-        cone = {"l": len(scaled.h)} if d == 2 else {"q": [d] * (len(scaled.h) // d)}
+        scaled = scaled_program(problem, upper=True)
+        rows, d, right = len(scaled.h), scaled.contacts[1], np.concatenate([scaled.b, scaled.h])
+        data = {"P": scaled.P, "A": scaled.stacked(joints_first=True), "b": right, "c": scaled.q}
+        cone = {"l": rows} if d == 2 else {"q": [d] * (rows // d)}
         return scaled, (data, {"z": len(scaled.b), **cone})
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:

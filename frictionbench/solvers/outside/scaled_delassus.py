@@ -26,6 +26,8 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.forms.delassus import largest
+from frictionbench.problems.forms.relaxation import EDGES, multiplied
 from frictionbench.solvers.interface import Answer, Status, impulses
 
 PLANE, SPACE, TANGENTS_FIRST = (0, 1), (0, 1, 2), (2, 0, 1)
@@ -47,8 +49,8 @@ class ScaledDelassus(NamedTuple):
 
     def impulse(self, r: Array) -> Array:
         """The impulses (nc, d), N s, for r^ (nc*m,)."""
-        nc, d = self.contacts
-        return np.ascontiguousarray(r.reshape(nc, len(self.rows))[:, self.rows[:d]] * (self.theta * self.E)[:, None])
+        impulse: Array = _impulses(r, self.E, self.theta, self.rows, self.contacts[1])
+        return impulse
 
     def answer(self, r: Array, status: Status, detail: str = "", clock: float | None = None, **work: int) -> Answer:
         """The answer of r^ (nc*m,)."""
@@ -92,6 +94,15 @@ def _scaled_vector(scale, mu, q, units, d, rows, size):  # type: ignore[no-untyp
         for a in range(d):
             scaled[i * m + rows[a]] = E[i] * q[i * d + a] / theta
     return root * E, scaled, root * theta, share
+
+
+@kernel
+def _impulses(r, E, theta, rows, d):  # type: ignore[no-untyped-def]
+    impulse, m = np.empty((len(E), d)), len(rows)
+    for i in range(len(E)):
+        for a in range(d):
+            impulse[i, a] = theta * E[i] * r[i * m + rows[a]]
+    return impulse
 
 
 @part
@@ -152,11 +163,14 @@ class DualProgram(NamedTuple):
     scaled: ScaledDelassus
     H: Array
     g: Array
+    definite: float
 
-    def answer(self, z: Array, status: Status, detail: str = "", clock: float | None = None, **work: int) -> Answer:
-        """The answer of z."""
-        n, slip = z[0::2] + z[1::2], z[0::2] - z[1::2]
-        return self.scaled.answer(np.column_stack([n, self.scaled.friction * slip]).ravel(), status, detail, clock, **work)
+    def answer(self, z: Array, solved: bool, tol: float, detail: str = "", clock: float | None = None, **work: int) -> Answer:
+        """The answer of z: a claim if `definite`, which makes H z wrong by as many times z, leaves errors within tol."""
+        exact = self.definite * largest(z, 1) <= tol * self.scaled.share
+        status = (Status.SOLVED if exact else Status.STALLED) if solved else Status.FAILED
+        r = multiplied(EDGES, self.scaled.friction, np.zeros(len(z) // 2), z).ravel()
+        return self.scaled.answer(r, status, detail, clock, **work)
 
 
 def dual_program(problem: FrictionProblem, definite: float) -> DualProgram:
@@ -164,7 +178,7 @@ def dual_program(problem: FrictionProblem, definite: float) -> DualProgram:
     units = problem.relaxation_units  # with them, the scale and q are computed, which are the same for both laws
     scale, mu = problem.scale, problem.friction
     (E, q, theta, share), H, g = _dual(*problem.blocks, scale, mu, problem.q, units, definite)
-    return DualProgram(ScaledDelassus(_NOT_WRITTEN, q, mu, E, theta, share, scale, (len(mu), 2), PLANE), H, g)
+    return DualProgram(ScaledDelassus(_NOT_WRITTEN, q, mu, E, theta, share, scale, (len(mu), 2), PLANE), H, g, definite)
 
 
 @kernel
