@@ -2,8 +2,8 @@
 fetch recorded problems from their public collection into the user's cache."""
 
 import re
-import tempfile
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
 from frictionbench.harness import process
@@ -11,6 +11,7 @@ from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.cells.stored import Record, read_records, stored
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Source
 from frictionbench.harness.progress import Progress
+from frictionbench.harness.workers.pool import scratch_folder
 from frictionbench.problems import LCP, InputError
 from frictionbench.problems.check import require
 from frictionbench.problems.recorded import collection, fclib, native
@@ -23,14 +24,14 @@ SUFFIXES = ("", *fclib.SUFFIXES, ".npz")
 
 def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
     """Write the problems and yield the files. Errors: InputError naming the argument that is unknown or cannot be written."""
-    with process.memory_within(MEMORY_LIMIT), tempfile.TemporaryDirectory() as scratch:
-        folder = Path(what) if (Path(what) / "manifest.json").exists() else Path(scratch)
-        if folder == Path(scratch):
-            records = collect(folder, Source(*parse("scene", what), pick=pick))
-        else:
+    of_run = (Path(what) / "manifest.json").exists()
+    with nullcontext(Path(what)) if of_run else scratch_folder() as folder, process.memory_within(MEMORY_LIMIT):
+        if of_run:
             store.read_manifest(folder)
             listed = sorted((folder / "problems").glob("source-*.json"))
             records = [record for path in listed for record in read_records(path)]
+        else:
+            records = collect(folder, Source(*parse("scene", what), pick=pick))
         yield from _written(folder, records, out)
 
 

@@ -1,6 +1,9 @@
 """Exported files: what their suffix says, in the folder that was named, also where the run's folder was edited."""
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +19,7 @@ from frictionbench.problems.recorded import native
 from tests.helpers.command_line import frictionbench
 from tests.helpers.friction_problems import block
 from tests.helpers.made_results import write_folder
+from tests.helpers.runs import soon
 
 MOTION = Source("stopping_block", {}, pick=3, steps=6)
 
@@ -96,3 +100,10 @@ def test_starts_of_another(collected) -> None:
     assert good.any()
     with pytest.raises(InputError, match=r"holds another start warm than the one that was collected"):
         stored_start(*given)
+
+
+def test_a_killed_export_leaves_no_temporary_folder(tmp_path) -> None:
+    code = "files = export('stack[blocks=1]', Path('one.npz')); next(files); os.kill(os.getpid(), 9)"
+    code = f"import os; from pathlib import Path; from frictionbench.commands.export import export; {code}"
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=os.environ | {"TMPDIR": str(tmp_path)}, check=False)
+    assert soon(lambda: [path.name for path in tmp_path.iterdir()] == ["one.npz"])

@@ -12,7 +12,7 @@ from frictionbench.reports.charts import convergence as chart
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
 from frictionbench.results.files import ResultsError
-from frictionbench.results.histories import CONVERGENCE, read_histories
+from frictionbench.results.histories import CONVERGENCE, ConvergenceHistory, read_histories
 from frictionbench.solvers import Answer, Status, find
 from tests.helpers.runs import quiet, small_plan
 
@@ -65,7 +65,9 @@ def test_run_writes_histories(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", '[{"scene": "a"}]', "[[]]"])
-def test_invalid_history_file_is_refused(tmp_path, text) -> None:
+def test_invalid_histories_are_refused(tmp_path, text) -> None:
+    with pytest.raises(ValueError, match="the history of nsgs on bar is incomplete"):
+        ConvergenceHistory("bar", "{}", 0, "nsgs", 2, True, [], [], [[1.0], [2.0, 0.0]])
     (tmp_path / CONVERGENCE).write_text(text, encoding="utf-8")
     with pytest.raises(ResultsError, match=r"convergence\.json: cannot be read"):
         read_histories(tmp_path)

@@ -56,10 +56,3 @@ def blocks(matrix, d: int) -> str:
     head = f"1\n{nc * d}\n{nc * d}\n{count}\n{nc}\n{nc}\n{ends}\n{ends}\n{nc + 1}\n{count}\n"
     pattern = " ".join(map(str, rows.indptr)) + "\n" + " ".join(map(str, rows.indices)) + "\n"
     return head + pattern + "".join(f"{k}\n{numbers(block.T.ravel())}\n" for k, block in enumerate(rows.data))
-
-
-def global_text(problem, write) -> str:
-    offset = [x for b in problem.bias for x in (b, *[0] * (problem.dimension - 1))]
-    vectors = "\n".join(map(numbers, (problem.mass @ problem.free_velocity, offset, problem.friction)))
-    matrices = write(problem.mass) + write(problem.jacobian.T.tocsr())
-    return f"{problem.dimension}\n{problem.contacts}\n{matrices}{vectors}\n"

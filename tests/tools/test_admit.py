@@ -6,23 +6,15 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.plans.hard import METHODS, TOL, admitted
-from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.labels import FACETS
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
-from frictionbench.problems.catalogue import instances, make_instance, scene
+from frictionbench.problems.catalogue import problem_of
 from frictionbench.problems.residual import residual, residual_floor
 from tools.admit import ANSWERS, FEWEST, admissible, families, fewest_contacts, kept_answer
 
 ROWS = admitted()
 NAMES = [f"{row['scene']} {row['parameters']}" for row in ROWS]
 SMALL = [row for row in ROWS if int(row["contacts"]) <= 30]
-
-
-def problem_of(row: dict[str, str]) -> FrictionProblem:
-    parameters = json.loads(row["parameters"])
-    if row["scene"] in instances():
-        return make_instance(row["scene"], **parameters)
-    return scene(row["scene"], **parameters).problem()
 
 
 def failed(row: dict[str, str]) -> dict[str, str]:
@@ -39,7 +31,7 @@ def test_every_problem_is_a_candidate_on_which_a_method_fails() -> None:
 
 @pytest.mark.parametrize("row", ROWS, ids=NAMES)
 def test_a_solution_is_known(row) -> None:
-    problem, answer = problem_of(row), kept_answer(row)
+    problem, answer = problem_of(row["scene"], **json.loads(row["parameters"])), kept_answer(row)
     if answer is not None:
         assert residual(problem, answer) <= TOL
         assert residual_floor(problem, answer) <= TOL

@@ -16,7 +16,7 @@ from frictionbench.problems.recorded import fclib, forms, read
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import known_by_W, spatial, with_joints
-from tests.helpers.recorded import FOLDER, blocks, columns, dense, global_text, numbers, recorded, triplets
+from tests.helpers.recorded import FOLDER, blocks, columns, dense, numbers, recorded, triplets
 
 PLANAR, SPATIAL = random_problem(3, contacts=4, bodies=2), spatial(5, contacts=3)
 BOTH = pytest.mark.parametrize("problem", [PLANAR, SPATIAL], ids=["planar", "spatial"])
@@ -36,7 +36,10 @@ def test_siconos_text_of_a_local_problem(tmp_path, problem, write) -> None:
 @pytest.mark.parametrize("write", [dense, triplets, columns], ids=lambda write: write.__name__)
 def test_siconos_text_of_a_global_problem(tmp_path, problem, write) -> None:
     path = tmp_path / "problem.dat"
-    path.write_text(global_text(problem, write), encoding="ascii")
+    offset = [x for b in problem.bias for x in (b, *[0] * (problem.dimension - 1))]
+    vectors = "\n".join(map(numbers, (problem.mass @ problem.free_velocity, offset, problem.friction)))
+    matrices = write(problem.mass) + write(problem.jacobian.T.tocsr())
+    path.write_text(f"{problem.dimension}\n{problem.contacts}\n{matrices}{vectors}\n", encoding="ascii")
     found = read(path)
     assert found.mechanical
     for name in ("mass", "normal", "tangent"):
