@@ -92,14 +92,15 @@ class Hybrid:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem, members, stage = prepared
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
-        work: Counter[str] = Counter()
+        work: dict[str, int] = {}
         hidden, late = 0.0, False  # hidden: the floor of the last impulses whose residual rounding explains
         if members[0] == NEWTON:
             impulse, least, floor, sweeps, steps = few_contacts(problem, stage, tol, limit, start)
-            work.update({"newton sweeps": sweeps, "newton steps": steps, "members": 1})
+            work = {"newton sweeps": sweeps, "newton steps": steps, "members": 1}
             if least <= tol and floor <= tol:
                 return Answer(impulse, Status.SOLVED, work, detail=f"answered by {NEWTON}")
             found_by, hidden, members = NEWTON, floor if least <= max(tol, floor) else 0.0, members[1:]
+        work = Counter(work)  # updates of which add
         for turn, name in enumerate(members):
             info, member = find(name)
             if work:  # the first member is prepared already, and either sparse or given a small problem
