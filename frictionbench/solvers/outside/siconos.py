@@ -13,17 +13,17 @@ Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensi
     only, the entries of M and H = J' and q, dimensionless. Setup: none. Solve: one message to the child and its reply.
 Clock: around Siconos' problem object and the driver's call, in the child, of matrices in its storage. Solvers are compared by
     it, as a user of Siconos has no child: the column solve_time is this clock, and call_time the whole call.
-Charged: W's entries and the units cost some 10 µs at 2 contacts, where a call by hand takes 6. friction_3d_prox, whose weight
-    sigma is in units of W, takes more iterations with a mean diagonal of 1 than with the larger one of random bodies by hand.
+Charged: W's entries and the units cost some 10 µs at 2 contacts, where a call by hand takes 6.
 Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho (by default
     constant), `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=friction_3d_admm]'
-    --solver 'siconos[method=friction_3d_admm,settings=tuned]'`; for friction_3d_nsgs a relaxation of 1.3, `frictionbench solve
-    'stack[blocks=5,push=1]' --solver 'siconos[method=friction_3d_nsgs]' --solver
-    'siconos[method=friction_3d_nsgs,settings=tuned]'`; for friction_3d_prox a weight sigma of the proximal term of 0.5 instead
-    of 5, `frictionbench solve 'sphere_pyramid[levels=3,noise=0.3]' --solver 'siconos[method=friction_3d_prox]' --solver
-    'siconos[method=friction_3d_prox,settings=tuned]'`. newton is tuned with the local solver ONECONTACT_NSN, but the default
-    one where a contact has no friction, as that aborts there. For lcp_lemke and lcp_pivot tuned is q + 1e-10 rand, less for
-    slow contacts, without ties, and success where it holds of q, `frictionbench solve 'cubes[boxes=2]' --solver
+    --solver 'siconos[method=friction_3d_admm,settings=tuned]'`; for friction_3d_nsgs a relaxation of 1.3, `frictionbench
+    solve 'stack[blocks=5,push=1]' --solver 'siconos[method=friction_3d_nsgs]' --solver
+    'siconos[method=friction_3d_nsgs,settings=tuned]'`; for friction_3d_prox a weight sigma of the proximal term of 0.5
+    instead of 5, which is in the units of W, whose mean diagonal is 1, by default 4, `frictionbench solve
+    'stack[blocks=3,mass_ratio=1e4,push=1]' --solver 'siconos[method=friction_3d_prox]' --solver
+    'siconos[method=friction_3d_prox,settings=tuned]'`. newton is tuned with the local solver ONECONTACT_NSN, but the
+    default one where a contact has no friction, as that aborts there. For lcp_lemke and lcp_pivot tuned is q + 1e-10 rand,
+    less for slow contacts, without ties, and success where it holds of q, `frictionbench solve 'cubes[boxes=2]' --solver
     'siconos[method=lcp_lemke]' --solver 'siconos[method=lcp_lemke,settings=tuned]'`. lcp_pivot follows Lemke's rule by
     default; lcp_pivot_least_index is the same driver with LEAST_INDEX, `frictionbench solve
     'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=lcp_pivot]' --solver
@@ -123,7 +123,8 @@ class Siconos:
             nc = problem.contacts
             full = self.method in ("friction_3d_admm", "friction_3d_prox") and 2 * len(problem.blocks.neighbours) > nc**2
             dense = kind != "global" and (full or nc <= _DENSE.get(self.method, 0))
-            given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense)
+            size = 4.0 if (self.method, self.settings) == ("friction_3d_prox", "default") else 1.0
+            given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense, size=size)
             W = given.W if dense else entries(*problem.blocks, given.E, given.rows)
             message = global_form(problem, given) if kind == "global" else {"dense": dense, "W": W, "q": given.q}
             message["mu"] = problem.friction
