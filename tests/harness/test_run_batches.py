@@ -14,6 +14,7 @@ from frictionbench.harness.plans.suites import batch
 from frictionbench.harness.run import run
 from frictionbench.problems import InputError
 from frictionbench.results import store
+from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.runs import quiet
 
 WAYS = [("calls", "cold"), ("packed", "cold"), ("packed", "warm"), ("list", "cold")]
@@ -27,6 +28,8 @@ def test_a_run_writes_every_row_and_resumes(tmp_path: Path) -> None:
     assert list(zip(rows["way"], rows["start"], strict=True)) == WAYS
     assert rows["verdict"].tolist() == ["solved"] * 4
     assert re.search(f"batches of small problems: 4(.|\n)* report '{folder}'$", summary(folder))
+    cut = write_folder(tmp_path / "cut", [solve_row("lemke", "p", verdict="skipped", reason="x" * 300)])
+    assert re.search(r"1 × lemke skipped: x{100,140} \.\.\.$", summary(cut), re.MULTILINE)  # not as if it ended there
     shard = next((folder / "shards").glob("batches-*.jsonl"))
     lines = shard.read_text(encoding="utf-8").splitlines(keepends=True)
     shard.write_text("".join(lines[1:]), encoding="utf-8")
