@@ -132,7 +132,7 @@ class CCPCone:
     Settings: Clarabel's defaults.
     Tolerance: eps is tol in the units of the scaled program: tol_feas = eps, both gaps eps^2, no less than that of `clarabel`.
     Flaws: a gap of eps^2 is often below Clarabel's rounding on circular cones; it then reports failure although the answer is
-        accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver ccp_cone`.
+        accurate, `frictionbench solve 'random_bodies[contacts=2,seed=1]' --solver ccp_cone`.
     Reference: Anitescu and Tasora 2010 for the model; Diamond and Boyd 2016 (CVXPY); Goulart and Chen 2024 (Clarabel).
     """
 

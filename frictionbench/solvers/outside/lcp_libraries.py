@@ -198,7 +198,7 @@ class QuantEcon:
         'stack[blocks=50,friction=0.05,push=1]' --solver 'quantecon' --solver 'quantecon[settings=tuned]'`.
     Tolerance: it takes none; the solution of a basis is exact up to rounding.
     Flaws: its status is unreliable in both directions: it reports a ray for problems that it has solved, `frictionbench solve
-        'pyramid[rows=7,push=1]' --solver quantecon`, and success for inaccurate answers, `frictionbench solve
+        'stack[blocks=50,friction=0.05,push=1]' --solver quantecon`, and success for inaccurate answers, `frictionbench solve
         'stack[blocks=10,mass_ratio=1e6,push=1]' --solver quantecon`. A dense tableau: time grows with the cube of the contacts.
     Reference: Stachurski, Oyama and others, QuantEcon.py, quantecon.optimize.lcp_lemke.
     """

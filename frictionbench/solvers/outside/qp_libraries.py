@@ -50,7 +50,7 @@ class Clarabel:
     Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-15; eps stands for tol.
     Flaws: its gap is the difference of two objectives, which rounding can make 0 before the answer is accurate: some answers
         that it calls Solved are off by a few times 1e-8. Or it stays above eps^2, and it reports failure although the answer
-        is accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`. By default it also calls
+        is accurate, `frictionbench solve 'random_bodies[contacts=2,seed=1]' --solver clarabel`. By default it also calls
         answers Solved that are off by 1e-5, `frictionbench solve 'robot_step[case=adroit_hammer-harsh-099]' --solver
         clarabel`, but not with a static regularisation of 1e-12.
     Reference: Goulart and Chen 2024.
