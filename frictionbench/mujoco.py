@@ -23,7 +23,7 @@ predicted, linearly, for the end of the step, A_i the rows of normals, limits an
 with E = SOFT diag(W). A single row is corrected by nearly CORRECTED_SHARE of its depth in each step; the regularisation gives a
 compromise where rows contradict each other, as those of wedged parts do, and a solution in all cases.
 
-The step has no torsional or rolling friction, soft constraints, adhesion or restitution.
+The step has no torsional or rolling friction, soft constraints or restitution. Adhesion acts as an applied force.
 """
 
 from collections import defaultdict
@@ -118,7 +118,8 @@ def step(
 
     If the solver fails, `status` says so, and its impulses are used nevertheless, or zero if they are not finite.
     Errors: InputError naming model without joints, data where the simulation has diverged, contact where its surface moves,
-    dof_dampingpoly where Euler has nonlinear damping, integrator where implicit's mass is indefinite, or what `solve` refuses.
+    dof_dampingpoly where Euler has nonlinear damping, integrator where it is unknown or implicit's mass is indefinite, or what
+    `solve` refuses.
     """
     import mujoco as mj
 
@@ -168,9 +169,11 @@ def steps(model: Any, data: Any, count: int, solver: str = "hybrid", tol: float 
 
 def _stage(mj: Any, model: Any, data: Any) -> _Stage:
     implicit = model.opt.integrator in engine.known(mj)[1:]
+    usable = implicit or model.opt.integrator in (mj.mjtIntegrator.mjINT_EULER, mj.mjtIntegrator.mjINT_RK4)
+    require(usable, "integrator", "must be Euler, RK4, implicit or implicitfast")
     require(implicit or not model.dof_dampingpoly.any(), "dof_dampingpoly", "Euler takes damping as linear; use implicitfast")
-    usable = np.abs(np.concatenate([data.qpos, data.qvel])) <= mj.mjMAXVAL
-    require(bool(usable.all()), "data", "MuJoCo would reset it: the simulation has diverged")
+    within = np.abs(np.concatenate([data.qpos, data.qvel])) <= mj.mjMAXVAL
+    require(bool(within.all()), "data", "MuJoCo would reset it: the simulation has diverged")
     mj.mj_step1(model, data)
     mj.mj_fwdActuation(model, data)
     mj.mj_fwdAcceleration(model, data)

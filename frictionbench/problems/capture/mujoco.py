@@ -41,12 +41,12 @@ def mujoco(model: Any, data: Any) -> EngineStep:
     Returns an EngineStep. The bias is the gap divided by the step, negative if bodies penetrate. The notes state the shares of
     torsional and rolling friction, of the softness of contacts and equalities, and of everything that no constraint explains,
     such as unsymmetric implicit terms of the integrator.
-    Errors: InputError naming model without joints; integrator for RK4, whose step has four sets of impulses; contact for moving
+    Errors: InputError naming model without joints; integrator other than Euler, implicit and implicitfast; contact for moving
     surfaces and flexes without friction; data that has diverged; step if the engine's next velocity differs from the problem's.
     """
     import mujoco as mj
 
-    require(model.opt.integrator in known(mj), "integrator", "has a step of several stages, each with impulses; use another")
+    require(model.opt.integrator in known(mj), "integrator", "must be Euler, implicit or implicitfast")
     h = float(model.opt.timestep)
     after = mj.MjData(model)
     mj.mj_copyData(after, model, data)
@@ -94,7 +94,8 @@ def mass_of(mj: Any, model: Any, data: Any) -> Array:
     mass, h = np.zeros((model.nv, model.nv)), model.opt.timestep
     mj.mj_fullM(model, data, mass)
     if model.opt.integrator not in known(mj)[1:]:
-        if not model.opt.disableflags & int(mj.mjtDisableBit.mjDSBL_EULERDAMP):
+        off = mj.mjtDisableBit.mjDSBL_EULERDAMP | mj.mjtDisableBit.mjDSBL_DAMPER
+        if not model.opt.disableflags & int(off):
             mass[np.diag_indices(model.nv)] += h * model.dof_damping
         return mass
     at = np.repeat(np.arange(model.nv), model.D_rownnz), model.D_colind
