@@ -277,7 +277,12 @@ def _advance(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velo
     data.qfrc_constraint[:] = stage.full @ (velocity - stage.free) / h
     data.qacc[:] = (velocity - data.qvel) / h
     mj.mj_sensorAcc(model, data)
+    position = data.qpos.copy()
     (mj.mj_implicit if model.opt.integrator in engine.known(mj)[1:] else mj.mj_Euler)(model, data)
+    # implicitfast adds gyroscopic terms for free bodies, so that its velocity is not the one that was solved for.
+    data.qvel[:] = np.where((data.tree_asleep >= 0)[model.dof_treeid], 0.0, velocity)
+    data.qpos[:] = position
+    mj.mj_integratePos(model, data.qpos, data.qvel, h)
 
 
 def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> Array:
