@@ -14,8 +14,7 @@ import frictionbench as fb
 from frictionbench import Verdict
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.plan import Plan
-from frictionbench.problems import measured
-from frictionbench.problems.subproblems import keep_contacts
+from frictionbench.problems import keep_contacts, measured
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.solvers import find, solve

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         solid_box as solid_box,
         solid_sphere as solid_sphere,
     )
+    from frictionbench.problems.subproblems import keep_contacts as keep_contacts
     from frictionbench.problems.verdicts import ACCEPTED as ACCEPTED, Verdict as Verdict, measured as measured
 
 __all__ = ["simulation"]  # the name that is another there

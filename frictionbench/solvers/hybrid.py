@@ -1,8 +1,8 @@
 """A portfolio: the method that is fastest on the problem, then others if its answer is not within the tolerance.
 
 No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all, and is the
-fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane (`few_pivots`), and Newton's
-method on dense rows in space (solvers.dense). For the largest problems a few sweeps of Gauss-Seidel save most of the interior
+fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane, and Newton's method
+on dense rows in space (solvers.dense). For the largest problems a few sweeps of Gauss-Seidel save most of the interior
 point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. On up to FEW contacts in which
 its predictor-corrector is trapped, Lemke's method in the plane, Gauss-Seidel, and some proximal points in space are mostly
 faster than its paths, and come before these: the interior point has two turns.
@@ -25,9 +25,8 @@ from numpy.typing import NDArray
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.check import Array
-from frictionbench.problems.packed import COLUMN, Packed, Q, mechanical, residuals
+from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
-from frictionbench.problems.rows import Index32
 from frictionbench.solvers.clock import TimeLimit, is_over, left
 from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_each, few_each, few_steps
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
@@ -46,10 +45,7 @@ SHORT, LONG = 100, 1500  # factorisations of proximal_newton before and after th
 MORE_SWEEPS = 300  # where others fail; more solve few other problems
 SWEPT = 6, 60  # contacts up to which nsgs is the fastest on W, and from which on its sweeps save more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only, as W is singular
-ALWAYS, CHAINS = 36, 64  # contacts up to which pivots are faster, in general and in chains
-LINKS = 4  # the largest number of contacts of a body in a chain: two with each neighbour
-STICKING = 0.75  # the least share of sticking contacts in a chain
-STICKING_SPEED = 1e-6  # slower contacts, relative to the fastest, count as sticking
+PIVOTED = 36  # contacts up to which lemke comes first in the plane
 
 # The problem, its members in order, and the form or setup of the first one, or its largest number of Newton steps.
 Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
@@ -78,7 +74,7 @@ class Hybrid:
         nc, space = problem.contacts, problem.dimension == 3
         steps, sizes = few_steps(problem), (nc, len(problem.free_velocity), len(problem.joint_bias))
         by_newton = steps or (space and problem.mechanical and not nc)
-        simple_first = _sweeps_help(*sizes) if space else few_pivots(problem)
+        simple_first = _sweeps_help(*sizes) if space else nc <= PIVOTED
         first = NEWTON if by_newton else ("nsgs" if space else "lemke") if simple_first else None
         simple, last = (("nsgs",) if space or first else ("lemke", "nsgs")), SPATIAL if space else PLANAR
         members = INTERIOR, *simple, *((*last[:-1], INTERIOR) if nc <= FEW else ()), *last
@@ -138,7 +134,7 @@ class Hybrid:
         nc, space = np.diff(packed.contacts), packed.dimension == 3
         simple, steps = "nsgs" if space else "lemke", few_each(packed)
         few = steps > 0
-        chosen = ~few & (_sweeps_help(nc, np.diff(packed.velocities), 0) if space else few_pivots_each(packed))
+        chosen = ~few & (_sweeps_help(nc, np.diff(packed.velocities), 0) if space else nc <= PIVOTED)
         loop: Any = find(simple)[1]
         swept = loop.solve_many(_only(packed, chosen), tol, min(SWEEPS, limit or SWEEPS) if space else limit, start)
         impulse, work = swept.impulse, {f"{simple} {unit}": counts for unit, counts in swept.work.items()}
@@ -169,29 +165,3 @@ def _only(packed: Packed, chosen: NDArray[np.bool_]) -> Packed:
 def _sweeps_help(nc: Any, velocities: Any, joints: Any) -> Any:
     """Whether nsgs comes first in space, for numbers or arrays. With joints it works on W, which joints make dense."""
     return (nc <= SWEPT[0]) | ((nc >= SWEPT[1]) & (nc * 3 <= HYPERSTATIC * velocities) & (joints == 0))
-
-
-def few_pivots(problem: FrictionProblem) -> bool:
-    """Whether Lemke's method is likely to be faster than an interior point on a planar problem."""
-    nc = problem.contacts
-    if nc <= ALWAYS or nc > CHAINS or not problem.mechanical or len(problem.joint_bias):
-        return nc <= ALWAYS
-    return _sticking_chain(problem.contact_rows.column, problem.q)
-
-
-def few_pivots_each(packed: Packed) -> NDArray[np.bool_]:
-    """few_pivots for planar packed problems (N,), which have no joints."""
-    nc, at, q = np.diff(packed.contacts), packed.first[:, COLUMN].tolist(), packed.first[:, Q].tolist()
-    few = nc <= ALWAYS
-    for k in np.flatnonzero(~few & (nc <= CHAINS)).tolist():
-        few[k] = mechanical(packed, k) and _sticking_chain(packed.column[at[k] : at[k + 1]], packed.q[q[k] : q[k + 1]])
-    return few
-
-
-def _sticking_chain(column: Index32, q: Array) -> bool:
-    """Whether no body has more than LINKS contacts and most contacts of the free motion q (2 nc,) do not slip.
-
-    column: the velocities that act at the contacts, contact by contact.
-    """
-    slipping = np.abs(q[1::2]) > STICKING_SPEED * np.abs(q).max()
-    return bool(np.bincount(column).max(initial=0) <= LINKS and slipping.mean() <= 1 - STICKING)

