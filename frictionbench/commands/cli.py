@@ -41,14 +41,12 @@ class _Command(TyperCommand):
 
     ended = Event()
 
-    def invoke(self, ctx: Any) -> Any:
-        _Command.ended = Event()
-        ctx.call_on_close(_Command.ended.set)
-        return super().invoke(ctx)
-
     def make_context(self, *given: Any, **named: Any) -> Any:
+        _Command.ended = Event()
         try:
-            return super().make_context(*given, **named)
+            context = super().make_context(*given, **named)
+            context.call_on_close(_Command.ended.set)
+            return context
         except Exception as error:
             if getattr(error, "option_name", "") == "--suite":  # the class of this error is not public in typer
                 raise typer.BadParameter("--suite: the suite is an argument, as in `frictionbench run smoke`") from None

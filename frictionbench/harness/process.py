@@ -36,11 +36,6 @@ def require_linux() -> None:
     require(sys.platform == "linux", "platform", lacks + "solvers are run and timed on Linux only")
 
 
-def pin_threads() -> None:
-    """Limit BLAS, OpenMP, numba and Rayon to one thread in every process started from now on."""
-    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
-
-
 def cores() -> list[int]:
     """Return the processor cores that this process may use, each as its first hardware thread."""
     allowed = os.sched_getaffinity(0)

@@ -52,7 +52,8 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
 
 def view(run: Run) -> Values:
     """Return what the page of a run shows, under the names that the templates use."""
-    claims = tables.wrong_claims(run)
+    claims = run.rows[run.rows["verdict"] == Verdict.WRONG]  # of trivial problems as well
+    claims = claims.sort_values("residual", ascending=False, kind="stable", na_position="first")
     scenes = set(run.rows["scene"])
     runs = [run, run.ranked_by(run.rank_by.other)]
     rankings = [_ranked(one) for one in runs]

@@ -37,12 +37,6 @@ def model_errors(rows: pd.DataFrame) -> "pd.Series[float]":
     return rows[rows["verdict"] == Verdict.RELAXED].groupby("label")["residual"].median()
 
 
-def wrong_claims(run: Run) -> pd.DataFrame:
-    """Return all cells with the verdict wrong, including trivial problems, the largest residual first."""
-    wrong = run.rows[run.rows["verdict"] == Verdict.WRONG]
-    return wrong.sort_values("residual", ascending=False, kind="stable", na_position="first")
-
-
 def reasons(run: Run) -> pd.DataFrame:
     """Return a row per label, verdict and reason with the number of cells."""
     rows = run.rows[run.rows["reason"] != ""]

@@ -72,15 +72,11 @@ def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
 def estimate(shifts: np.ndarray) -> tuple[float, float, float, float]:
     """Return the ratio, its interval at confidence 1 - ALPHA and the p-value, from the logarithms of n independent ratios."""
     means = np.sort([(a + b) / 2 for a, b in combinations_with_replacement(shifts, 2)])
-    chances = np.cumsum(signed_ranks(len(shifts)))
+    # The probabilities of the rank sums 0 ... n (n + 1) / 2 of the positive ones: coefficients of the product of 1 + x^rank.
+    factors = (np.concatenate([[1.0], np.zeros(rank - 1), [1.0]]) for rank in range(1, len(shifts) + 1))
+    chances = np.cumsum(reduce(np.convolve, factors, np.ones(1)) / 2.0 ** len(shifts))
     left = int(np.sum(chances <= ALPHA / 2))  # number of rank sums outside the interval at each end
     low, high = (means[left - 1], means[-left]) if left else (-np.inf, np.inf)
     lower = min(int(np.sum(means < 0)), int(np.sum(means > 0)))
     p = min(1.0, 2 * float(chances[lower])) if left else np.nan
     return float(np.exp(np.median(means))), float(np.exp(low)), float(np.exp(high)), p
-
-
-def signed_ranks(n: int) -> np.ndarray:
-    """Return the probabilities of the rank sums 0 ... n (n + 1) / 2 of the positive ones among n differences."""
-    factors = (np.concatenate([[1.0], np.zeros(rank - 1), [1.0]]) for rank in range(1, n + 1))  # 1 + x^rank
-    return reduce(np.convolve, factors, np.ones(1)) / 2.0**n

@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.cells.stored import stored_start
-from frictionbench.harness.plans.robots import ARRAYS, chosen, kept, steps
+from frictionbench.harness.plans.robots import ARRAYS, TABLE, kept, steps, table
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.labels import labels
@@ -15,7 +15,7 @@ from frictionbench.problems.residual import residual
 from frictionbench.results.conventions import COLD, WARM
 from frictionbench.solvers import solve
 
-ROWS = chosen()
+ROWS = table(TABLE)
 NAMES = [row["case"] for row in ROWS]
 
 

@@ -17,7 +17,7 @@ from frictionbench.results import store
 from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.runs import quiet
 
-WAYS = [("calls", "cold"), ("packed", "cold"), ("packed", "warm"), ("list", "cold")]
+WAYS = [("calls", "cold"), ("packed", "cold"), ("list", "cold"), ("packed", "warm")]
 
 
 def test_a_run_writes_every_row_and_resumes(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from frictionbench.reports import accuracy, choice, tables
 from frictionbench.reports.charts import CHARTS, MAPS, growth, pareto, speed_accuracy, steps
 from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.markdown import write_markdown
-from frictionbench.reports.page import write_report
+from frictionbench.reports.page import view, write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.printed import printed
 from frictionbench.reports.run import Run, annotate, annotate_simulations, outcomes, read_run
@@ -95,7 +95,7 @@ def test_trivial_problems_are_excluded():
     assert run.summaries[1e-8]["problems"].tolist() == [1, 1]
     row = tables.solvability(run).iloc[0]
     assert (row["cells"], row["left_out"], row["solved"], row["wrong"]) == (1, 2, 1, 0)
-    assert tables.wrong_claims(run)["problem"].tolist() == ["r"]
+    assert view(run)["claims"]["problem"].tolist() == ["r"]
 
 
 def test_solvability_counts_every_verdict():

@@ -5,14 +5,14 @@ import json
 import numpy as np
 import pytest
 
-from frictionbench.harness.plans.hard import METHODS, TOL, admitted
+from frictionbench.harness.plans.hard import ADMITTED, METHODS, TOL, table
 from frictionbench.problems.analysis.labels import FACETS
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.catalogue import problem_of
 from frictionbench.problems.residual import residual, residual_floor
 from tools.admit import ANSWERS, FEWEST, admissible, families, fewest_contacts, kept_answer
 
-ROWS = admitted()
+ROWS = table(ADMITTED)
 NAMES = [f"{row['scene']} {row['parameters']}" for row in ROWS]
 SMALL = [row for row in ROWS if int(row["contacts"]) <= 30]
 

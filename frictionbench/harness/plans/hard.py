@@ -16,25 +16,20 @@ METHODS = (
     *("hybrid", "interior_point", "nsgs", "proximal_newton"),
 )
 TOL = 1e-8
-ADMITTED = Path(__file__).with_name("hard.tsv")
+ADMITTED = Path(__file__).with_name("hard.tsv")  # family, scene, parameters, contacts, known, residual, floor, answer, failed
 
 
 def hard() -> Plan:
     """Problems on which at least one serious method fails, to compare robustness."""
     return Plan(
         suite="hard",
-        sources=tuple(Source(row["scene"], json.loads(row["parameters"])) for row in admitted()),
+        sources=tuple(Source(row["scene"], json.loads(row["parameters"])) for row in table(ADMITTED)),
         solvers=METHODS[:-1],
         spatial_solvers=METHODS,
         tolerances=(1e-4, TOL),
         time_limit=5.0,
         expects="ten minutes",
     )
-
-
-def admitted() -> list[dict[str, str]]:
-    """Return the rows of hard.tsv: family, scene, parameters, contacts, known, residual, floor, answer, failed."""
-    return table(ADMITTED)
 
 
 def table(path: Path) -> list[dict[str, str]]:

@@ -208,12 +208,11 @@ class Plan:
 
     def _ways(self, variant: str) -> list[tuple[str, str]]:
         """Return the ways in which a solver solves a batch, and their starts: all for a plug-in, which is not imported here."""
+        ways = [("calls", COLD), ("packed", COLD), ("list", COLD), ("packed", WARM)]
         if plugin_of(variant, self.plugins):
-            return [("calls", COLD), ("packed", COLD), ("packed", WARM), ("list", COLD)]
+            return ways
         info, instance = find(variant)
-        if hasattr(instance, "solve_many"):
-            return [("calls", COLD), ("packed", COLD), *([("packed", WARM)] if info.warm_start else []), ("list", COLD)]
-        return [("calls", COLD)]
+        return ways[: (4 if info.warm_start else 3) if hasattr(instance, "solve_many") else 1]
 
     def lineup(self, dimension: int | None) -> tuple[str, ...]:
         """Return the solvers for problems of this dimension, which is None for a bare LCP."""

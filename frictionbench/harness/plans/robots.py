@@ -19,21 +19,16 @@ TABLE, ARRAYS = (Path(__file__).with_name(f"robots.{suffix}") for suffix in ("ts
 SCENE = "robot_step"
 
 
-def chosen() -> list[dict[str, str]]:
-    """Return the rows of robots.tsv."""
-    return table(TABLE)
-
-
 def steps() -> tuple[Source, ...]:
     """Return all steps."""
-    return tuple(Source(SCENE, {"case": row["case"]}) for row in chosen())
+    return tuple(Source(SCENE, {"case": row["case"]}) for row in table(TABLE))
 
 
 def one_of_each() -> tuple[Source, ...]:
     """Return for each model the step with the median number of constraint rows. Steps in which the model only settles are left
     out, because friction may affect only a few digits there."""
     models: dict[str, list[tuple[int, str]]] = {}
-    for row in chosen():
+    for row in table(TABLE):
         if row["behaviour"] != "settle":
             size = 3 * int(row["contacts"]) + int(row["limits"]) + int(row["dry_friction"])
             models.setdefault(row["model"], []).append((size, row["case"]))

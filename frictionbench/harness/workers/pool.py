@@ -6,6 +6,7 @@ supervisor is killed from outside, the task is run again, up to TRIES times in a
 """
 
 import json
+import os
 import socket
 import subprocess
 import sys
@@ -80,7 +81,7 @@ class _Server:
     """
 
     def __init__(self) -> None:
-        process.pin_threads()
+        os.environ.update(dict.fromkeys(process.ONE_THREAD, "1"))
         self._control, far_end = socket.socketpair()
         command = [sys.executable, "-P", "-c", START, str(PACKAGE.parent), str(far_end.fileno())]
         with TemporaryFile() as errors:

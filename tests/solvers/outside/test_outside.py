@@ -65,7 +65,7 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
     first, second = (solve(problem.fresh(), spec, tol=tol) for _ in range(2))
     assert first.impulse.shape == (problem.contacts, problem.dimension)
     assert first.work == second.work
-    assert np.array_equal(first.impulse, second.impulse)
+    assert np.allclose(first.impulse, second.impulse, rtol=0, atol=1e-12)  # where its memory lies may decide the order of sums
     assert first.clock is None or first.clock >= 0
     if (spec, name) not in UNABLE:
         assert first.status is Status.SOLVED, first.detail
