@@ -110,9 +110,9 @@ def step(
 ) -> Step:
     """Advance data by one step, in place of mujoco.mj_step(model, data).
 
-    model: a mujoco.MjModel. Its integrator determines the treatment of damping: Euler and implicitfast are used unchanged,
-    implicit with the symmetric part of its mass matrix, and RK4 is replaced by Euler. data: a mujoco.MjData with controls
-    and applied forces; afterwards it is as mj_step leaves it, with the constraint forces and sensors of this step.
+    model: a mujoco.MjModel. Its integrator determines the treatment of damping: Euler is used unchanged, implicitfast without
+    the gyroscopic terms of single free bodies, implicit with the symmetric part of its mass matrix; RK4 is replaced by Euler.
+    data: a mujoco.MjData with controls and applied forces; then as mj_step leaves it, with this step's forces and sensors.
     solver, tol, limit: as of `frictionbench.solve`; a solver of the convex relaxation steps with that law.
     before: the previous step, for a warm start by pairs of geoms and by joints.
 
