@@ -1,11 +1,11 @@
 """A portfolio: the method that is fastest on the problem, then others if its answer is not within the tolerance.
 
 No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all, and is the
-fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane, and Newton's method
-on dense rows in space (solvers.dense). For the largest problems a few sweeps of Gauss-Seidel save most of the interior
-point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. On up to FEW contacts in which
-its predictor-corrector is trapped, Lemke's method in the plane, Gauss-Seidel, and some proximal points in space are mostly
-faster than its paths, and come before these: the interior point has two turns.
+fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane, and Newton's method on dense
+rows in space (solvers.dense). For the largest problems a few sweeps of Gauss-Seidel save most of the interior point's
+iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. On up to FEW contacts in which its
+predictor-corrector is trapped, Lemke's method in the plane, Gauss-Seidel, and some proximal points in space are mostly faster
+than its paths, and come before these: the interior point has two turns.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, and its rounding floor
 are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. If rounding explains
@@ -71,14 +71,14 @@ class Hybrid:
     knows_rounding = takes_unlike = True
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        nc, space = problem.contacts, problem.dimension == 3
-        steps, sizes = few_steps(problem), (nc, len(problem.free_velocity), len(problem.joint_bias))
+        nc, space, steps = problem.contacts, problem.dimension == 3, few_steps(problem)
         by_newton = steps or (space and problem.mechanical and not nc)
-        simple_first = _sweeps_help(*sizes) if space else nc <= PIVOTED
-        first = NEWTON if by_newton else ("nsgs" if space else "lemke") if simple_first else None
-        simple, last = (("nsgs",) if space or first else ("lemke", "nsgs")), SPATIAL if space else PLANAR
-        members = INTERIOR, *simple, *((*last[:-1], INTERIOR) if nc <= FEW else ()), *last
-        members = (first, *members) if first else members
+        simple_first = _sweeps_help(nc, len(problem.free_velocity), len(problem.joint_bias)) if space else nc <= PIVOTED
+        simple, last = ("nsgs", SPATIAL) if space else ("lemke", PLANAR)
+        first = (NEWTON,) if by_newton else (simple,) if simple_first else ()
+        later = ("nsgs",) if space or first else ("lemke", "nsgs")
+        before_paths = (*last[:-1], INTERIOR) if nc <= FEW else ()
+        members = *first, INTERIOR, *later, *before_paths, *last
         return problem, members, steps if by_newton else find(members[0])[1].form(problem)
 
     def setup(self, formed: Prepared) -> Prepared:
