@@ -14,7 +14,7 @@ from frictionbench.problems import GRAVITY, velocity_distance
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
 from frictionbench.solvers import solve
-from studies.motions import apart, path, relaxed
+from studies.motions import apart, coulomb, path, relaxed
 from studies.outcomes import SAME, STARTS, found
 from studies.study import Row, Study, Summary, Tables, curve, finish, listing, order, require
 
@@ -77,6 +77,7 @@ def gaps(friction: float = 0.6, speed: float = 1.0, steps: Iterable[float] = (0.
             # greatest gap of the relaxed block that begins to slide smoothly, m
             "smooth": ((q[:, :2] - q[0, :2]) @ normal).max(),
             "smooth_predicted": step * 0.3 * sliding,  # h mu |v_t| at its greatest speed, m
+            "coulomb": np.ptp(path(thrown, coulomb, GAP_SCHEME)[:, 1]),  # the same by Coulomb's law, m
         }
 
 
