@@ -169,7 +169,7 @@ def steps(model: Any, data: Any, count: int, solver: str = "hybrid", tol: float 
 
 def _stage(mj: Any, model: Any, data: Any) -> _Stage:
     implicit = model.opt.integrator in engine.known(mj)[1:]
-    usable = implicit or model.opt.integrator in (mj.mjtIntegrator.mjINT_EULER, mj.mjtIntegrator.mjINT_RK4)
+    usable = model.opt.integrator in (*engine.known(mj), mj.mjtIntegrator.mjINT_RK4)
     require(usable, "integrator", "must be Euler, RK4, implicit or implicitfast")
     require(implicit or not model.dof_dampingpoly.any(), "dof_dampingpoly", "Euler takes damping as linear; use implicitfast")
     within = np.abs(np.concatenate([data.qpos, data.qvel])) <= mj.mjMAXVAL

@@ -41,7 +41,7 @@ USABLE_START = 0.01  # the largest residual at which the impulses of one member 
 FEW = 100  # contacts up to which simpler methods are mostly faster than the paths of a trapped interior point
 ALIKE = 2.0  # the largest ratio of two methods' floors at which rounding is that of the problem, not of an answer
 SWEEPS = 30  # of nsgs at first: a fraction of the time of interior_point at any size
-SHORT, LONG = 100, 1500  # factorisations of proximal_newton before and after the paths of the interior point
+SHORT = 100  # factorisations of proximal_newton before the paths of the interior point
 MORE_SWEEPS = 300  # where others fail; more solve few other problems
 SWEPT = 6, 60  # contacts up to which nsgs is the fastest on W, and from which on its sweeps save more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only, as W is singular
@@ -104,8 +104,8 @@ class Hybrid:
                     continue
                 stage = member.prepare(problem)
             again = name in members[turn + 1 :]  # this turn is a short one
-            most = (MORE_SWEEPS if turn else SWEEPS) if name == "nsgs" else SHORT if again else LONG
-            own_limit = min(most, limit or most) if name in ("nsgs", SPATIAL[0]) else limit
+            most = {"nsgs": MORE_SWEEPS if turn else SWEEPS, "proximal_newton": SHORT if again else None}.get(name)
+            own_limit = min(most, limit or most) if most else limit
             near = least <= USABLE_START and not hidden and name != "lemke"  # which is faster from zero than nearby
             guess = (impulse if near else start) if info.warm_start else None
             method = member.begin if again and isinstance(member, InteriorPoint) else member.solve

@@ -212,7 +212,8 @@ class Plan:
         if plugin_of(variant, self.plugins):
             return ways
         info, instance = find(variant)
-        return ways[: (4 if info.warm_start else 3) if hasattr(instance, "solve_many") else 1]
+        packed = ways if info.warm_start else ways[:3]
+        return packed if hasattr(instance, "solve_many") else ways[:1]
 
     def lineup(self, dimension: int | None) -> tuple[str, ...]:
         """Return the solvers for problems of this dimension, which is None for a bare LCP."""

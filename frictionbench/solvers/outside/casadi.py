@@ -86,9 +86,8 @@ class CasADi:
         result = library_solver(h=prepared.H, g=prepared.g, lbx=0.0, ubx=np.inf)
         stats = library_solver.stats()
         detail, clock = stats["unified_return_status"], stats.get("t_wall_solver")
-        return prepared.answer(
-            np.array(result["x"]).ravel(), stats["success"], tol, detail, clock, iterations=int(stats["iter_count"])
-        )
+        z = np.array(result["x"]).ravel()
+        return prepared.answer(z, stats["success"], tol, detail, clock, iterations=int(stats["iter_count"]))
 
 
 @lru_cache(maxsize=16)

@@ -125,7 +125,7 @@ def scaled_program(
     rows, alike = (*problem.contact_rows, *problem.mass_rows, *problem.joint_rows), alike or problem.dimension == 3
     given = *rows, *motion, *law, problem.scale, problem.q, units, from_free, alike
     if dense:
-        return ScaledProgram(law, *_dense(*given, False))
+        return ScaledProgram(law, *_dense(*given))
     P, G, A, q, right, unit, share = _program(*given, upper)
     P, G = _matrix(len(q), *P), _matrix(len(unit), *G)
     A = sparse.csr_matrix(A[::-1], shape=(len(right) - len(unit), len(q))).tocsc() if len(right) > len(unit) else None
@@ -195,12 +195,12 @@ def _program(  # type: ignore[no-untyped-def]
 @kernel
 def _dense(  # type: ignore[no-untyped-def]
     start, column, J, m_start, m_column, m_value, f_start, f_column, f_value, free, offset, f_bias, section, mu, b_f,
-    scale, contact_velocity, units, from_free, alike, upper,
+    scale, contact_velocity, units, from_free, alike,
 ):  # fmt: skip
     """The fields of ScaledProgram but for the law, with dense matrices."""
     (p_start, p_row, p_value), (g_start, g_row, g_value), (_, _, a_value), q, right, unit, share = _program(
         start, column, J, m_start, m_column, m_value, f_start, f_column, f_value, free, offset, f_bias, section, mu, b_f,
-        scale, contact_velocity, units, from_free, alike, upper,
+        scale, contact_velocity, units, from_free, alike, False,
     )  # fmt: skip
     n, joints = len(q), len(f_bias)
     P, G, A = np.zeros((n, n)), np.zeros((len(right) - joints, n)), np.zeros((joints, n))
