@@ -9,10 +9,11 @@ than its paths, and come before these: the interior point has two turns.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, and its rounding floor
 are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. If rounding explains
-two answers of like floors, the floor is the problem's, and it stops as well. In the plane the staggered method solves problems
-in which a very heavy body rests beside light ones, whose digits are lost in factorisations. In space proximal points solve
-walls of boxes in which the interior point stalls, and projected gradients solve nearly dependent rows of dry friction, for
-which the shifts of the other methods are too large. (Algorithm portfolios: Gomes and Selman 2001.)
+two answers of like floors, the floor is the problem's, and it stops as well. It returns the impulses of which the larger of
+residual and floor is the least. In the plane the staggered method solves problems in which a very heavy body rests beside light
+ones, whose digits are lost in factorisations. In space proximal points solve walls of boxes in which the interior point stalls,
+and projected gradients solve nearly dependent rows of dry friction, for which the shifts of the other methods are too large.
+(Algorithm portfolios: Gomes and Selman 2001.)
 tests/benchmarks/test_hybrid.py measures up to how many contacts Lemke's method is faster in the plane (docs/tried.md).
 """
 
@@ -89,13 +90,15 @@ class Hybrid:
         problem, members, stage = prepared
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
-        hidden, late = 0.0, False  # hidden: the floor of the last impulses whose residual rounding explains
+        hidden = 0.0  # the floor of the last impulses whose residual rounding explains
+        explained = late = False  # explained: whether rounding explains the residual of `impulse`
         if members[0] == NEWTON:
             impulse, least, floor, sweeps, steps = few_contacts(problem, stage, tol, limit, start)
             work = {"newton sweeps": sweeps, "newton steps": steps, "members": 1}
             if least <= tol and floor <= tol:
                 return Answer(impulse, Status.SOLVED, work, detail=f"answered by {NEWTON}")
-            found_by, hidden, members = NEWTON, floor if least <= max(tol, floor) else 0.0, members[1:]
+            explained, least = least <= max(tol, floor), max(least, floor)
+            found_by, hidden, members = NEWTON, floor if explained else 0.0, members[1:]
         work = Counter(work)  # updates of which add
         for turn, name in enumerate(members):
             info, member = find(name)
@@ -113,20 +116,21 @@ class Hybrid:
                 answer = method(stage, tol, own_limit, guess)
             work.update({f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": 1})
             error, floor = residual_with_floor(problem, answer.impulse)
-            if max(error, floor) <= tol:
+            known = max(error, floor)  # no less than the true residual
+            if known <= tol:
                 return Answer(answer.impulse, Status.SOLVED, work, detail=f"answered by {name}")
-            if error < least:
-                impulse, least, found_by = answer.impulse, error, name
-            if error <= max(tol, floor):
-                if hidden / ALIKE <= floor <= hidden * ALIKE:
-                    return Answer(impulse, Status.ROUNDING, work, detail=f"the nearest answer is by {found_by}")
-                hidden = floor
+            by_rounding = error <= max(tol, floor)
+            if known < least:
+                impulse, least, found_by, explained = answer.impulse, known, name, by_rounding
+            if by_rounding and hidden / ALIKE <= floor <= hidden * ALIKE:
+                break
+            hidden = floor if by_rounding else hidden
             late = late or answer.status is Status.TIME_LIMIT
             if turn == 0 and (proof := contradiction(problem)) and proof.least_residual > tol:
                 return Answer(impulse, Status.INFEASIBLE, work, detail=str(proof))
             if is_over():
                 break
-        status = Status.ROUNDING if hidden else Status.TIME_LIMIT if late else Status.STALLED
+        status = Status.ROUNDING if explained else Status.TIME_LIMIT if late else Status.STALLED
         return Answer(impulse, status, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:

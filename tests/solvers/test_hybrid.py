@@ -48,6 +48,14 @@ def test_a_claim_within_the_floor_of_rounding_is_an_answer() -> None:
     assert (answer.status, answer.work["members"]) == (Status.ROUNDING, 2)  # their floors are alike: the problem's
 
 
+def test_huge_impulses_do_not_explain_a_failure_by_rounding() -> None:
+    """A contact into which friction presses the body: no impulses solve it, and of huge ones the residual is hidden."""
+    wedge = FrictionProblem(
+        dimension=3, mass=np.eye(2), normal=[[-0.6, 0]], tangent=np.eye(2), friction=[10], free_velocity=[0.5, 0.1], bias=[-0.2]
+    )
+    assert solve(wedge, "hybrid").status is Status.STALLED
+
+
 def test_smaller_impulses_are_looked_for_where_rounding_hides_the_residual() -> None:
     """A finger of a gripper that slides along the floor: of its normal only rounding acts, and 1e14 N s would hold it."""
     finger = FrictionProblem(
