@@ -93,6 +93,12 @@ def test_answers_are_accurate_and_accepted(spec, what) -> None:
     assert own_residual(spec, problem, answer) <= 1e-8
 
 
+@pytest.mark.parametrize("links", [20, 40])
+def test_proxqp_takes_no_more_iterations_than_by_hand(links) -> None:
+    """With an objective as small as in kg; 12 and 14 with one of size 1 (docs/fairness.md)."""
+    assert solve(problem_of("chain", links=links, fall=1), "proxsuite", tol=1e-8).work["iterations"] <= 9
+
+
 @pytest.mark.parametrize("spec", ["clarabel", "scs", "proxsuite", "osqp"])
 def test_a_library_that_fails_says_so_and_prints_nothing(spec, capfd) -> None:
     installed(spec)
