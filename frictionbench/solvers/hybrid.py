@@ -17,7 +17,6 @@ and projected gradients solve nearly dependent rows of dry friction, for which t
 tests/benchmarks/test_hybrid.py measures up to how many contacts Lemke's method is faster in the plane (docs/tried.md).
 """
 
-from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -89,7 +88,7 @@ class Hybrid:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem, members, stage = prepared
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
-        work: dict[str, int] = {}
+        work = {"members": 0}
         hidden = 0.0  # the floor of the last impulses whose residual rounding explains
         explained = late = False  # explained: whether rounding explains the residual of `impulse`
         if members[0] == NEWTON:
@@ -99,10 +98,9 @@ class Hybrid:
                 return Answer(impulse, Status.SOLVED, work, detail=f"answered by {NEWTON}")
             explained, least = least <= max(tol, floor), max(least, floor)
             found_by, hidden, members = NEWTON, floor if explained else 0.0, members[1:]
-        work = Counter(work)  # updates of which add
         for turn, name in enumerate(members):
             info, member = find(name)
-            if work:  # the first member is prepared already, and either sparse or given a small problem
+            if work["members"]:  # the first member is prepared already, and either sparse or given a small problem
                 if dense_storage(member, problem) > STORAGE:
                     continue
                 stage = member.prepare(problem)
@@ -114,7 +112,9 @@ class Hybrid:
             method = member.begin if again and isinstance(member, InteriorPoint) else member.solve
             with TimeLimit(left() if turn == len(members) - 1 else TIME_SHARE * left()):
                 answer = method(stage, tol, own_limit, guess)
-            work.update({f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": 1})
+            for unit, count in answer.work.items():
+                work[f"{name} {unit}"] = work.get(f"{name} {unit}", 0) + count
+            work["members"] += 1
             error, floor = residual_with_floor(problem, answer.impulse)
             known = max(error, floor)  # no less than the true residual
             if known <= tol:
