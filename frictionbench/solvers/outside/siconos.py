@@ -15,8 +15,9 @@ Clock: around Siconos' problem object and the driver's call, in the child, of ma
     it, as a user of Siconos has no child: the column solve_time is this clock, and call_time the whole call.
 Charged: W's entries and the units cost some 10 µs at 2 contacts, where a call by hand takes 6.
 Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho (by default
-    constant), `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=friction_3d_admm]'
-    --solver 'siconos[method=friction_3d_admm,settings=tuned]'`; for friction_3d_nsgs a relaxation of 1.3, `frictionbench
+    constant), where one residual is PHI = 10 times the other (by default 2), and for the former a W whose mean diagonal is 4,
+    `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=friction_3d_admm]' --solver
+    'siconos[method=friction_3d_admm,settings=tuned]'`; for friction_3d_nsgs a relaxation of 1.3, `frictionbench
     solve 'stack[blocks=5,push=1]' --solver 'siconos[method=friction_3d_nsgs]' --solver
     'siconos[method=friction_3d_nsgs,settings=tuned]'`; for friction_3d_prox a weight sigma of the proximal term of 0.5
     instead of 5, which is in the units of W, whose mean diagonal is 1, by default 4, `frictionbench solve
@@ -65,12 +66,16 @@ _DENSE = {
     **{"friction_2d_cpg": 10**9, "friction_2d_lemke": 10**9, "friction_2d_nsgs": 48, "friction_3d_vi_eg": 32},
     **{"friction_3d_admm": 100, "friction_3d_prox": 80, "friction_3d_nsn_ac": 4, "friction_3d_nsn_fb": 16},
 }
-_BALANCED = {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2}  # SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING
+_BALANCED = (  # SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING
+    {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2},
+    {"SICONOS_FRICTION_3D_ADMM_BALANCING_RESIDUAL_PHI": 10.0},
+)
 _RELAXED = {"SICONOS_FRICTION_3D_NSGS_RELAXATION": 1}, {"SICONOS_FRICTION_3D_NSGS_RELAXATION_VALUE": 1.3}
+_LARGER = ("friction_3d_prox", "default"), ("friction_3d_admm", "tuned")  # whose W^ has a mean diagonal of 4
 _TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
     **{f"friction_3d_nsgs,settings={settings}": _RELAXED for settings in ("tuned", "newton")},
     "friction_3d_prox,settings=tuned": ({}, {"SICONOS_FRICTION_3D_PROXIMAL_DPARAM_SIGMA": 0.5}),
-    **{f"{kind}friction_3d_admm,settings=tuned": (_BALANCED, {}) for kind in ("", "global_")},
+    **{f"{kind}friction_3d_admm,settings=tuned": _BALANCED for kind in ("", "global_")},
     **{f"lcp_{method},settings=tuned": ({}, {}) for method in ("lemke", "pivot")},  # their q is perturbed
 }
 
@@ -123,7 +128,7 @@ class Siconos:
             nc = problem.contacts
             full = self.method in ("friction_3d_admm", "friction_3d_prox") and 2 * len(problem.blocks.neighbours) > nc**2
             dense = kind != "global" and (full or nc <= _DENSE.get(self.method, 0))
-            size = 4.0 if (self.method, self.settings) == ("friction_3d_prox", "default") else 1.0
+            size = 4.0 if (self.method, self.settings) in _LARGER else 1.0
             given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense, size=size)
             W = given.W if dense else entries(*problem.blocks, given.E, given.rows)
             message = global_form(problem, given) if kind == "global" else {"dense": dense, "W": W, "q": given.q}

@@ -93,10 +93,19 @@ def test_answers_are_accurate_and_accepted(spec, what) -> None:
     assert own_residual(spec, problem, answer) <= 1e-8
 
 
-@pytest.mark.parametrize("links", [20, 40])
-def test_proxqp_takes_no_more_iterations_than_by_hand(links) -> None:
-    """With an objective as small as in kg; 12 and 14 with one of size 1 (docs/fairness.md)."""
-    assert solve(problem_of("chain", links=links, fall=1), "proxsuite", tol=1e-8).work["iterations"] <= 9
+@pytest.mark.parametrize(
+    ("spec", "what", "most"),
+    [
+        ("proxsuite", "chain[links=20,fall=1]", 9),
+        ("proxsuite", "chain[links=40,fall=1]", 9),
+        ("siconos[method=friction_3d_admm,settings=tuned]", "stack[blocks=5,push=1]", 600),
+    ],
+)
+def test_libraries_are_given_units_in_which_they_take_few_iterations(spec, what, most) -> None:
+    """12, 14 and 1137 with an objective of size 1 and a mean diagonal of 1 (docs/fairness.md); 9, 9 by hand."""
+    installed(spec)
+    name, settings = parse("scene", what)
+    assert solve(problem_of(name, **settings), spec, tol=1e-8).work["iterations"] <= most
 
 
 @pytest.mark.parametrize("spec", ["clarabel", "scs", "proxsuite", "osqp"])
