@@ -68,7 +68,7 @@ class Hybrid:
     limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
 
-    knows_rounding = takes_unlike = True
+    takes_unlike = True
 
     def form(self, problem: FrictionProblem) -> Prepared:
         nc, space, steps = problem.contacts, problem.dimension == 3, few_steps(problem)

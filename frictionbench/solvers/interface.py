@@ -78,12 +78,7 @@ class Solved(NamedTuple):
 
 
 class Solver(Protocol):
-    """An instance of a class decorated with @solver; what the class does not define is taken from here.
-
-    knows_rounding: whether the solver itself reports ROUNDING in place of SOLVED, as a portfolio that checks its members does.
-    """
-
-    knows_rounding: bool = False
+    """An instance of a class decorated with @solver; what the class does not define is taken from here."""
 
     def form(self, problem: Any) -> Any:
         return problem
@@ -258,10 +253,10 @@ def solver(
 
 
 def with_all_steps(cls: Any) -> Any:
-    """Add form, setup, prepare and knows_rounding where they are missing. Errors: ValueError if the class defines prepare."""
+    """Add form, setup and prepare where they are missing. Errors: ValueError if the class defines prepare."""
     if getattr(cls, "prepare", Solver.prepare) is not Solver.prepare:
         raise ValueError(f"solver: {cls.__name__} defines prepare, which is setup(form(problem)); define setup")
-    for step in ("form", "setup", "prepare", "knows_rounding"):
+    for step in ("form", "setup", "prepare"):
         if not hasattr(cls, step):
             setattr(cls, step, getattr(Solver, step))
     return cls
@@ -374,8 +369,8 @@ def solve(
         error = problem.residual(answer.z) if bare else residual(problem, answer.impulse)  # type: ignore[union-attr,arg-type]
         answer.status, answer.detail = Status.TIME_LIMIT, f"after {time_limit:g} s, with a residual of {error:.2g}"
     answer.solver = spec
-    checked = answer.status is Status.SOLVED and info.ours and not instance.knows_rounding
-    if checked and isinstance(problem, FrictionProblem) and residual_with_floor(problem, answer.impulse)[1] > tol:
+    claimed = answer.status is Status.SOLVED and info.ours
+    if claimed and isinstance(problem, FrictionProblem) and residual_with_floor(problem, answer.impulse)[1] > tol:
         answer.status = Status.ROUNDING
     if isinstance(problem, FrictionProblem) and (proof := why_lost(info, problem, answer.status, tol)):
         answer.status, answer.detail = Status.INFEASIBLE, proof
