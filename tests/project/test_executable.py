@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow  # the quick tests call no executable and no libra
 
 PAGE = (ROOT / "docs" / "executable.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"^```\w+ (\S+)\n(.*?)^```", PAGE, re.M | re.S))
-COMMANDS = re.findall(r"^    (cc|frictionbench solve) (.*)$", PAGE, re.M)
+COMMANDS = re.findall(r"^    (cc|frictionbench (?:solve|check-solver)) (.*)$", PAGE, re.M)
 SCRIPT = "#!/bin/sh\n"
 
 
@@ -60,11 +60,12 @@ def test_recipes_of_the_page(folder) -> None:
         if tool == "cc":
             subprocess.run(["cc", "-Wall", "-Werror", *shlex.split(rest)], check=True)
         else:
-            done = CliRunner().invoke(app, ["solve", *shlex.split(rest)], env={"COLUMNS": "200"})
+            done = CliRunner().invoke(app, [tool.split()[1], *shlex.split(rest)], env={"COLUMNS": "200"})
             assert done.exit_code == 0, done.output
             shown.append(done.output)
-    for output, name in zip(shown, ("sweeps", "sweeps.py", "impulses"), strict=True):
-        assert re.search(rf"1 +{name} +solved", output)
+    results = (r"1 +sweeps +solved", r"1 +sweeps\.py +solved", r"^\d+ passed$", r"1 +impulses +solved")
+    for output, result in zip(shown, results, strict=True):
+        assert re.search(result, output.strip(), re.M)
     for problem in (spatial(1, contacts=3), nothing(), with_joints(spatial(3, contacts=3), np.eye(1, 18))):
         for program in ("sweeps", "sweeps.py"):
             copy = shutil.copy(program, f"{program}{problem.contacts}{len(problem.joint_bias)}")
