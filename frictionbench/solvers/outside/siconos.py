@@ -66,10 +66,7 @@ _DENSE = {
     **{"friction_2d_cpg": 10**9, "friction_2d_lemke": 10**9, "friction_2d_nsgs": 48, "friction_3d_vi_eg": 32},
     **{"friction_3d_admm": 100, "friction_3d_prox": 80, "friction_3d_nsn_ac": 4, "friction_3d_nsn_fb": 16},
 }
-_BALANCED = (  # SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING
-    {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2},
-    {"SICONOS_FRICTION_3D_ADMM_BALANCING_RESIDUAL_PHI": 10.0},
-)
+_BALANCED = {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2}, {"SICONOS_FRICTION_3D_ADMM_BALANCING_RESIDUAL_PHI": 10.0}
 _RELAXED = {"SICONOS_FRICTION_3D_NSGS_RELAXATION": 1}, {"SICONOS_FRICTION_3D_NSGS_RELAXATION_VALUE": 1.3}
 _LARGER = ("friction_3d_prox", "default"), ("friction_3d_admm", "tuned")  # whose W^ has a mean diagonal of 4
 _TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
