@@ -28,9 +28,9 @@ def energy_balance(motion: Motion) -> str:
     shares = (energy[-1] - energy[0]) / scale, np.diff(energy, prepend=energy[0]).max() / scale
     end, rise = (rough_percent(abs(share)) for share in shares)
     worst = motion.residual.max(initial=0.0, where=np.isfinite(motion.residual))
-    most = f"rises by at most {rise} in a step" if shares[1] > 0 else "never rises in a step"
+    most = f"the largest rise in a step is {rise}" if shares[1] > 0 else "never rises in a step"
     text = f"energy, kinetic and potential, in per cent of the largest kinetic energy ({motion.kinetic.max():.3g} J)"
-    return f"{text}: {'rises' if shares[0] > 0 else 'falls'} by {end} in all, {most}; worst residual {worst:.0e}"
+    return f"{text}: {'rises' if shares[0] > 0 else 'falls'} by {end} in all, {most}; worst residual {worst:.0g}"
 
 
 def page_name(scene: str, solver: str | None, scheme: str) -> str:
