@@ -113,7 +113,7 @@ def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
     if not answered:
         return "no solver returned an answer that can be judged"
     nearest = min(answered, key=lambda row: row["residual"])
-    return f"no solver solves it; the smallest residual is {number(nearest['residual'], 2)}, by {nearest['variant']}"
+    return f"no answer is known to be right; the smallest residual is {number(nearest['residual'], 2)}, by {nearest['variant']}"
 
 
 def _seconds(row: Row, rank_by: RankBy) -> float:
