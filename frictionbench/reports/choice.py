@@ -305,7 +305,7 @@ def disturbed(run: Run) -> str:
     shortest = [one.min() if isinstance(one, np.ndarray) and len(one) else np.nan for one in times["repeats"]]
     times = times.assign(charged=pd.Series(shortest, times.index).fillna(times["charged"]), repeats=None)
     found = [(name, choose(times, problems, labels)) for name, problems, labels, first in _kinds(run) if first]
-    leads = [f"{name} {one.places[0].label} is {ahead}" for name, one in found if one and (ahead := _ahead(one))]
+    leads = [f"{name}: {one.places[0].label} is {ahead}" for name, one in found if one and (ahead := _ahead(one))]
     text = f"Of {len(run.rows)} cells {len(rows)} shared or waited for their core while they were timed"
     text += f", {once} of them timed once" if (once := (rows["solve_times"].map(np.size) == 1).sum()) else ""
     return f"{text}. By the shortest repeat of each cell, {run.rank_by.words}, {'; '.join(leads)}." if leads else f"{text}."

@@ -163,7 +163,7 @@ def test_leads_by_the_shortest_repeats_tell_what_waiting_did():
     rows = pair([1.0] * 8, solve_times=[5e-4, 4e-3, 4e-3], solve_time=4e-3, disturbed=True)
     assert (first(run_of(*rows)).order, first(run_of(*rows)).lead) == (["a", "b"], pytest.approx(4))
     told = "Of 16 cells 8 shared or waited for their core while they were timed. By the shortest repeat of "
-    lead = "each cell, from bodies, in the plane b is 2.00 times ahead of a (2.00 to 2.00)."
+    lead = "each cell, from bodies, in the plane: b is 2.00 times ahead of a (2.00 to 2.00)."
     assert choice.disturbed(run_of(*rows)) == told + lead
     rows[-1] |= {"verdict": "unsolved", "residual": 1.0, "solve_times": [4e-3]}
     mean = np.exp(7 / 8 * np.log(5.1e-4) + np.log(10) / 8) - 1e-5
