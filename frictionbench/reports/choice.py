@@ -292,7 +292,7 @@ def _ahead(choice: Choice) -> str:
     return f"{ratio(choice.lead)} times ahead of {choice.places[1].label} ({ends}"
 
 
-def disturbed(run: Run) -> str:
+def disturbed(run: Run, leads: bool = True) -> str:
     """Return sentences on the cells that waited for their core while they were timed, and on the leads by the shortest repeat
     of each cell, which waiting lengthens least; empty if none waited.
 
@@ -304,11 +304,11 @@ def disturbed(run: Run) -> str:
     times = run.times[run.outer_targets[-1]]
     shortest = [one.min() if isinstance(one, np.ndarray) and len(one) else np.nan for one in times["repeats"]]
     times = times.assign(charged=pd.Series(shortest, times.index).fillna(times["charged"]), repeats=None)
-    found = [(name, choose(times, problems, labels)) for name, problems, labels, first in _kinds(run) if first]
-    leads = [f"{name}: {one.places[0].label} is {ahead}" for name, one in found if one and (ahead := _ahead(one))]
+    found = [(name, choose(times, problems, labels)) for name, problems, labels, first in _kinds(run) if first and leads]
+    texts = [f"{name}: {one.places[0].label} is {ahead}" for name, one in found if one and (ahead := _ahead(one))]
     text = f"Of {len(run.rows)} cells {len(rows)} shared or waited for their core while they were timed"
     text += f", {once} of them timed once" if (once := (rows["solve_times"].map(np.size) == 1).sum()) else ""
-    return f"{text}. By the shortest repeat of each cell, {run.rank_by.words}, {'; '.join(leads)}." if leads else f"{text}."
+    return f"{text}. By the shortest repeat of each cell, {run.rank_by.words}, {'; '.join(texts)}." if texts else f"{text}."
 
 
 def _charges(choice: Choice) -> str:

@@ -55,7 +55,7 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
     for table in made:
         write_text(paper / f"{table.name}.tex", booktabs(table))
     captions = {table.name: table.caption for table in made} | captions
-    write_text(paper / "captions.tex", captions_file(captions, f"{setting(run)} {disturbed(run)}".rstrip(), paper))
+    write_text(paper / "captions.tex", captions_file(captions, f"{setting(run)} {disturbed(run, leads=False)}".rstrip(), paper))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
     return paper
 
@@ -88,7 +88,7 @@ def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) ->
         for k in range(0, len(panels), most):
             name, part = f"{stem}_{k // most + 1}" if k else stem, panels[k : k + most]
             named = save_sheet(part, run.looks, paper / name, columns, size, FONT, font, handles=handles)
-            continued = f"{title} (continued, {k // most + 1} of {-(-len(panels) // most)})." if k else text
+            continued = f"{title}, continued ({k // most + 1} of {-(-len(panels) // most)})." if k else text
             marked = any(PORTFOLIO in text for text in (continued, *named, *(panel.title for panel in part)))
             captions[name] = continued + " An asterisk marks a portfolio, which runs other solvers." * marked
     return captions

@@ -83,8 +83,8 @@ def _times(run: Run) -> list[Table]:
     header, columns = [*facts], [*facts.values()]
     for i, target in enumerate(run.summaries):
         header += [f"to {power(target)}", "mean"]
-        columns.append([f"{cells[i]['solved']}/{cells[i]['problems']}{_not_run(cells[i]['skipped'])}" for *_, cells in ranking])
-        columns.append([seconds(cells[i]["mean"], 3) for *_, cells in ranking])
+        columns.append([f"{rows[i]['reached']}/{rows[i]['problems']}{_not_run(rows[i]['skipped'])}" for *_, rows in ranking])
+        columns.append([seconds(rows[i]["mean"], 3) for *_, rows in ranking])
     caption = (
         "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
         f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved or not run charged the time limit."

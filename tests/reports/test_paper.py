@@ -88,7 +88,7 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     paper = write_paper(tmp_path, many, ["speed_accuracy"])
     assert sorted(path.name for path in paper.glob("*.pdf")) == [f"speed_accuracy{k}.pdf" for k in ("", "_2", "_3")]
     kept = re.findall(r".*bench\w+@speed_accuracy.*", (paper / "captions.tex").read_text())
-    assert [re.findall(r"continued, (\d of \d)", line) for line in kept] == [[], [], ["2 of 3"], [], ["3 of 3"], []]
+    assert [re.findall(r"continued \((\d of \d)", line) for line in kept] == [[], [], ["2 of 3"], [], ["3 of 3"], []]
     few = restricted(many, "scenes", ["scene_3"])
     wide = (write_paper(tmp_path, few, ["profiles"], 7.0) / "captions.tex").read_text()  # of another setting, beside the first
     assert set(kept) < set(wide.splitlines())
