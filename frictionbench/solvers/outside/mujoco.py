@@ -2,7 +2,7 @@
 
 The contacts of the former are soft: Newton and CG minimise the relaxation with u = W r + q + R r, and R determines the distance
 from hard contacts. Here R = max(tol, 1e-7) s at every contact, so that a ladder of tolerances is a sweep of R; with smaller R
-Newton diverges.
+Newton stalls on some problems.
 
 They take no matrices. A template of MuJoCo's own has nv slides with an armature of 1 and nc touching spheres; the mass matrix,
 J, R, the reference and the friction are then overwritten. J is sparse, faster than dense from some 16 velocities on and 10 µs
@@ -43,7 +43,7 @@ from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.scaled_delassus import SPACE, DualProgram, ScaledDelassus, dual_program, scaled_delassus
 
 _ITERATIONS = {"newton": 1000, "cg": 2000}  # by default
-_LEAST = 1e-7  # of R/s: below, MuJoCo's Newton diverges
+_LEAST = 1e-7  # of R/s: below, MuJoCo's Newton stalls on some problems
 _SEARCH = {"default": (0.01, 50), "tuned": (1e-8, 100)}  # ls_tolerance and ls_iterations
 _DEFINITE = 1e-13  # on a diagonal of about 1: the least with which mju_boxQP factorises redundant contacts
 _CALLS = 20
