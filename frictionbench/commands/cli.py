@@ -531,10 +531,9 @@ def _run() -> None:
         "NUMBA_NUM_THREADS must be at least 1": re.fullmatch(r"-\d+|0+", os.environ.get("NUMBA_NUM_THREADS", "").strip()),
         "a name that is not UTF-8 cannot be stored": any("\udc80" <= c <= "\udcff" for word in sys.argv for c in word),
     }
-    for told, applies in wrong.items():
-        if applies:
-            typer.echo(f"frictionbench: {told}", err=True)
-            sys.exit(2)
+    if told := next((told for told, applies in wrong.items() if applies), ""):
+        typer.echo(f"frictionbench: {told}", err=True)
+        sys.exit(2)
     try:
         for number in _SIGNALS:
             signal.signal(number, _stop)

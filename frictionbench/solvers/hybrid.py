@@ -89,8 +89,7 @@ class Hybrid:
         problem, members, stage = prepared
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work = {"members": 0}
-        hidden = 0.0  # the floor of the last impulses whose residual rounding explains
-        explained = late = False  # explained: whether rounding explains the residual of `impulse`
+        hidden, explained, late = 0.0, False, False  # hidden: the floor of the last impulses that rounding explains
         if members[0] == NEWTON:
             impulse, least, floor, sweeps, steps = few_contacts(problem, stage, tol, limit, start)
             work = {"newton sweeps": sweeps, "newton steps": steps, "members": 1}
