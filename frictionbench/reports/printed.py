@@ -90,9 +90,7 @@ def _times(run: Run) -> list[Table]:
         f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved or not run charged the time limit."
     )
     if "law" in facts:
-        caption += (
-            " Law: what is solved in place of Coulomb's law; such solvers have a mean only where they solve every problem."
-        )
+        caption += " Law: what is solved in place of Coulomb's law; a mean is then given only if every problem is solved."
     return [Table("times", caption, header, list(zip(*columns, strict=True)))]
 
 
@@ -158,7 +156,9 @@ def _solvers(run: Run) -> list[Table]:
     rows = [
         [row.solver, row.model, ", ".join(sorted(cited(row.solver))) or "–"] for row in both.sort_values("solver").itertuples()
     ]
-    return [Table("solvers", "Solvers, the model that each solves, and references.", ["solver", "solves", REFERENCES], rows)]
+    caption = "Solvers, the model that each solves (lcp: in space with a polygon in place of the cone), and references."
+    caption += "".join(f" {name}* is a portfolio, which may run {members}." for name, members in run.portfolios.items())
+    return [Table("solvers", caption, ["solver", "solves", REFERENCES], rows)]
 
 
 TABLES: tuple[Callable[[Run], list[Table]], ...] = (*(_choice, _solvability, _times, _percentiles, _problems, _solvers),)

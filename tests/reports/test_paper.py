@@ -12,7 +12,7 @@ from frictionbench.commands.options import parse_length, split_names
 from frictionbench.reports.drawing.style import looks
 from frictionbench.reports.latex import ESCAPED, cited, escaped, references
 from frictionbench.reports.paper import booktabs, restricted, write_paper
-from frictionbench.reports.printed import REFERENCES, Table
+from frictionbench.reports.printed import REFERENCES, Table, printed
 from frictionbench.reports.run import Run, read_run
 from frictionbench.solvers import available
 from tests.helpers.command_line import frictionbench
@@ -46,6 +46,12 @@ def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
     assert booktabs(Table("t", "", ["", REFERENCES], [["", ", ".join(["Lemke1965"] * 9)]])).startswith("% one column")
     for letters, first in ((20, "% one column"), (60, "% both columns")):
         assert booktabs(Table("t", "", ["a", "b"], [["x" * letters, "y" * letters]])).startswith(first)
+
+
+def test_members_of_a_portfolio_are_named(tmp_path) -> None:
+    made = read_run(write_folder(tmp_path, [solve_row("nsgs", "p"), solve_row("mixed", "p") | {"members": "quick, slow"}]))
+    [caption] = [table.caption for table in printed(made) if table.name == "solvers"]
+    assert caption.endswith("and references. mixed* is a portfolio, which may run quick, slow.")
 
 
 def test_latex_escaping() -> None:
