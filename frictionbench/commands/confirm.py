@@ -5,7 +5,6 @@ Without it only the current code runs again: alerts that do not recur are droppe
 """
 
 import io
-import json
 import os
 import subprocess
 import sys
@@ -31,7 +30,7 @@ from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.results import cells, store
 from frictionbench.results.compare import Comparison, Limits, confirm, other_loads
-from frictionbench.results.conventions import RankBy, scene_title
+from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, may_be_slower
 from frictionbench.solvers import executable, plugins
@@ -63,7 +62,8 @@ def confirmed(
         return comparison
     if code is not None:
         require_code(code)
-    settings = store.read_manifest(comparison.current)["settings"]
+    manifest = store.read_manifest(comparison.current)
+    settings = manifest["settings"]
     stored, current = cells.read(comparison.baseline), cells.read(comparison.current)
     require(current.code in ("", machine.revision()), "DIR", DIFFERS.format(current.path, f"frictionbench, {current.code}"))
     known = set(stored.measured["variant"]) & set(current.measured["variant"])
@@ -82,7 +82,7 @@ def confirmed(
         if before and before.command == now.command:  # only its plug-ins may differ
             variants &= comparison.sources.keys()
             require(bool(variants), "code", f"{code} holds no frictionbench, of which all these solvers are; {GIVE_BASELINE}")
-        options = [*_options(settings), *(part for variant in sorted(variants) for part in ("--solver", variant))]
+        options = [*run_options(manifest), *(part for variant in sorted(variants) for part in ("--solver", variant))]
         timed = before is not None and limits.times
         most = PAIRS if timed else PAIRS_UNTIMED
         tested = [_home(), *(path.resolve() for spec in outside for path in plugins.files(spec))]
@@ -150,19 +150,17 @@ def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Ce
     return ""
 
 
-def _options(settings: dict[str, Any]) -> list[str]:
-    """Return the command-line options of a run with these settings. Errors: InputError if its problems come from files."""
+def run_options(manifest: dict[str, Any]) -> list[str]:
+    """Return the command-line options of a run, except for its solvers. Errors: InputError if its problems come from files."""
+    settings, given = manifest["settings"], manifest.get("options", {})
     try:
-        suite, sources = settings["suite"], settings["sources"]
-        if suite not in SUITES or any(source["file"] for source in sources):
+        suite = settings["suite"]
+        if suite not in SUITES or any(source["file"] for source in settings["sources"]):
             raise InputError(f"confirm: the problems of {suite} come from files; its cells cannot be run again")
-        sources_of_suite = {scene_title(source.scene, json.dumps(source.parameters)) for source in SUITES[suite]().sources}
-        specs = [(source["scene"], scene_title(source["scene"], json.dumps(source["parameters"]))) for source in sources]
-        chosen = dict.fromkeys(scene if spec in sources_of_suite else spec for scene, spec in specs)
         limits = ["--tol", ",".join(map(repr, settings["tolerances"])), "--time-limit", repr(settings["time_limit"])]
-    except (KeyError, TypeError):
+        return [suite, *limits, *(part for scene in given.get("scene") or () for part in ("--scene", scene))]
+    except (KeyError, TypeError, AttributeError):
         raise ResultsError("confirm: the run's manifest lacks the settings to run its cells again") from None
-    return [suite, *limits, *(part for scene in chosen for part in ("--scene", scene))]
 
 
 def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cells.Cells:

@@ -196,12 +196,14 @@ def work(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
 
 
 def _counts(before: pd.Series, after: pd.Series) -> tuple[dict[str, int], dict[str, int]]:
-    """Return the counters of a cell before and after; only FAILURES unless both runs solved it with the same verdict."""
+    """Return the counters of a cell before and after; only FAILURES unless both runs solved it with the same verdict.
+
+    A cell that is stopped or crashes has no FAILURES, and those that it had before are then lost."""
     old, new = parse_counts(before["work"]), parse_counts(after["work"])
     equal = before["verdict"] == after["verdict"]
     if equal and after["verdict"] in ACCEPTED:
         return old, new
-    names = (old.keys() | new.keys() if equal else old.keys() & new.keys()) & set(FAILURES)
+    names = (old.keys() | new.keys() if equal else old.keys()) & set(FAILURES)
     return {name: old[name] for name in names & old.keys()}, {name: new[name] for name in names & new.keys()}
 
 

@@ -139,7 +139,8 @@ def _differences(
     common = ran[0].index.intersection(ran[1].index)
     old, new = before.loc[common], after.loc[common]
     by_speed = changes.explained_by_speed(old, new, alike) & excused
-    cells = *changes.flips(old[~by_speed], new[~by_speed]), *changes.gone(before, after), *changes.added(before, after)
+    old, new = old[~by_speed], new[~by_speed]
+    cells = *changes.flips(old, new), *changes.gone(before, after), *changes.added(before, after)
     return [*cells, *changes.work(old, new), *(changes.untimed(old, new) if limits.times else ())], int(by_speed.sum())
 
 

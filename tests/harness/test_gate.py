@@ -15,10 +15,11 @@ import pandas as pd
 import pytest
 from numba.core import config
 
-from frictionbench.commands.confirm import of_another_version, require_whole
+from frictionbench.commands.confirm import of_another_version, require_whole, run_options
 from frictionbench.harness import dependencies
 from frictionbench.harness.cells import batch, timing, worker
 from frictionbench.harness.cells.batch import batch_of, time_batch
+from frictionbench.harness.plans.choose import RunOptions, choose
 from frictionbench.harness.plans.plan import BatchCell, Source
 from frictionbench.harness.workers import supervisor
 from frictionbench.harness.workers.inputs import load_plugins
@@ -83,7 +84,14 @@ def test_fewer_failures_make_up_for_none(tmp_path: Path) -> None:
     before = folder("before", ("unsolved", 90), ("wrong", 2))
     assert alerts(before, folder("other", ("unsolved", 2), ("wrong", 90))) == {"unsolved_problems": (2, 90)}
     assert alerts(before, folder("missing", ("unsolved", 90), ("unsolved", 60))) == {"unsolved_problems": (2, 60)}
-    assert alerts(before, folder("stopped", ("unsolved", 90), ("timeout", None))) == {}
+    assert alerts(before, folder("stopped", ("unsolved", 90), ("timeout", None))) == {"unsolved_problems": (2, None)}
+
+
+def test_the_repeats_are_of_the_runs_own_problems() -> None:
+    """A scene of the suite that is given with settings has other steps than those of the suite."""
+    plan = choose(RunOptions(suite="smoke", scene=["two_blocks[friction=0.1]"]))
+    suite, *_, scene = run_options({"settings": plan.settings(), "options": plan.options})
+    assert choose(RunOptions(suite=suite, scene=[scene])).sources == plan.sources
 
 
 def test_a_baselines_code_that_crashes_excuses_nothing(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 from frictionbench.commands.single import rerun_row
 from frictionbench.harness import run as run_module
 from frictionbench.harness.cells.rows import no_problem
-from frictionbench.harness.plans.plan import SolveCell, Source
+from frictionbench.harness.plans.plan import SimulationCell, SolveCell, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import cell_task, row_of, run
 from frictionbench.harness.workers.pool import Outcome
@@ -84,6 +84,11 @@ def test_a_reply_without_a_verdict_is_a_crashed_row(verdict) -> None:
     task = cell_task(cell, 1.0, (), no_problem(source, "") | {"repeats": 1})
     row = row_of(Outcome(task, {"verdict": verdict}), ())
     assert (row["verdict"], row["reason"]) == ("crashed", "the worker returned a malformed row")
+
+
+def test_steps_of_a_whole_motion_are_planned_by_the_worker() -> None:
+    row = {"verdict": "unsolved", "steps": 100, "steps_done": 3}  # or the steps that are not done would be unknown
+    assert row_of(Outcome(cell_task(SimulationCell("incline", {}, "lemke", 1e-8), 1.0, ()), row), ())["steps"] == 100
 
 
 def test_replayed_starts(tmp_path) -> None:

@@ -24,7 +24,8 @@ from frictionbench.solvers import Answer, SolverInfo, Status, find
 
 def known_row(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Row | None = None) -> Row:
     """Return the columns of a cell and of its solver. record: of a solve cell's problem, whose facts are columns as well."""
-    columns = {"problems" if name == "count" else name: value for name, value in vars(cell).items() if name != "origin"}
+    fields = {name: value for name, value in vars(cell).items() if name != "origin" and value is not None}
+    columns = {"problems" if name == "count" else name: value for name, value in fields.items()}
     if record is None:
         columns["parameters"] = json.dumps(columns["parameters"], sort_keys=True)
     facts = {} if record is None else {name: record[name] for name in PROBLEM_FACTS}
