@@ -464,8 +464,7 @@ def tell_of_kernels(cache: Path, known: int = 0, ended: Event | None = None) -> 
     while ended and (len(list(cache.rglob("*.nbi"))) <= known or ended.is_set()):
         if ended.wait(5.0):
             return
-    told = "kernels are compiled at their first use, once: a minute for a few solvers, some minutes for all of them"
-    typer.echo(told, err=True)
+    typer.echo("kernels are compiled at their first use: a minute for a few solvers, some minutes for all of them", err=True)
 
 
 class _Stopped(BaseException):

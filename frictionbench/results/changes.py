@@ -196,9 +196,8 @@ def work(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
 
 
 def _counts(before: pd.Series, after: pd.Series) -> tuple[dict[str, int], dict[str, int]]:
-    """Return the counters of a cell before and after; only FAILURES unless both runs solved it with the same verdict.
-
-    A cell that is stopped or crashes has no FAILURES, and those that it had before are then lost."""
+    """Return the counters of a cell before and after; only FAILURES unless both runs solved it with the same verdict. A
+    cell that is stopped or crashes has lost those that it had before."""
     old, new = parse_counts(before["work"]), parse_counts(after["work"])
     equal = before["verdict"] == after["verdict"]
     if equal and after["verdict"] in ACCEPTED:
