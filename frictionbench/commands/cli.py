@@ -464,7 +464,7 @@ def tell_of_kernels(cache: Path, known: int = 0, ended: Event | None = None) -> 
     while ended and (len(list(cache.rglob("*.nbi"))) <= known or ended.is_set()):
         if ended.wait(5.0):
             return
-    typer.echo("kernels are compiled at their first use: a minute for a few solvers, some minutes for all of them", err=True)
+    typer.echo("kernels are compiled at their first use, once: a minute for a few solvers, minutes for all of them", err=True)
 
 
 class _Stopped(BaseException):
@@ -530,9 +530,10 @@ def _run() -> None:
         "NUMBA_NUM_THREADS must be at least 1": re.fullmatch(r"-\d+|0+", os.environ.get("NUMBA_NUM_THREADS", "").strip()),
         "a name that is not UTF-8 cannot be stored": any("\udc80" <= c <= "\udcff" for word in sys.argv for c in word),
     }
-    if told := next((told for told, applies in wrong.items() if applies), ""):
-        typer.echo(f"frictionbench: {told}", err=True)
-        sys.exit(2)
+    for told, applies in wrong.items():
+        if applies:
+            typer.echo(f"frictionbench: {told}", err=True)
+            sys.exit(2)
     try:
         for number in _SIGNALS:
             signal.signal(number, _stop)

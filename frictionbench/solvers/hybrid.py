@@ -91,11 +91,11 @@ class Hybrid:
         work = {"members": 0}
         hidden, explained, late = 0.0, False, False  # hidden: the floor of the last impulses that rounding explains
         if members[0] == NEWTON:
-            impulse, least, floor, sweeps, steps = few_contacts(problem, stage, tol, limit, start)
-            work = {"newton sweeps": sweeps, "newton steps": steps, "members": 1}
-            if least <= tol and floor <= tol:
+            impulse, error, floor, sweeps, steps = few_contacts(problem, stage, tol, limit, start)
+            work, least = {"newton sweeps": sweeps, "newton steps": steps, "members": 1}, max(error, floor)
+            if least <= tol:
                 return Answer(impulse, Status.SOLVED, work, detail=f"answered by {NEWTON}")
-            explained, least = least <= max(tol, floor), max(least, floor)
+            explained = error <= floor
             found_by, hidden, members = NEWTON, floor if explained else 0.0, members[1:]
         for turn, name in enumerate(members):
             info, member = find(name)
@@ -118,7 +118,7 @@ class Hybrid:
             known = max(error, floor)  # no less than the true residual
             if known <= tol:
                 return Answer(answer.impulse, Status.SOLVED, work, detail=f"answered by {name}")
-            by_rounding = error <= max(tol, floor)
+            by_rounding = error <= floor
             if known < least:
                 impulse, least, found_by, explained = answer.impulse, known, name, by_rounding
             if by_rounding and hidden / ALIKE <= floor <= hidden * ALIKE:
