@@ -151,7 +151,7 @@ class ProxSuite:
     Clock: ProxQP's own solve_time.
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
         solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=30,push=0.7,friction=0.2]' --solver
-        'proxsuite' --solver 'proxsuite[settings=tuned]'`. Sparse it is given P and q times _PROXQP_OBJECTIVE.
+        'proxsuite' --solver 'proxsuite[settings=tuned]'`. Sparse it is given P and q 33 times smaller.
     Tolerance: eps_abs = eps/100 for both residuals, as with eps it calls answers solved that are off by 10 tol; gap eps^2, no
         less than 1e-15, which is tested only on request; eps_rel = 0, 4.4e-16 for the gap, for rounding; eps stands for tol.
     Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
