@@ -19,7 +19,8 @@ from frictionbench.results.judgement import LAWS, Judgement, read_judgements
 from frictionbench.results.store import read_table
 
 # The quantities whose percentiles are shown, with their units.
-QUANTITIES = {"residual": "", **dict.fromkeys((*LAWS, "creep"), "m/s"), "penetration": "m", "energy_defect": "J"}
+QUANTITIES = {"residual": "", **dict.fromkeys((*LAWS, "creep"), "m/s"), "penetration": "m"}
+ENERGIES = {"energy_added": 1.0, "energy_lost": -1.0}  # J, by the sign of their energy defects
 NO_CREEP = 1e-6  # relative to the free velocity: less is rounding
 # Softness is the likely cause of creep if the ratio of its share of the impulse to the creep's share of the free velocity is
 # larger. MuJoCo's boxes on a slope have 0.2 or more with a converged solver, 0.01 to 0.03 after 3 iterations of PGS or 2 of CG.
@@ -70,9 +71,12 @@ class Judged:
 
     @property
     def percentiles(self) -> dict[str, dict[str, float] | None]:
-        """The percentiles of the quantities' absolute values over the steps with contacts; None if no value is known."""
-        values = {name: [one.known(name) for one in self.touching] for name in QUANTITIES}
-        return {name: percentiles(abs(value) for value in known if value is not None) for name, known in values.items()}
+        """The percentiles of the quantities over the steps with contacts, with 0 for energy of the other sign; None if no value
+        is known."""
+        values = {name: [one.known(name) for one in self.touching] for name in (*QUANTITIES, "energy_defect")}
+        defects = [each or 0.0 for each in values.pop("energy_defect")]
+        values |= {name: [max(0.0, sign * each) for each in defects] for name, sign in ENERGIES.items()}
+        return {name: percentiles(value for value in known if value is not None) for name, known in values.items()}
 
     @property
     def impossible(self) -> str:

@@ -16,7 +16,7 @@ from frictionbench.reports.drawing.figures import PANEL, Panel
 from frictionbench.reports.drawing.files import legend_size
 from frictionbench.reports.drawing.style import ALARM, COLOURS, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
 from frictionbench.reports.drawing.text import plain
-from frictionbench.reports.judged import CHOSEN_FROM, PERCENTILES, QUANTITIES, read_judged
+from frictionbench.reports.judged import CHOSEN_FROM, ENERGIES, PERCENTILES, QUANTITIES, read_judged
 from frictionbench.reports.templates import write_page
 from frictionbench.results.conventions import number
 from frictionbench.results.judgement import LAWS, Judgement
@@ -41,7 +41,7 @@ def write_judgement(folder: Path) -> Path:
         judged=judged,
         heads=list(PERCENTILES),
         among=CHOSEN_FROM * MOST_STEPS,
-        quantities=QUANTITIES,
+        units=QUANTITIES | dict.fromkeys(ENERGIES, "J"),
         nets=[(one, name, _shown(net)) for one in bad[:MOST_DRAWN] for name, net in one.bodies.items()],
         worst=[
             (one, {variant: rows.reindex([one.problem]).iloc[0].to_dict() for variant, rows in solved.items()}) for one in bad

@@ -29,9 +29,9 @@ class Judgement(NamedTuple):
     determines their net impulse, else 0; 1 if it determines each contact's, else 0 (hyperstatic); the difference of the
     engine's and the exact net impulse over the larger of the two, in the norm of the inverse mass; then both net impulses, a
     number per velocity, which for a free body are force and moment times the step.
-    penetration: at the beginning of the step, m; None if the step's length is unknown. energy_defect: the answer's defect in
-    the energy balance of an exact answer, J. notes: effects that the problem does not express, with their shares of the
-    impulse. forces: per contact |r_n|, |r_t| and mu r_n, N s. contradiction: text, if the step is proved to have no solution.
+    penetration: at the beginning of the step, m; None if the step's length is unknown. energy_defect: J, by which the energy is
+    above the balance of an exact answer. notes: effects that the problem does not express, with their shares of the impulse.
+    forces: per contact |r_n|, |r_t| and mu r_n, N s. contradiction: text, if the step is proved to have no solution.
     """
 
     file: str

@@ -85,7 +85,7 @@ model_residual     real  1   verified residual of the solver's own model
 residual_floor     real  1   bound on the rounding error of the residual
 fclib_error        real      FCLIB's error, for comparison with published work
 backward_error     real  1   smallest relative change of (q, mu) for which the answer is exact
-energy_defect      real  1   defect of the energy balance over the kinetic energy of the free motion
+energy_defect      real  1   absolute defect of the energy balance over the kinetic energy of the free motion
 velocity_error     real  1   |v - v*| / |v* - v_0| in the norm of the mass; v* of the refined reference answer, v_0 without
                              impulses. An error if the problem has one outcome; null without a reference that changes v
 outcome_distance   real  1   velocity_error of the answer refined to rounding; other outcomes differ in it by more than 1e-3
@@ -108,7 +108,7 @@ steps_done         whole     steps taken
 problems           whole     number of friction problems
 unsolved           whole     number of problems whose verified residual exceeds the tolerance
 worst_residual     real  1   largest verified residual
-worst_energy_defect real  1   largest defect of the energy balance over the scene's energy scale
+worst_energy_defect real  1   largest absolute defect of the energy balance over the scene's energy scale
 energy_scale       real  J   largest kinetic energy plus largest change of potential energy
 energy_drift       real  1   energy at the end minus energy at the start, over the energy scale
 energy_rise        real  1   largest increase of energy in one step, over the energy scale

@@ -75,6 +75,9 @@ def test_judgements(folder) -> None:
     assert told in Judged([impact, rest, rest], pd.DataFrame()).creep
     creeps = percentiles(one.creep for one in found.values() if one.creep is not None)
     assert creeps == pytest.approx({"p50": 0, "p90": 0.002, "p99": 0.002, "worst": 0.002}, abs=1e-12)
+    steps = [creeping._replace(energy_defect=joule) for joule in (-3.0, 1.0, -2.0)]
+    added, lost = (Judged(steps, pd.DataFrame()).percentiles[name] for name in ("energy_added", "energy_lost"))
+    assert (added["p50"], added["worst"], lost["p50"], lost["worst"]) == (0.0, 1.0, 2.0, 3.0)
 
 
 def test_a_file_and_its_folder_are_different_runs(tmp_path, monkeypatch) -> None:
@@ -116,7 +119,8 @@ def test_summary_and_page(folder, monkeypatch) -> None:
     assert "creep at up to 2 mm/s (creeping.npz), " in " ".join(text.split())
     page = write_judgement(folder).read_text(encoding="utf-8")
     assert not any(word in page for word in (SCRIPT, "mathdefault"))  # ticks are text
-    assert all(word in page for word in ("creeping.npz", "hybrid", "nsgs", "dissipation in 1 step.", "Dissipation: co", "<svg"))
+    words = ("creeping.npz", "hybrid", "nsgs", "dissipation in 1 step.", "Dissipation: co", "energy lost, J", "<svg")
+    assert all(word in page for word in words)
 
 
 def test_edited_judgements_are_refused(folder, tmp_path) -> None:
