@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import typer
+from matplotlib.figure import Figure
 
 from frictionbench.commands.options import parse_duration
 from frictionbench.commands.single import advice
@@ -18,7 +19,7 @@ from frictionbench.reports.page import write_report
 from frictionbench.reports.recorded import motions
 from frictionbench.reports.run import annotate, read_run
 from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, RankBy, ending, law
-from tests.helpers.made_results import solve_row, write_folder
+from tests.helpers.made_results import solve_row, unanswered_row, write_folder
 from tests.reports.test_report import PLANE, run_of, table
 
 TIMES = ("form_time", "setup_time", "solve_time")
@@ -87,6 +88,17 @@ def test_means_shares_and_profiles_are_weighted_by_hand():
     # decades and dimensions are strata of their own
     facts = pd.DataFrame({"scene": "s", "contacts": [1, 10, 11, 100, 10], "dimension": [2, 2, 2, 2, 3]})
     assert accuracy.strata(facts).nunique() == 3
+
+
+def test_profiles_are_drawn_to_the_largest_ratio():
+    """Of eight problems b solves seven, the last in 2e5 times the time of a; each is the fastest on four."""
+    rows = [*pair([0.1, 0.2, 0.5, 0.9, 2.0, 3.0, 2e5]), solve_row("a", "last"), unanswered_row("b", "last", "timeout")]
+    (panel,) = profiles.panels(run_of(*rows))
+    ax = Figure().subplots()
+    panel.draw(ax)
+    ends = [line.get_xydata()[[0, -1]].ravel().tolist() for line in ax.lines]
+    assert ends == [pytest.approx([1, 0.5, 2e5, 1]), pytest.approx([1, 0.5, 2e5, 7 / 8])]
+    assert (ax.get_xlim(), [text.get_text() for text in ax.get_xticklabels()]) == ((1, 1e6), ["1", "100", "1e4", "1e6"])
 
 
 def test_too_few_problems_name_no_winner():

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from frictionbench.reports.accuracy import Array, Profile, overall, profiles
+from frictionbench.reports.accuracy import Profile, overall, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK, Look, log_ticks, share_axis, time_axis
@@ -23,27 +23,25 @@ from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
 
-FARTHEST = 1e3  # largest ratio to the fastest solver that is shown
 STEPS = 160  # steps of a curve: finer than the resolution of a panel
 UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 
 
 def panels(run: Run) -> list[Panel]:
-    """Return a panel per target and dimension."""
+    """Return a panel per target and dimension that some solver reaches."""
     return [Panel(title, partial(_draw, costs=profiles(times), looks=run.looks)) for title, times in _by_target(run)]
 
 
 def within_time(run: Run) -> list[Panel]:
     """Return a panel per target and dimension that some solver reaches."""
-    draw, times_by_title = partial(_draw_within, looks=run.looks, budget=run.budget), _by_target(run)
-    reached = [(title, times) for title, times in times_by_title if times["reached"].any()]
-    return [Panel(title, partial(draw, costs=profiles(times, relative=False))) for title, times in reached]
+    draw = partial(_draw_within, looks=run.looks, budget=run.budget)
+    return [Panel(title, partial(draw, costs=profiles(times, relative=False))) for title, times in _by_target(run)]
 
 
 def _by_target(run: Run) -> list[tuple[str, pd.DataFrame]]:
     parts = [(where, target, times) for target, every in run.times.items() for where, times in overall(every).items()]
     parts.sort(key=lambda part: run.overall.index(part[0]))
-    return [(f"{where}, within {power(target)}", times) for where, target, times in parts]
+    return [(f"{where}, within {power(target)}", times) for where, target, times in parts if times["reached"].any()]
 
 
 def work(run: Run) -> list[Panel]:
@@ -74,32 +72,31 @@ def _draw(
     ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], across: str = "time over the fastest solver's time"
 ) -> None:
     """Draw the profiles. costs: each label's, relative to the least cost, see reports.accuracy.profiles."""
-    for label, profile in costs.items():
-        look, (reached, share) = looks[label], steps(profile, FARTHEST)
-        x, y = [1.0, *reached, FARTHEST], [0.0, *share]
-        ax.step(x, [*y, y[-1]], where="post", **look.line, markevery=(0.1, 0.15))
-    log_ticks(ax, "x", {10.0**k: f"{10**k}" for k in range(4)})
-    ax.set_xlim(1, FARTHEST)
+    decades = max(1, int(np.ceil(np.log10(_draw_shares(ax, costs, looks)))))
+    log_ticks(ax, "x", {10.0**k: f"{10**k}" if k < 4 else f"1e{k}" for k in range(0, decades + 1, 1 + decades // 5)})
+    ax.set_xlim(1, 10**decades)
     share_axis(ax, across)
 
 
 def _draw_within(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], budget: float | None) -> None:
-    longest = max(float(profile.cost[np.isfinite(profile.cost)].max(initial=0.0)) for profile in costs.values())
-    for label, profile in costs.items():
-        spent, share = steps(profile, longest)
-        if len(spent):
-            ax.step([*spent, longest], [*share, share[-1]], where="post", **looks[label].line, markevery=(0.1, 0.15))
+    _draw_shares(ax, costs, looks)
     if budget is not None:
         ax.axvline(budget, color=INK, lw=0.8, alpha=0.6)
     share_axis(ax, "time for each problem")
     time_axis(ax, "x")
 
 
-def steps(profile: Profile, farthest: float) -> tuple[Array, Array]:
-    """Return the costs up to `farthest` with the share of the problems within each, thinned to STEPS."""
-    cost = profile.cost[profile.cost <= farthest]
-    keep = np.unique(np.linspace(0, len(cost) - 1, min(len(cost), STEPS)).astype(int))
-    return cost[keep], profile.share(cost[keep])
+def _draw_shares(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look]) -> float:
+    """Draw the share of the problems within each cost, from the least to the largest cost of any label, and return the latter.
+
+    Steps are thinned to STEPS."""
+    every = np.unique(np.concatenate([profile.cost[np.isfinite(profile.cost)] for profile in costs.values()]))
+    for label, profile in costs.items():
+        own = profile.cost[np.isfinite(profile.cost)]
+        keep = np.unique(np.linspace(0, len(own) - 1, min(len(own), STEPS)).astype(int))
+        at = np.r_[every[0], own[keep], every[-1]]
+        ax.step(at, profile.share(at), where="post", **looks[label].line, markevery=(0.1, 0.15))
+    return float(every[-1])
 
 
 CHART = Chart(
@@ -110,7 +107,7 @@ CHART = Chart(
     ranked=True,
     caption="The weighted share of all ranked problems, the same for all solvers, solved to the target within a multiple of "
     "the time of the fastest solver on the problem. At 1, the left edge, the share on which a solver is the fastest; at the "
-    "right edge, the share that it solves at all.",
+    "right end of its line, the share that it solves at all.",
 )
 WORK = Chart(
     name="work",

@@ -126,7 +126,7 @@ def name_axes(ax: Axes, across: str, up: str, grid: Literal["both", "x", "y"] = 
 
 def share_axis(ax: Axes, across: str) -> None:
     """Make the vertical axis one of the share of the problems, from none to all. across: the name of the horizontal axis."""
-    ax.set_ylim(0, 1.03)
+    ax.set_ylim(-0.03, 1.03)  # leaves room for markers
     ax.yaxis.set_major_formatter(PercentFormatter(1))
     name_axes(ax, across, "share of the problems")
 
