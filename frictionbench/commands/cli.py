@@ -14,7 +14,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from threading import Event, Thread
 from typing import Annotated, Any, Literal
 
 import typer
@@ -37,16 +36,11 @@ app = typer.Typer(
 
 class _Command(TyperCommand):
     """A command whose help does not show the Python types of arguments, such as list[Path], and whose error messages replace
-    those of the library that parses values for typer. ended: set when the command has ended."""
-
-    ended = Event()
+    those of the library that parses values for typer."""
 
     def make_context(self, *given: Any, **named: Any) -> Any:
-        _Command.ended = Event()
         try:
-            context = super().make_context(*given, **named)
-            context.call_on_close(_Command.ended.set)
-            return context
+            return super().make_context(*given, **named)
         except Exception as error:
             if getattr(error, "option_name", "") == "--suite":  # the class of this error is not public in typer
                 raise typer.BadParameter("--suite: the suite is an argument, as in `frictionbench run smoke`") from None
@@ -442,29 +436,13 @@ def rerun(
 
 def _jobs(jobs: int | None) -> int:
     """Return the number of workers. By default one core is left to this process and the system, which would disturb timings."""
-    from numba.core import config
-
     from frictionbench.harness.process import cores, require_linux
-    from frictionbench.problems import compiled  # noqa: F401  # sets numba's cache folder
     from frictionbench.problems.check import require
 
     require_linux()
     most = len(cores())
     require(jobs is None or jobs <= most, "jobs", f"at most {most} on this machine, one per core")
-    cache = Path(config.CACHE_DIR)
-    if known := len(list(cache.rglob("*.nbi"))):
-        Thread(target=tell_of_kernels, args=(cache, known, _Command.ended), daemon=True).start()
-    else:
-        tell_of_kernels(cache)
     return jobs or max(1, most - 1)
-
-
-def tell_of_kernels(cache: Path, known: int = 0, ended: Event | None = None) -> None:
-    """Say, with --quiet as well, that kernels are compiled: at once, or when the cache has grown before the command ended."""
-    while ended and (len(list(cache.rglob("*.nbi"))) <= known or ended.is_set()):
-        if ended.wait(5.0):
-            return
-    typer.echo("kernels are compiled at their first use, once: a minute for a few solvers, minutes for all of them", err=True)
 
 
 class _Stopped(BaseException):

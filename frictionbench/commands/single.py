@@ -73,7 +73,7 @@ def solve_one(
             if waiting and solved and time.monotonic() - begun > ANNOUNCED_AFTER and len(rows) < len(tasks):
                 waiting = False
                 first = f"{solved[0]['variant']} solves it {rank_by.words} in {_time(_seconds(solved[0], rank_by))}"
-                progress.tell(f"{first}; the table follows when all have ended, each compiled at its first use")
+                progress.tell(f"{first}; the table follows when all have ended")
     if solver_specs and all(row["verdict"] == Verdict.SKIPPED for row in rows):
         raise InputError("solver: " + "; ".join(f"{row['variant']}: {row['reason']}" for row in rows))
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))

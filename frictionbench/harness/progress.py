@@ -28,6 +28,7 @@ class Progress:
 
     def __init__(self, quiet: bool = False) -> None:
         self._console = Console(stderr=True, quiet=quiet)
+        self._drawn = self._console.is_terminal and not quiet
 
     def tell(self, text: str) -> None:
         """Print a line, or on a terminal a paragraph."""
@@ -43,13 +44,13 @@ class Progress:
         """Yield the items and show how many of the total there have been. done: the number before the first item."""
         printed = time.monotonic()
         shown = COLUMNS if total > FEW_ITEMS else COLUMNS[:-1]
-        with progress.Progress(*shown, console=self._console, disable=not self._console.is_terminal) as bar:
+        with progress.Progress(*shown, console=self._console, disable=not self._drawn) as bar:
             task = bar.add_task(name, total=total, completed=done)
             for count, item in enumerate(items, done + 1):
                 bar.update(task, completed=count)
-                if count < total and not self._console.is_terminal and time.monotonic() - printed > INTERVAL:
+                if count < total and not self._drawn and time.monotonic() - printed > INTERVAL:
                     printed = time.monotonic()
                     self.tell(f"{name}: {count} of {total}")
                 yield item
-        if not self._console.is_terminal:
+        if not self._drawn:
             self.tell(f"{name}: {'all ' * (total > 1)}{total} done")

@@ -86,7 +86,7 @@ def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str
     takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in (least, most))
     cells_of = f"{count(len(cells), 'cell')} of {count(len(records), 'problem')}"
     text = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
-    return f"{text}, about {longest} where all take their {plan.time_limit:g} s; kernels are compiled first, at their first use"
+    return f"{text}, about {longest} where all take their {plan.time_limit:g} s"
 
 
 def _run(

@@ -4,17 +4,18 @@ import json
 import signal
 import subprocess
 import sys
-from threading import Event
 
 import pytest
+from numba import njit
 from typer.testing import CliRunner
 
-from frictionbench.commands import cli
 from frictionbench.commands.cli import app
 from frictionbench.commands.summary import folder_for
 from frictionbench.commands.table import columns
 from frictionbench.harness import process
 from frictionbench.harness.plans.choose import RunOptions, choose
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.workers import pool
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import new_shard
@@ -31,18 +32,23 @@ def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
     assert "all cores but one" in " ".join(CliRunner().invoke(app, ["run", "--help"]).output.split())
 
 
-def test_compilation_is_announced_at_once_or_when_it_begins(monkeypatch, tmp_path, capsys) -> None:
-    monkeypatch.setattr("frictionbench.commands.single.solve_one", lambda *_, **__: None)
-    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
-    assert "compiled at their first use" in CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
-    (tmp_path / "kernel.nbi").touch()
-    assert not CliRunner().invoke(app, ["solve", "stack", "--quiet"]).stderr
-    assert cli._Command.ended.is_set(), "a command that has ended watches no longer"
-    monkeypatch.setattr("threading.Event.wait", lambda ended, _: (tmp_path / "another.nbi").touch() or ended.is_set())
-    for ended, told in ((Event(), True), (cli._Command.ended, False)):
-        (tmp_path / "another.nbi").unlink(missing_ok=True)
-        cli.tell_of_kernels(tmp_path, 1, ended)
-        assert ("compiled at their first use" in capsys.readouterr().err) == told
+def compiled(module: str) -> int:
+    """In a worker, compile a function as one of a module."""
+
+    def successor(x: int) -> int:
+        return x + 1
+
+    successor.__module__ = module
+    return int(njit(successor)(1))
+
+
+def test_only_kernels_of_this_package_that_are_compiled_are_announced_and_once(capsys) -> None:
+    pool.tell_of_kernels.cache_clear()
+    with pool.scratch_pool() as workers:
+        for module, told in (("plugin", 0), ("frictionbench.solvers.lemke", 1), ("frictionbench.solvers.nsgs", 0)):
+            (outcome,) = Progress(quiet=True).follow("kernels", workers, [pool.Task(compiled, (module,), 60.0)])
+            assert outcome.value == 2
+            assert capsys.readouterr().err.count("kernels are compiled") == told
 
 
 @pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])

@@ -13,6 +13,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import cache
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
@@ -28,6 +29,7 @@ from frictionbench.results.files import ResultsError, cleaned
 
 # Bytes, and lists and objects in them: bound the memory of the main process. The longest row, with curves, is far shorter.
 LONGEST_REPLY, MOST_LISTS = 32 * 2**20, 2**20
+DURING = {"loaded", "compiling"}  # what a worker reports while it runs a task
 
 
 @dataclass(frozen=True)
@@ -167,7 +169,7 @@ class _Slot:
             self._restart()
 
     def receive(self) -> Outcome | None:
-        """Return the outcome of the task, or None if it was restarted or only reported what was loaded.
+        """Return the outcome of the task, or None if it was restarted or only reported what it does.
 
         Errors: InputError if the worker cannot start.
         """
@@ -184,8 +186,10 @@ class _Slot:
             message = {"failure": Verdict.CRASHED.name, "reason": "the worker's reply is nested too deeply"}
         if "unusable" in message:
             raise InputError(message["unusable"])
-        if message.keys() == {"loaded"}:
-            self._loaded |= message["loaded"]
+        if message.keys() <= DURING:
+            self._loaded |= message.get("loaded", {})
+            if "compiling" in message:
+                tell_of_kernels()
             return None
         if message.get("retry") and self._tries < TRIES:
             self.send(self.task)
@@ -210,6 +214,12 @@ class _Slot:
             while self.connection.poll(2 * process.KILL_SECONDS):
                 self.connection.recv_bytes()
         self.connection.close()
+
+
+@cache
+def tell_of_kernels() -> None:
+    """Say once, on stderr, that kernels are compiled, as results come late. Progress bars show it above them."""
+    print("kernels are compiled for their first use: a minute for a few solvers, minutes for all of them", file=sys.stderr)
 
 
 class Pool(AbstractContextManager["Pool"]):

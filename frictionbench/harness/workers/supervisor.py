@@ -20,14 +20,16 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
 
+from numba.core import event
 from numba.core.registry import cpu_target
 
 from frictionbench.harness import dependencies, machine, process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.workers import sandbox
-from frictionbench.harness.workers.pool import LONGEST_REPLY, MOST_LISTS, Settings, Task
+from frictionbench.harness.workers.pool import DURING, LONGEST_REPLY, MOST_LISTS, Settings, Task
 from frictionbench.problems import InputError
+from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.solvers import plugins
 from frictionbench.solvers.outside.children.child import living
@@ -187,9 +189,9 @@ class _Worker:
                 if reply.endswith(b"\n"):
                     for line in bytes(reply).splitlines(keepends=True):
                         checked, reusable = _checked(line)
-                        if not reusable or json.loads(checked).keys() != {"loaded"}:
+                        if not reusable or not json.loads(checked).keys() <= DURING:
                             return checked, reusable
-                        channel.send_bytes(checked)  # what the worker has loaded so far, in case it is ended during the call
+                        channel.send_bytes(checked)  # at once, in case the worker is ended during the call
                     reply.clear()
                 if not received:
                     open_ends, poll = [channel], POLL_CLOSED
@@ -232,6 +234,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
         _write(replies, reason=str(error) if isinstance(error, InputError) else f"workers: {error}")
         return
     _write(replies)
+    event.register("numba:compile", _Compilation(replies))
     pid, home = os.getpid(), os.getcwd()
     while True:
         try:
@@ -253,6 +256,20 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
         _write(replies, **reply, helpers=living(), loaded=dependencies.loaded())
 
 
+class _Compilation(event.Listener):
+    """Reports that this worker compiles kernels of this package."""
+
+    def __init__(self, replies: int) -> None:
+        self._replies = replies
+
+    def on_start(self, begun: event.Event) -> None:
+        if begun.data["dispatcher"].py_func.__module__.startswith(f"{PACKAGE.name}."):
+            _write(self._replies, compiling=True)
+
+    def on_end(self, _: object) -> None:
+        pass
+
+
 def _write(replies: int, **fields: Any) -> None:
     """Write a reply, as a line, to the pipe of this worker."""
     reply = _reply(**fields)
@@ -267,7 +284,7 @@ def _checked(line: bytes) -> tuple[bytes, bool]:
         reply = json.loads(line) if simple else None
         if (
             isinstance(reply, dict)
-            and reply.keys() <= {"value", "failure", "reason", "refused", "helpers", "loaded"}
+            and reply.keys() <= {"value", "failure", "reason", "refused", "helpers", *DURING}
             and reply.get("failure") in (None, Verdict.CRASHED.name)
             and isinstance(reply.setdefault("loaded", {}), dict)
             and all(isinstance(place, str) for place in reply["loaded"].values())
