@@ -6,11 +6,12 @@ overwritten, and the problem is preconditioned as Kamino does.
 
 Licence: Apache-2.0 (Newton and Warp).
 Form: the dimensionless Delassus matrix, dense, with three rows a contact, (t1, t2, n); the second tangent of a planar one is
-    decoupled. Setup: the template, once per size, and the transfer into it. Solve: the solver's solve, and reading the
-    impulses. What Warp compiles for a size, some ten seconds, is not timed.
+    decoupled. Setup: the template, once per size. Solve: the transfer into it, the solver's solve, and reading the
+    impulses. What Warp compiles and records for a size, some ten seconds, is not timed.
 Clock: none.
-Charged: both are made for many worlds at once on a graphics card. On the processor each iteration launches some five kernels of
-    Warp from Python, an eighth of a millisecond and more whatever the size, which is nearly all of the time of small problems.
+Charged: both are made for many worlds at once on a graphics card. Their kernels are recorded once per size as a graph
+    (warp.ScopedCapture), which Warp replays on one processor without Python; some 20 µs of form and transfer at 2 contacts
+    are added.
 Settings: PADMM's initial penalty rho_0 is 1; tuned is 0.1, with fewer iterations on stacks and more on random bodies,
     `frictionbench solve 'stack[blocks=5,push=1]' --tol 1e-4 --solver 'kamino[method=padmm]' --solver
     'kamino[method=padmm,settings=tuned]'`. APGD corrects the shift once by default, which solves a relaxation; here it may 200
@@ -18,8 +19,9 @@ Settings: PADMM's initial penalty rho_0 is 1; tuned is 0.1, with fewer iteration
 Tolerance: of PADMM's three residuals and of APGD's natural map eps/10, eps as in solvers.outside.scaled_delassus, but at least
     1e-7, about a unit of rounding; where eps is less than that, it does not claim more than rounding allows.
 Flaws: at 1e-6 its residuals, in single precision, are met where the verified one is up to five times the tolerance, or never,
-    `frictionbench solve 'house_of_cards[storeys=4]' --tol 1e-6 --solver 'kamino[method=padmm]'`. APGD may correct the shift for
-    seconds and end above the tolerance.
+    `frictionbench solve 'house_of_cards[storeys=4]' --tol 1e-6 --solver 'kamino[method=padmm]'`. APGD may correct the shift
+    200 times, with 60 contacts for seconds, and end above the tolerance, `frictionbench solve 'stack[blocks=5,push=1]' --tol
+    1e-6 --solver 'kamino[method=apgd]'`.
 Reference: Tsounis, Grandia and Bächer 2025, arXiv:2504.19771; the Newton developers, Newton.
 """
 
@@ -27,7 +29,6 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-import numpy as np
 from numba.core import event
 
 from frictionbench.problems import FrictionProblem
@@ -41,7 +42,7 @@ _LEAST = 1e-7  # of residuals: a unit of rounding of impulses and velocities of 
 _LIMITS = {"padmm": 2000, "apgd": 200}  # PADMM's iterations, and APGD's corrections of the shift, of 64 iterations each
 
 
-Prepared = tuple[ScaledDelassus, Any, Any]  # and Kamino's dual problem and its solver
+Prepared = tuple[ScaledDelassus, tuple[Any, ...]]  # and Kamino's template
 
 
 @solver(
@@ -67,47 +68,37 @@ class Kamino:
         return scaled_delassus(problem, TANGENTS_FIRST)
 
     def setup(self, scaled: ScaledDelassus) -> Prepared:
-        dual, library_solver = _template(len(scaled.friction), self.method)
-        dual.zero()
-        for array, values in ((dual.data.D, scaled.W), (dual.data.v_f, scaled.q), (dual.data.mu, scaled.friction)):
-            filled = array.numpy()
-            filled[: values.size] = values.ravel()
-            array.assign(filled)
-        dual._build_dual_preconditioner()
-        dual._apply_dual_preconditioner_to_dual()
-        return scaled, dual, library_solver
+        return scaled, _template(len(scaled.friction), self.method)
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        scaled, dual, solver = prepared
+        scaled, (graph, (*problem, config, corrections, found, impulses), _) = prepared
         eps, most = max(scaled.share * tol / STOPPING_MARGIN, _LEAST), limit or _LIMITS[self.method]
+        # A solve changes them.
+        for array, values in zip(problem, (scaled.W, scaled.q, scaled.friction), strict=True):
+            array[: values.size] = values.ravel()
         if self.method == "padmm":
-            options = dict.fromkeys(("primal_tolerance", "dual_tolerance", "compl_tolerance"), eps)
-            _set(solver.data.config, options | {"max_iterations": most, "rho_0": 0.1 if self.settings == "tuned" else 1.0})
+            for name in ("primal_tolerance", "dual_tolerance", "compl_tolerance"):
+                config[name] = eps
+            config["max_iterations"], config["rho_0"] = most, 0.1 if self.settings == "tuned" else 1.0
         else:
-            _set(solver.data.config, {"tolerance": eps})
-            _set(solver._apgd.config, {"tolerance": eps, "max_nonlinear_corrections": most})
-        solver.coldstart()
-        solver.solve(dual)
-        status = solver.data.status.numpy()[0]
+            config["tolerance"] = corrections["tolerance"] = eps
+            corrections["max_nonlinear_corrections"] = most
+        import_module("warp").capture_launch(graph)
+        status = found[0]
         ended = status["converged"] if self.method == "padmm" else status["apgd_residual"] <= eps
         reached = Status.SOLVED if eps <= scaled.share * tol else Status.ROUNDING
-        r = solver.data.solution.lambdas.numpy()[: len(scaled.q)].astype(float)
+        r = impulses[: len(scaled.q)].astype(float)
         return scaled.answer(r, reached if ended else Status.WORK_LIMIT, iterations=int(status["iterations"]))
 
 
-def _set(config: Any, options: dict[str, float]) -> None:
-    """Change options in a solver's options structure."""
-    values = config.numpy()
-    for name, value in options.items():
-        values[name] = value
-    config.assign(values)
-
-
 @cache
-def _template(nc: int, method: str) -> tuple[Any, Any]:
-    """Kamino's dual problem of nc contacts and a solver, with all kernels compiled."""
+def _template(nc: int, method: str) -> tuple[Any, ...]:
+    """Of nc contacts: the graph of preconditioning, cold start and solve, with all kernels compiled; views of D, v_f and mu of
+    the dual problem, of the solver's options, of those of APGD's corrections, of its status and its impulses; and what owns
+    their memory."""
     with event.trigger_event("numba:compiler_lock"):  # so that the harness does not time compiling and loading
-        import_module("warp").config.log_level = 40  # errors only
+        warp: Any = import_module("warp")
+        warp.config.log_level = 40  # errors only
         newton = import_module("newton")
         kinematics, solvers = _KAMINO + "kinematics.", _KAMINO + "solvers."
         constraints = import_module(kinematics + "constraints")
@@ -135,7 +126,12 @@ def _template(nc: int, method: str) -> tuple[Any, Any]:
             dvi = import_module(solvers + "dvi").DVISolver
             library_solver = dvi(**parts, problem=dual, config=dvi.Config(unilateral_solver="apgd"))
         dual.zero()
-        dual.data.D.assign(np.eye(3 * nc).ravel().astype(np.float32))
-        library_solver.coldstart()
-        library_solver.solve(dual)
-    return dual, library_solver
+        with warp.ScopedCapture(device="cpu") as capture:
+            dual._build_dual_preconditioner()
+            dual._apply_dual_preconditioner_to_dual()
+            library_solver.coldstart()
+            library_solver.solve(dual)
+        found = library_solver.data
+        corrections = found.config if method == "padmm" else library_solver._apgd.config
+    arrays = dual.data.D, dual.data.v_f, dual.data.mu, found.config, corrections, found.status, found.solution.lambdas
+    return capture.graph, tuple(array.numpy() for array in arrays), (dual, library_solver)

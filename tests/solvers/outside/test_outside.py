@@ -72,6 +72,17 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
         assert own_residual(spec, problem, first) <= 10 * tol
 
 
+@pytest.mark.parametrize("spec", SPECS)
+def test_a_prepared_problem_is_solved_again_after_others(spec) -> None:
+    """Templates and objects that are kept for a size hold nothing of another problem, or of the problem's earlier solve."""
+    (info, solver), problem, other = installed(spec), EASY["two boxes"], scene("stack", blocks=2, push=3.0).problem()
+    if not info.refuses(problem):
+        prepared = solver.prepare(problem)
+        first = solver.solve(prepared, 1e-4, None)
+        solver.solve(solver.prepare(other), 1e-4, None)
+        assert solver.solve(prepared, 1e-4, None).impulse == pytest.approx(first.impulse, rel=1e-6, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("spec", "what"),
     [
