@@ -11,7 +11,7 @@ def split(field: str, text: str) -> tuple[str, dict[str, str | None]]:
     """The name and its settings as text; the value of a setting without `=` is None. Errors: InputError naming the field."""
     match = re.fullmatch(r"\s*([\w.-]+)\s*(?:\[(.*)\])?\s*", text)
     if match is None:
-        program = ", or 'exec:./program {problem} {answer}'; repeat the option for several" if field == "solver" else ""
+        program = ", FILE.py or 'exec:./program {problem} {answer}'; repeat --solver for several" if field == "solver" else ""
         raise InputError(f"{field}: cannot read {text!r}; write name or name[setting=value,...]{program}")
     name, settings = match.groups()
     pairs = [[part.strip() for part in setting.partition("=")] for setting in filter(None, (settings or "").split(","))]

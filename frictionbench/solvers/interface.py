@@ -35,6 +35,7 @@ import re
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
+from inspect import signature
 from typing import Any, Literal, NamedTuple, Protocol, TypeVar, get_args
 
 import numpy as np
@@ -222,8 +223,8 @@ def solver(
 
     family: of methods, as reports group them. Other arguments: see SolverInfo. The class needs
     `solve(self, prepared, tol, limit, start=None) -> Answer`, and may have `form` and `setup`.
-    Errors: ValueError if the name is already registered, the class defines `prepare` or no `solve`, or an argument is not as
-    described in SolverInfo; the message names it.
+    Errors: ValueError if the name is already registered, the class defines `prepare` or no such `solve`, or an argument is not
+    as described in SolverInfo; the message names it.
 
     >>> import frictionbench as fb, numpy as np
     >>> @fb.solver("nothing", family="splitting", model="coulomb", dimension=(2, 3))
@@ -237,8 +238,11 @@ def solver(
     """
 
     def register(cls: Class) -> Class:
-        if not hasattr(cls, "solve"):
-            raise ValueError(f"solver: {cls.__name__} has no method solve(self, prepared, tol, limit, start=None)")
+        method: Any = getattr(cls, "solve", None)
+        try:
+            signature(method).bind("self", "problem", "tol", "limit", "start")
+        except TypeError:
+            raise ValueError(f"solver: {cls.__name__} is no class with solve(self, problem, tol, limit, start=None)") from None
         whole: Any = with_all_steps(cls)
         if whole.__module__.startswith(PACKAGE) and not getattr(whole, "takes_unlike", False):
             whole = with_balance(whole, model, bool(needs))
@@ -294,7 +298,7 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         try:
             values[key] = _FLAGS[text.lower()] if kinds[key] is bool else kinds[key](text)
         except (ValueError, KeyError):
-            raise InputError(f"solver: {name}[{key}=...] takes a {kinds[key].__name__}, got {text!r}") from None
+            raise InputError(f"solver: {name}[{key}=...] takes a value of type {kinds[key].__name__}, got {text!r}") from None
     known = [split("solver", variant)[1] for variant in info.specs]
     chosen = {key for key, kind in kinds.items() if kind is str and any(key in variant for variant in known)}
     possible = [{key: variant.get(key, getattr(instance, key)) for key in chosen} for variant in known]

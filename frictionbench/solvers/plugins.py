@@ -10,6 +10,7 @@ metadata, without importing them. A plug-in cannot replace a solver of this pack
 
 import importlib
 import importlib.util
+import os
 import sys
 import traceback
 from contextlib import suppress
@@ -30,6 +31,7 @@ GROUP = "frictionbench.solvers"
 MODULE = "frictionbench_plugin_"  # prefix of the module name of a file
 LARGEST_HASHED = 16 * 2**30  # bytes of a file, or of a package: more than any has, and takes a minute
 FRAMES = 4  # of a traceback in describe_error: enough to reach the plug-in's own code, also if @solver raised the error
+CALLERS = (f"{Path(__file__).parents[1] / 'harness'}{os.sep}", __file__)  # code that calls a plug-in, and explains no error
 
 
 def is_file(source: str) -> bool:
@@ -121,11 +123,12 @@ def _import_file(name: str, path: str) -> None:
 
 
 def describe_error(error: BaseException) -> str:
-    """An error in one line, with the file and line of its last frames, the innermost first."""
+    """An error in one line, with the file and line of its last frames, the innermost first; of an executable there are none."""
     if isinstance(error, SyntaxError):  # its text names the file and the line; its frames are those of the import
         return f"{type(error).__name__}: {error}"
     files = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith("<")]
-    frames = files[: -FRAMES - 1 : -1]  # without those of Python's import and of dataclasses, which name no file
+    own = [frame for frame in files if not frame.filename.startswith(CALLERS)] or files
+    frames = [] if any(frame.filename == executable.__file__ for frame in own) else own[: -FRAMES - 1 : -1]
     places = " < ".join(f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}" for frame in frames)
     try:
         text = str(error)

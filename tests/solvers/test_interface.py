@@ -45,9 +45,10 @@ def test_a_start_is_checked(name, start):
 def test_facts_of_a_solver_are_checked(fact, value):
     facts = {"name": "checked", "family": "test", "model": "coulomb"} | {fact: value}
     with pytest.raises(ValueError, match=rf"^solver: {fact} must be .*, got "):
-        solver(**facts)(type("Checked", (), {"solve": None}))
-    with pytest.raises(ValueError, match="Idle has no method solve"):
-        solver("checked", family="test", model="coulomb")(type("Idle", (), {}))
+        solver(**facts)(type("Checked", (), {"solve": lambda self, problem, tol, limit, start=None: None}))
+    for wrong in (type("Idle", (), {}), type("Idle", (), {"solve": lambda self, problem, tol: None}), lambda problem: None):
+        with pytest.raises(ValueError, match=r"is no class with solve\(self, problem, tol, limit, start=None\)"):
+            solver("checked", family="test", model="coulomb")(wrong)
     assert "checked" not in available()
 
 

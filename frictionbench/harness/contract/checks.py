@@ -43,8 +43,8 @@ def first_calls(subject: Subject) -> Violations:
 
 
 @check(
-    "Return Answer(impulse, status, work): impulses (contacts, dimension) of floats, normal first; counts of whole numbers; a "
-    "Status whatever happens, SOLVED only where the residual (problems.residual) is within the tolerance."
+    "Return Answer(impulse, status, work), or write an executable's answer file: impulses of the step, N s, (contacts, "
+    "dimension), normal first; whole numbers of work; a status, solved only where the residual is within the tolerance."
 )
 def ordinary_problems(subject: Subject) -> Violations:
     faults: dict[str, list[str]] = {}

@@ -35,7 +35,7 @@ def test_plugin_is_imported_in_workers_only(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("first", "told"),
     [
-        ("raise ValueError('no licence')", r"ValueError: no licence \(at guest.py:6"),
+        ("raise ValueError('no licence')", r"ValueError: no licence \(at guest.py:6 in <module>\)"),
         ("import sys; sys.exit(4)", r"SystemExit: 4 \(at guest.py:6"),
         ("import os; os._exit(0)", "the process ended: exit code 0"),
         ("def broken(:", r"SyntaxError.*line 6"),
@@ -61,8 +61,7 @@ def test_exception_has_file_line_and_frames(tmp_path) -> None:
     first = "def deep(n):\n    return 1 / n"
     plugin = write(tmp_path / "guest.py", first=first, body="deep(0)")
     (row,) = run_of(tmp_path / "run", plugin).to_dict("records")
-    frames = r"at guest.py:7 in deep < guest.py:\d+ in solve < worker.py:\d+ in <lambda> < timing.py:\d+ in timed_call"
-    told = rf"ZeroDivisionError: division by zero \({frames}\)"
+    told = r"ZeroDivisionError: division by zero \(at guest.py:7 in deep < guest.py:\d+ in solve\)"
     assert re.fullmatch(told, row["reason"])
     _, again = rerun_row(tmp_path / "run", row["key"], [str(plugin)])
     assert again["reason"] == row["reason"]
