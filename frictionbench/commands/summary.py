@@ -30,9 +30,10 @@ def folder_for(plan: Plan) -> Path:
 def summary(folder: Path) -> str:
     """Return the verdicts of a finished run, one line per solver, its folder, and the command that makes the report."""
     rows = read_table(folder, "solves")
-    ranked = rows[~rows["trivial"].eq(True) & ~rows["idle"].eq(True)]
-    lines = [counted("cells of problems in which friction is at work", ranked)]
-    if others := len(rows) - len(ranked):
+    easy, bare = rows["trivial"].eq(True) | rows["idle"].eq(True), rows["contacts"].isna()
+    lines = [counted("cells of problems in which friction is at work", rows[~easy & ~bare])]
+    lines += [counted("cells of LCPs and of files that cannot be read, not ranked", rows[~easy & bare])]
+    if others := int(easy.sum()):
         lines.append(f"cells of trivial and idle problems (nothing to solve, or friction not needed), not ranked: {others}")
     lines += [counted("simulations, scenes in closed loop", read_table(folder, "simulations"))]
     batches = read_table(folder, "batches")

@@ -11,12 +11,13 @@ Columns added to the solves table:
     time            the time by which the run ranks, s, see results.conventions
     answered        whether there is an answer that was verified and timed
     own_solved      whether it solves the exact problem or the solver's own model to the tolerance
+    unread, bare    whether the source yielded no problem, or none with contacts, as an LCP
     infeasible      whether the problem is proved to have no solution
     several_outcomes    whether solutions with several velocities were found or enumerated
     robot           whether the problem is a step of a robot
     cluster         a group of similar problems: the scene or, for steps of robots, the model
 
-Trivial, idle and infeasible problems are excluded from rankings: `Run.ranked` leaves them out.
+Problems with one of EXCLUSIONS are excluded from rankings: `Run.ranked` leaves them out.
 """
 
 import json
@@ -41,6 +42,8 @@ BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods are faster be
 PORTFOLIO = "*"
 NO_ANSWER = (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.SKIPPED)
 EXCLUSIONS = {  # columns that exclude problems from rankings; the first that holds is counted
+    "unread": "that cannot be read or made",
+    "bare": "given as an LCP",
     "infeasible": "proved infeasible",
     "trivial": "trivial",
     "idle": "idle",
@@ -75,9 +78,8 @@ class Run:
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
-        """The rows of friction problems that no exclusion removes, without bare LCPs and sources that yielded no problem."""
-        removed = self.rows[list(EXCLUSIONS)].any(axis=1)
-        return self.rows[~removed & (self.rows["problem"] != "") & self.rows["contacts"].notna()]
+        """The rows of problems that no exclusion removes."""
+        return self.rows[~self.rows[list(EXCLUSIONS)].any(axis=1)]
 
     @cached_property
     def outside(self) -> set[str]:
@@ -157,6 +159,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows[texts] = rows[texts].fillna("")
     for name in ("trivial", "idle", "claimed"):
         rows[name] = rows[name].eq(True)
+    rows["unread"], rows["bare"] = rows["problem"] == "", rows["contacts"].isna()
     rows["infeasible"] = rows["proved_infeasible"].eq(True)
     rows["several_outcomes"] = outcomes(rows).groupby(rows["problem"]).transform("max") > 1
     rows["robot"] = rows["scene"] == ROBOTS

@@ -209,7 +209,7 @@ def setting(run: Run) -> str:
 def exclusions(run: Run) -> str:
     """Return a sentence on how many problems each exclusion removes from the rankings, where the first that holds counts, and
     how many of the others have several outcomes."""
-    left = run.rows[(run.rows["problem"] != "") & run.rows["contacts"].notna()].drop_duplicates("problem_id")
+    left = run.rows.sort_values("contacts", kind="stable").drop_duplicates("problem_id")
     parts = []
     for name, what in EXCLUSIONS.items():
         parts += [f"{left[name].sum()} {what}"] if left[name].any() else []

@@ -98,6 +98,12 @@ def test_trivial_problems_are_excluded():
     assert view(run)["claims"]["problem"].tolist() == ["r"]
 
 
+def test_problems_that_are_not_ranked_are_counted():
+    run = run_of(solve_row("a", "p"), solve_row("a", "q", contacts=None), unanswered_row("a", "", "skipped", contacts=None))
+    assert tables.exclusions(run) == "Left out of all rankings: 1 that cannot be read or made, 1 given as an LCP."
+    assert run.ranked["problem"].tolist() == ["p"]
+
+
 def test_solvability_counts_every_verdict():
     verdicts = ("solved", "relaxed", "near_miss", "unjudgeable", "wrong", "unsolved")
     answers = [solve_row("a", v, verdict=v, claimed=v != "unsolved") for v in verdicts]

@@ -74,8 +74,8 @@ def read_options(path: Path) -> RunOptions:
     try:
         options = RunOptions(**stored)
     except ValidationError as error:
-        name = str(error.errors()[0]["loc"][0])
-        raise InputError(f"config: {path}: {name}: cannot be {stored[name]!r:.100}") from None
+        name, expected = str(error.errors()[0]["loc"][0]), error.errors()[0]["msg"].replace("Input should be", "expected")
+        raise InputError(f"config: {path}: {name}: {expected}, got {stored[name]!r:.100}") from None
     for spec in options.solver or []:
         require(not defines_all(spec), "config", f"{path}: solver: {spec} is code; name it with --solver")
     return options
