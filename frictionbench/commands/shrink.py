@@ -59,10 +59,8 @@ def shrink(
             elif trials == 1:
                 now = f"{again['verdict']} ({again['reason']})" if again.get("reason") else again["verdict"]
                 longer = "; run it with a longer --time-limit" if again["verdict"] == Verdict.TIMEOUT else ""
-                change = (
-                    f"was {row['verdict']} and is {now} from a cold start; only what fails again alike can be shrunk{longer}"
-                )
-                raise InputError(f"row: {row['key']} {change}")
+                change = f"row: {row['key']} was {row['verdict']} and is {now} from a cold start"
+                raise InputError(f"{change}; only what fails again alike can be shrunk{longer}")
             return failed
 
         whole = list(range(problem.contacts))

@@ -257,18 +257,13 @@ def dependable(choice: Choice) -> str:
     ours = len([place for place in exact if np.isfinite(place.mean)]) - choice.outside
     outside = f"{count(choice.outside, 'outside solver')} of Coulomb's law"
     compared = f"{count(ours, 'own method')} and {outside}" if choice.outside else "our own methods"
-
-    def order(place: Place) -> tuple[float, float]:
-        return -place.reached, place.mean
-
-    best = min(exact, key=order)
+    ordered = sorted(exact, key=lambda place: (-place.reached, place.mean))
+    best, single = ordered[0], [place for place in ordered if not place.label.endswith(PORTFOLIO)]
     text = f"the most dependable choice among {compared} is {best.label}, {best.solved} of {choice.problems} solved"
     text += f", itself the fastest on {best.fastest:.0f}"
-    single = [place for place in exact if not place.label.endswith(PORTFOLIO)]
     if best not in single and single:
-        alone = min(single, key=order)
-        text += f"; the best single method is {alone.label}, {alone.solved} of {choice.problems} solved"
-        text += f" with a mean of {seconds(alone.mean, 3)}"
+        text += f"; the best single method is {single[0].label}, {single[0].solved} of {choice.problems} solved"
+        text += f" with a mean of {seconds(single[0].mean, 3)}"
     often = max(exact, key=lambda place: place.fastest)
     return text + (f"; most often the fastest is {often.label}, on {often.fastest:.0f}" if often is not best else "")
 

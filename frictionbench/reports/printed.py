@@ -133,16 +133,10 @@ def _solvability(run: Run) -> list[Table]:
 
 def _problems(run: Run) -> list[Table]:
     rows = [
-        [
-            row["problem_class"],
-            f"{row['problems']:.0f}",
-            f"{row['trivial'] + row['idle']:.0f}",
-            _range(row, "contacts"),
-            _range(row, "size"),
-        ]
+        [row["problem_class"], str(row["problems"]), str(row["left_out"]), _range(row, "contacts"), _range(row, "size")]
         for row in tables.problem_classes(run).to_dict("records")
     ]
-    caption = "Problems by class; left out: nothing to solve, or solved without friction; unknowns of the friction LCP."
+    caption = "Problems by class; left out: not ranked; unknowns of the friction LCP."
     return [Table("problems", caption, ["class", "problems", "left out", "contacts", "unknowns"], rows)]
 
 

@@ -45,15 +45,15 @@ def reasons(run: Run) -> pd.DataFrame:
 
 
 def problem_classes(run: Run) -> pd.DataFrame:
-    """Return a row per class, grouped by scene and ordered by size: the numbers of problems, of trivial and of idle ones, the
+    """Return a row per class, grouped by scene and ordered by size: the numbers of problems and of those not ranked, the
     ranges of contacts and unknowns, and the largest condition number."""
     problems = run.rows.sort_values("size").drop_duplicates("problem_id").sort_index()
     order = {scene: i for i, scene in enumerate(problems["scene"].unique())}
-    problems = problems.assign(order=problems["scene"].map(order)).sort_values(["order", "size"], kind="stable")
+    problems = problems.assign(order=problems["scene"].map(order), left_out=problems[list(EXCLUSIONS)].any(axis=1))
+    problems = problems.sort_values(["order", "size"], kind="stable")
     table = problems.groupby("problem_class", sort=False).agg(
         problems=("problem", lambda names: int((names != "").sum())),
-        trivial=("trivial", "sum"),
-        idle=("idle", "sum"),
+        left_out=("left_out", "sum"),
         dimension=("dimension", "max"),
         contacts_from=("contacts", "min"),
         contacts_to=("contacts", "max"),
@@ -198,10 +198,8 @@ def setting(run: Run) -> str:
     code = f"{run.manifest.get('release', '')} revision {versions.get('frictionbench')}".strip()
     facts = [f"Suite {settings.get('suite', 'unnamed')}", f"frictionbench {code}"]
     facts += [count(run.ranked["problem_id"].nunique(), "ranked problem"), count(run.ranked["variant"].nunique(), "solver")]
-    facts += [
-        f"time limit {settings.get('time_limit')} s",
-        f"{machine.get('processor')}, {count(machine.get('cores'), 'core')}",
-    ]
+    processor = f"{machine.get('processor')}, {count(machine.get('cores'), 'core')}"
+    facts += [f"time limit {settings.get('time_limit')} s", processor]
     finished = str(run.manifest.get("finished", ""))[:10]  # the day
     return f"{', '.join(facts)}; {f'finished {finished}' if finished else 'not finished'}."
 
