@@ -1,10 +1,5 @@
 """Files for a paper: figures of one width, booktabs tables, captions and references, in DIR/paper/.
 
-    \\includegraphics{speed_accuracy}              a figure of the chosen width and typeface
-    \\input{times}                                 a table, shrunk if it is wider than the text
-    \\caption{\\benchcaption{speed_accuracy}}       from captions.tex
-    \\bibliography{references}
-
 The same tables always give the same files, byte for byte.
 """
 

@@ -4,12 +4,16 @@ import re
 import shutil
 import string
 import subprocess
+from functools import partial
 
 import matplotlib.pyplot as plt
 import pytest
+from matplotlib.figure import Figure
 
 from frictionbench.commands.options import parse_length, split_names
-from frictionbench.reports.drawing.style import looks
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.files import save_sheet
+from frictionbench.reports.drawing.style import looks, name_axes
 from frictionbench.reports.latex import ESCAPED, cited, escaped, references
 from frictionbench.reports.paper import booktabs, restricted, write_paper
 from frictionbench.reports.printed import REFERENCES, Table, printed
@@ -118,6 +122,21 @@ def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:
     many = read_run(write_folder(tmp_path / "m", [solve_row(f"{k:040}", "p", t) for k in range(12) for t in (1e-4, 1e-8)]))
     text = (write_paper(tmp_path, many, ["profiles"], 80 / 25.4) / "profiles.svg").read_text()
     assert float(re.search(r'height="([\d.]+)pt"', text)[1]) <= 72 * 5.65  # the page has 7.6 inches, for the caption as well
+
+
+@pytest.mark.parametrize(("width", "columns", "font"), [(3.35, 2, "serif"), (85 / 25.4, 1, "sans"), (7.0, 3, "sans")])
+def test_titles_and_labels_lie_within_the_figure(tmp_path, monkeypatch, width, columns, font) -> None:
+    draw = partial(name_axes, across="factorisations over the fewest of any solver", up="backward error of the answer")
+    texts = {}
+
+    def measure(figure: Figure, *_, **__) -> None:
+        for text in (text for ax in figure.axes if ax.axison for text in (ax.title, ax.xaxis.label, ax.yaxis.label)):
+            texts[text] = figure.bbox.count_contains(text.get_window_extent().get_points())
+
+    monkeypatch.setattr(Figure, "savefig", measure)
+    panel = Panel("sphere_pyramid[levels=3,noise=0.3]: 45 contacts", draw)
+    save_sheet([panel] * 3, {}, tmp_path / "sheet", columns, (width / columns, 0.75 * width / columns), 7, font)
+    assert [text.get_text() for text, corners in texts.items() if corners < 2] == []
 
 
 def compile_latex(folder, name, *commands) -> str:

@@ -53,7 +53,7 @@ def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look],
     residual_axis(ax)
     ax.set_xlim(0.9, 1.1 * max(most, 10))
     ax.set_ylim(ZERO / 3, WORST * 3)
-    name_axes(ax, "sweeps, iterations or pivots allowed", "verified residual")
+    name_axes(ax, "sweeps, iterations or pivots", "verified residual")
 
 
 def _draw_forces(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look]) -> None:
@@ -65,8 +65,7 @@ def _draw_forces(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str,
     most = max(len(history.impulse) for history in histories)
     ax.set_xticks(range(1, most + 1))
     ax.set_xlim(0.5, most + 0.5)
-    largest = max(contact[0] for history in histories for contact in history.impulse)
-    ax.set_ylim(0, 1.1 * largest if largest > 0 else 1.0)
+    ax.set_ylim(bottom=0)
     name_axes(ax, "contact", "normal impulse in N s", grid="y")
 
 

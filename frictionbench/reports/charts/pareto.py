@@ -25,8 +25,9 @@ UPPER_MEDIAN = 0.5 + 1e-9  # the upper median: solving half of the problems does
 def panels(run: Run) -> list[Panel]:
     """Return a panel for the plane and one for space, if some solver ran on all problems."""
     points_by_class = {where: means(run.ranked[run.ranked["dimension"] == dimension]) for dimension, where in OVERALL.items()}
-    draw = partial(_draw, looks=run.looks, across=f"time ({run.rank_by.parts}), mean")
-    return [Panel(where, partial(draw, points=points)) for where, points in points_by_class.items() if len(points)]
+    return [
+        Panel(where, partial(_draw, points=points, looks=run.looks)) for where, points in points_by_class.items() if len(points)
+    ]
 
 
 def means(rows: pd.DataFrame) -> pd.DataFrame:
@@ -52,7 +53,7 @@ def front(time: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[n
     return order[residual[order] < best]
 
 
-def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look], across: str) -> None:
+def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look]) -> None:
     for label, of_label in points.groupby("label"):
         look, along = looks[str(label)], of_label.sort_values("tol", ascending=False)
         ax.plot(along["time"], along["residual"], **look.line)
@@ -60,7 +61,7 @@ def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look], across: str) -
     ax.step(best["time"], best["residual"], where="post", color=INK, lw=3, alpha=0.15, zorder=0)
     time_axis(ax, "x")
     residual_axis(ax, min(1e-8, points["residual"].min()))
-    name_axes(ax, across, "median verified residual")
+    name_axes(ax, "mean time", "median residual")
 
 
 CHART = Chart(

@@ -54,7 +54,7 @@ def work(run: Run) -> list[Panel]:
             own = times.assign(work=units[unit].fillna(0.0) + 1.0)[counting]
             if len(set(own.loc[own["reached"], "label"])) > 1:
                 draw = partial(_draw, costs=profiles(own, "work"), looks=run.looks)
-                panels.append(Panel(f"{where}, {unit}", partial(draw, across=f"{unit} over the fewest of any solver")))
+                panels.append(Panel(f"{where}, {unit}", partial(draw, across=f"{unit} over the fewest")))
     return panels
 
 
@@ -68,9 +68,7 @@ def counted(text: object) -> dict[str, int]:
     return dict(total)
 
 
-def _draw(
-    ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], across: str = "time over the fastest solver's time"
-) -> None:
+def _draw(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], across: str = "time over the fastest") -> None:
     """Draw the profiles. costs: each label's, relative to the least cost, see reports.accuracy.profiles."""
     decades = max(1, int(np.ceil(np.log10(_draw_shares(ax, costs, looks)))))
     log_ticks(ax, "x", {10.0**k: f"{10**k}" if k < 4 else f"1e{k}" for k in range(0, decades + 1, 1 + decades // 5)})
