@@ -20,7 +20,7 @@ Tolerance: of PADMM's three residuals and of APGD's natural map eps/10, eps as i
     1e-7, about a unit of rounding; where eps is less than that, it does not claim more than rounding allows.
 Flaws: at 1e-6 its residuals, in single precision, are met where the verified one is up to five times the tolerance, or never,
     `frictionbench solve 'house_of_cards[storeys=4]' --tol 1e-6 --solver 'kamino[method=padmm]'`. APGD may correct the shift
-    200 times, with 60 contacts for seconds, and end above the tolerance, `frictionbench solve 'stack[blocks=5,push=1]' --tol
+    200 times, with 80 contacts for seconds, and end above the tolerance, `frictionbench solve 'stack[blocks=5,push=1]' --tol
     1e-6 --solver 'kamino[method=apgd]'`.
 Reference: Tsounis, Grandia and Bächer 2025, arXiv:2504.19771; the Newton developers, Newton.
 """
