@@ -123,8 +123,6 @@ def run(
         named = [(source.scene, source.parameters) for source in plan.sources]
         require_buildable([*named, *((batch.scene, batch.parameters) for batch in plan.batches)])
     folder = Path(wanted.out) if wanted.out else folder_for(plan)
-    if plan.expects:
-        progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores")
     begin, workers = run_maps if plan.maps else run_plan, _jobs(jobs)
     with _resumable(folder):
         if retake:

@@ -159,7 +159,8 @@ def show_rerun(folder: Path, key: str, named: list[str]) -> None:
         rows = [row for table in TABLES for row in store.rows(folder, table).values()]
         failed = [row for row in rows if row["verdict"] not in (*ACCEPTED, Verdict.SKIPPED)]
         labels = [f"{row['key']} {scene_title(row['scene'], row['parameters'])} to {number(row['tol'])}" for row in failed]
-        _show(f"{count(len(failed), 'row')} failed", dict(zip(labels, failed, strict=True)))
+        how = "; add a key to run it again, and --shrink to reduce its problem" if failed else ""
+        _show(f"{count(len(failed), 'row')} failed{how}", dict(zip(labels, failed, strict=True)))
         return
     row, again = rerun_row(folder, key, named)
     title = printable(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {number(row['tol'])}")

@@ -55,6 +55,8 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         known = {name: value for name, value in store.read_manifest(folder).items() if name != "finished"}
         if "workers" not in known:  # the run has just begun
             progress.tell(f"results are written to {folder}")
+            if plan.expects:
+                progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores, without compiling kernels")
         with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
             store.write_manifest(folder, known | {"workers": None if cluster else jobs, "walls": pool.sandbox})
             for table in filter(rows.get, TABLES):  # merged at an earlier end; reports read the shards until the next

@@ -87,11 +87,11 @@ def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
         raise InputError(f"{kind}: expected its name as text, got {name!r:.100}")
     known = scenes() | instances()
     if name not in known:
-        like = near(name.partition("[")[0], known)  # settings are no part of a name
+        like = near(name.partition("[")[0], known) + "; its settings are further arguments" * ("[" in name)
         raise InputError(f"{kind}: unknown {kind} {name!r}{like}; `frictionbench list scenes` names all")
     generator = known[name]
     if generator.kind != kind:
-        raise InputError(f"{kind}: {name!r} is no {kind} but a problem of one step; frictionbench.problem({name!r}) makes it")
+        raise InputError(f"{kind}: {name!r} is no {kind} but one problem; use `frictionbench solve` or frictionbench.problem")
     for key in set(parameters) - generator.parameters.keys() - {*(UNITS if kind == "scene" else ())}:
         like, its = near(key, generator.parameters), ", ".join(generator.parameters)
         raise InputError(f"{key}: the {kind} {name} has no such parameter{like}; it has {its}")

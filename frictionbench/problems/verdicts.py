@@ -27,7 +27,7 @@ class Verdict(StrEnum):
     RELAXED = "relaxed", "the model the solver was given is solved within the tolerance, the exact problem is not"
     NEAR_MISS = "near_miss", "claimed solved, and the residual, or that of the model, is below ten times the tolerance"
     UNJUDGEABLE = "unjudgeable", "claimed solved, but rounding, or a tolerance near the zero impulse's residual, leaves it open"
-    UNSOLVED = "unsolved", "the solver reports that it did not solve the problem"
+    UNSOLVED = "unsolved", "not claimed solved, and neither the exact problem nor the model is known to be solved"
     TIMEOUT = "timeout", "stopped at the time limit"
     CRASHED = "crashed", "the call raised an error or its process ended"
     WRONG = "wrong", "claimed solved, and the residuals of the problem and of the model are at least ten times the tolerance"

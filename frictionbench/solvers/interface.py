@@ -63,7 +63,6 @@ Precision = Literal["double", "single"]
 FINEST_TOL = {"double": 0.0, "single": 1e-6}  # the tightest target: float32 has a rounding error of 6e-8 in every operation
 LACKS = ("friction_bias", "joints", "asymmetry")  # properties of a problem that a solver may declare as not supported
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
-RELAXATION = {"cvxpy", "clarabel", "osqp", "proxsuite", "qpsolvers"}  # distributions of the package's extra of this name
 
 
 class Solved(NamedTuple):
@@ -167,9 +166,9 @@ class SolverInfo:
     def missing(self) -> str | None:
         """The reason why the solver cannot be used on this machine, or None."""
         absent = [need for need in self.needs if installed_version(need) is None]
-        extra = "; pip install 'frictionbench[relaxation]'" if RELAXATION.intersection(absent) else ""
+        how = "" if "@" in "".join(absent) else f"; pip install {' '.join(absent)}"  # of another Python
         licence = " or without a valid licence" if LICENSED.keys() & absent else ""
-        return f"{', '.join(absent)} not installed{licence}{extra}" if absent else None
+        return f"{', '.join(absent)} not installed{licence}{how}" if absent else None
 
     @property
     def version(self) -> str:

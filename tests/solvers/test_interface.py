@@ -133,5 +133,5 @@ def test_the_core_needs_none_of_the_extras(tmp_path):
     assert done.returncode == 0, done.stderr
     verdict, missing, saved = done.stdout.splitlines()
     assert verdict == "solved"
-    assert missing == "clarabel not installed; pip install 'frictionbench[relaxation]'"
+    assert missing == "clarabel not installed; pip install clarabel"
     assert saved == "h5py: not installed; pip install 'frictionbench[recorded]'"

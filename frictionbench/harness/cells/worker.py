@@ -135,7 +135,7 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     info, solver = _solver(cell.variant)
     problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
-    no_start = None if takes_start else f"{info.name} takes no start"
+    no_start = None if takes_start else f"{info.name} takes no start: it does not declare warm_start=True"
     reason = info.missing or info.refuses(problem) or info.too_tight(cell.tol) or _too_large(solver, problem) or no_start
     return _row(cell.variant, _kind(problem), limit, reason, lambda: _solved(cell, record, limit, problem, info, solver))
 
