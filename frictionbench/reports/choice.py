@@ -84,11 +84,6 @@ class Choice(NamedTuple):
         second = self.places[1].mean if len(self.places) > 1 else np.nan
         return second / self.places[0].mean if np.isfinite(second) else None
 
-    @property
-    def order(self) -> list[str]:
-        """The labels of the first three."""
-        return [place.label for place in self.places[:3]]
-
 
 class Kind(NamedTuple):
     """A kind of problem: its name, its number of problems, and the choice at each target that some solver reaches. first:
@@ -242,7 +237,7 @@ def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
     by_first, by_second = one.choices[target], other.choices[target]
     if len(by_first.places) == 1 and not (only := by_first.places[0]).law:
         return f"{where}{only.label} solves {only.solved}, {first.words} with a mean of {seconds(only.mean, 3)}."
-    same = by_first.order == by_second.order and by_first.unclear == by_second.unclear
+    same = by_first.orders[1] == by_second.orders[1] and by_first.unclear == by_second.unclear
     order = f"{second.words} the order of the first three is the same" if same else _speed(second, by_second)
     speed = f"{_speed(first, by_first)}; {order}"
     return f"{where}{dependable(by_first)}. {speed[0].upper()}{speed[1:]}.{_charges(by_first)}"

@@ -212,11 +212,10 @@ def exclusions(run: Run) -> str:
     for name, what in EXCLUSIONS.items():
         parts += [f"{left[name].sum()} {what}"] if left[name].any() else []
         left = left[~left[name]]
-    facts = run.ranked.drop_duplicates("problem_id")
     text = f"Left out of all rankings: {', '.join(parts) or 'none'}"
-    if facts["several_outcomes"].any():
-        several = count(int(facts["several_outcomes"].sum()), "problem")
-        text += f"; {several} of the {len(facts)} ranked have answers with several velocities, and are ranked with and without"
+    if left["several_outcomes"].any():
+        several = count(int(left["several_outcomes"].sum()), "problem")
+        text += f"; {several} of the {len(left)} ranked have answers with several velocities, and are ranked with and without"
     return text + "."
 
 

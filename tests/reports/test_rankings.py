@@ -42,8 +42,8 @@ def first(run, name=PLANE):
 def test_order_is_reversed_without_form(tmp_path):
     run = run_of(*robot())
     other = run.ranked_by(RankBy.FORM)
-    assert first(run).order == ["interior_point", "nsgs"]
-    assert first(other).order == ["nsgs", "interior_point"]
+    assert first(run).orders[1] == ["interior_point", "nsgs"]
+    assert first(other).orders[1] == ["nsgs", "interior_point"]
     assert first(other).lead == pytest.approx((8e-4 + 1e-5 - 1e-5) / 2e-4)
     found = {one.rank_by: choice.choices(one) for one in (run, other)}
     (line,) = headline(found, 1e-8)
@@ -124,7 +124,7 @@ def test_a_winner_has_an_interval_without_one():
     clear, doubtful = (first(run_of(*pair(ratios))) for ratios in ([1.5, 1.6, 1.4, 1.5] * 2, [3.0, 0.8, 3.0, 0.7] * 2))
     for one in (clear, doubtful):
         assert one.interval[0] < one.lead < one.interval[1]
-    assert (clear.order[0], clear.unclear, doubtful.unclear) == ("a", "", "no clear winner")
+    assert (clear.orders[1][0], clear.unclear, doubtful.unclear) == ("a", "", "no clear winner")
     near, above = (clear._replace(interval=(end, 2.0)).unclear for end in (1.004, 1.006))  # printed as 1.00 and 1.01
     assert (near, above) == ("no clear winner", "")
 
@@ -173,7 +173,7 @@ def test_repeats_widen_the_interval():
 def test_leads_by_the_shortest_repeats_tell_what_waiting_did():
     """b waited for its core in two of three repeats of each cell, and seems slower than a; one that failed remains charged."""
     rows = pair([1.0] * 8, solve_times=[5e-4, 4e-3, 4e-3], solve_time=4e-3, disturbed=True)
-    assert (first(run_of(*rows)).order, first(run_of(*rows)).lead) == (["a", "b"], pytest.approx(4))
+    assert (first(run_of(*rows)).orders[1], first(run_of(*rows)).lead) == (["a", "b"], pytest.approx(4))
     told = "Of 16 cells 8 shared or waited for their core while they were timed. By the shortest repeat of "
     lead = "each cell, from bodies, in the plane: b is 2.00 times ahead of a (2.00 to 2.00)."
     assert choice.disturbed(run_of(*rows)) == told + lead
@@ -321,7 +321,7 @@ def test_plane_and_space_are_ranked_apart():
     space = [row | {"dimension": 3, "problem": f"{row['problem']}d"} for row in plane]
     space = [row | {"solve_time": 3e-3 - row["solve_time"], "key": f"{row['key']}d"} for row in space]
     run = run_of(*plane, *space)
-    assert [(one.order[0], one.unclear) for one in (first(run), first(run, "in space"))] == [("a", ""), ("b", "")]
+    assert [(one.orders[1][0], one.unclear) for one in (first(run), first(run, "in space"))] == [("a", ""), ("b", "")]
     lines = headline({one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}, 1e-8)
     assert [line.partition(",")[0] for line in lines] == ["In the plane", "In space"]
     assert set(run.summaries[1e-8]["problem_class"]) >= {"in the plane", "in space"}

@@ -253,7 +253,7 @@ def test_which_solver_by_hand():
     rows += entry("c", 1e-6, 1e-6, 1e-6)[:2]  # the fastest, but it did not run on every problem
     rows += [unanswered_row("c", "p2", "skipped", contacts=50)]
     found = {kind.name: kind.choices[1e-8] for kind in choice.choices(run_of(*rows))}
-    assert {name: one.order for name, one in found.items()} == {
+    assert {name: one.orders[1] for name, one in found.items()} == {
         "in the plane": ["b", "a", "c"],
         "in the plane, up to 10 contacts": ["c", "a", "b"],
         "in the plane, 11 to 100 contacts": ["b", "a", "c"],
