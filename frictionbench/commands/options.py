@@ -64,7 +64,7 @@ Solvers = Annotated[
     ),
 ]
 Trusted = Annotated[
-    list[str] | None, typer.Option("--solver", metavar="FILE|NAME", help="A plug-in of the results that may be run again.")
+    list[str] | None, typer.Option("--solver", metavar="FILE|NAME", help="A plug-in or exec: command that may run again.")
 ]
 Tolerances = Annotated[
     str | None, typer.Option("--tol", metavar="T,T,...", help="Tolerances on the residual, like 1e-4,1e-6,1e-8.")
