@@ -231,7 +231,7 @@ def _contact_floor(r, u, terms, s, mu, b, unit, shift):  # type: ignore[no-untyp
     for k in range(1, len(u)):
         sliding += abs(u[k])
     if u[0] > (1 + mu) * impulse + (1 - shift) * mu * sliding + 2 * EPSILON * impulse + moved:
-        moved = min(2 * EPSILON * length(terms[1:], 0, len(r) - 1), 2 * s * b)
+        moved = min(2 * EPSILON * length(terms, 1, len(r) - 1), 2 * s * b)
     return relative_defect(2 * EPSILON * impulse + moved, unit)
 
 

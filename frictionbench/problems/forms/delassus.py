@@ -393,7 +393,7 @@ def largest(q, d):  # type: ignore[no-untyped-def]
     """max_i |q_i| of q (nc*d,)."""
     most = 0.0
     for i in range(len(q) // d):
-        most = max(most, length(q, i, d))
+        most = max(most, length(q, i * d, d))
     return most
 
 

@@ -54,13 +54,13 @@ def mechanical_units(  # type: ignore[no-untyped-def]
     moves: (nv,), the size of the terms of each velocity. f_start, f_column: the sparsity pattern of F by rows.
     """
     nc, d = len(s), J.shape[1]
-    size, closes, row, q = np.empty(nc), np.empty(nc, np.bool_), np.empty(nc, np.bool_), q.copy()
+    size, closes, row, q, flat = np.empty(nc), np.empty(nc, np.bool_), np.empty(nc, np.bool_), q.copy(), J.reshape(-1)
     for i in range(nc):
         normal, tangent, of_normal, terms = 0.0, 0.0, abs(bias[i]), 0.0
         for k in range(start[i], start[i + 1]):
-            normal, tangent = max(normal, abs(J[k, 0])), max(tangent, length(J[k, 1:], 0, d - 1))
+            normal, tangent = max(normal, abs(J[k, 0])), max(tangent, length(flat, k * d + 1, d - 1))
             of_normal += abs(J[k, 0]) * moves[column[k]]
-            terms += length(J[k], 0, d) * moves[column[k]]
+            terms += length(flat, k * d, d) * moves[column[k]]
         row[i] = normal == 0 or tangent == 0
         if normal == 0:
             open_without_normal(q, i, d)
@@ -96,7 +96,7 @@ def lowered(q, mu):  # type: ignore[no-untyped-def]
     """q (nc*d,) with q_n - mu |q_t| for q_n: what the impulses of the convex relaxation have to lift."""
     lower, d = q.copy(), len(q) // max(len(mu), 1)
     for i in range(len(mu)):
-        lower[i * d] -= mu[i] * length(q[i * d + 1 : i * d + d], 0, d - 1)
+        lower[i * d] -= mu[i] * length(q, i * d + 1, d - 1)
     return lower
 
 
@@ -110,14 +110,14 @@ def open_without_normal(q, i, d):  # type: ignore[no-untyped-def]
 @part
 def own_speed(q, i, d):  # type: ignore[no-untyped-def]
     """|q_i|, or |q_t,i| for a row without a normal."""
-    return length(q, i, d) if q[i * d] < np.inf else length(q[i * d + 1 : i * d + d], 0, d - 1)
+    return length(q, i * d, d) if q[i * d] < np.inf else length(q, i * d + 1, d - 1)
 
 
 @part
 def demand(q, i, d, s, b_f):  # type: ignore[no-untyped-def]
     """c_i, the least change of contact i's velocity that impulses must cause."""
     needed = max(-q[i * d], 0.0)
-    return max(needed, min(length(q[i * d + 1 : i * d + d], 0, d - 1), s * b_f)) if b_f > 0 else needed
+    return max(needed, min(length(q, i * d + 1, d - 1), s * b_f)) if b_f > 0 else needed
 
 
 @kernel
@@ -189,7 +189,7 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
     for i in range(nc):
         island[i] = top(parent, i)
         if bears[i]:
-            unit[i] = _unit(worst[top(parent, i)], row[i], s[i])
+            unit[i] = _unit(worst, top(parent, i), row[i], s[i])
             largest = max(largest, unit[i])
     if not bears.all():
         first, reader = _readers(start, node, read, nodes)
@@ -198,7 +198,7 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
                 for m in range(first[node[k]], first[node[k] + 1]):
                     i = reader[m, 0]
                     if not bears[i] and read[reader[m, 1]] * push[k] > COUPLED:
-                        pushing = _unit(worst[top(parent, j)], row[i], s[i])
+                        pushing = _unit(worst, top(parent, j), row[i], s[i])
                         unit[i] = pushing if unit[i] == 0 or 0 < pushing < unit[i] else unit[i]
         for i in range(nc):
             if unit[i] == 0:
@@ -211,12 +211,12 @@ def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # typ
 
 
 @part
-def _unit(worst, row, s):  # type: ignore[no-untyped-def]
-    """The unit of a contact, in its own dimension, from the largest demand, speed and terms of an island (3, 3)."""
+def _unit(worst, tree, row, s):  # type: ignore[no-untyped-def]
+    """The unit of a contact, in its own dimension, from the largest demand, speed and terms of its island, worst[tree]."""
     root = np.sqrt(s)  # numbers instead of vectors, which would be allocated for each contact
-    needed = worst[0, 2] * root if row else max(worst[0, 0], worst[0, 1] * root)
-    fastest = worst[1, 2] * root if row else max(worst[1, 0], worst[1, 1] * root)
-    terms = worst[2, 2] * root if row else max(worst[2, 0], worst[2, 1] * root)
+    needed = worst[tree, 0, 2] * root if row else max(worst[tree, 0, 0], worst[tree, 0, 1] * root)
+    fastest = worst[tree, 1, 2] * root if row else max(worst[tree, 1, 0], worst[tree, 1, 1] * root)
+    terms = worst[tree, 2, 2] * root if row else max(worst[tree, 2, 0], worst[tree, 2, 1] * root)
     return max(needed if needed > NOISE * terms else fastest, CANCELLED * terms)
 
 
@@ -316,15 +316,16 @@ def top(parent, i):  # type: ignore[no-untyped-def]
 
 
 @part
-def length(q, i, d):  # type: ignore[no-untyped-def]
-    """|q_i|, computed without overflow or underflow of its square."""
+def length(q, first, d):  # type: ignore[no-untyped-def]
+    """The length of d entries of q from the first, computed without overflow or underflow of its square. Slices of q would take
+    longer than the sum, as references to arrays are counted."""
     square = most = 0.0
-    for a in range(d):
-        square += q[i * d + a] * q[i * d + a]
-        most = max(most, abs(q[i * d + a]))
+    for a in range(first, first + d):
+        square += q[a] * q[a]
+        most = max(most, abs(q[a]))
     if 1e-290 < square < 1e290 or most in (0.0, np.inf):
         return np.sqrt(square)
     square = 0.0
-    for a in range(d):
-        square += (q[i * d + a] / most) ** 2
+    for a in range(first, first + d):
+        square += (q[a] / most) ** 2
     return most * np.sqrt(square)
