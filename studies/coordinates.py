@@ -9,9 +9,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 import frictionbench as fb
-from frictionbench.problems import SCHEMES, ReducedScene, simulation
+from frictionbench.problems import SCHEMES, simulation
 from frictionbench.reports.drawing.figures import Panel
 from studies.motions import exact
+from studies.slider_crank import SliderCrankAngles
 from studies.study import Array, Row, Study, Summary, Tables, finish, listing, order, require
 
 NAMES = {"angles": "slider_crank_angles", "hinges": "slider_crank"}
@@ -22,7 +23,7 @@ def places(form: str, scheme: str, step: float, duration: float, **settings: flo
     """Return the bodies' coordinates (9,) at the start and after each step."""
     made = fb.scene(NAMES[form], step=step, duration=duration, **settings)
     run = [now.q for now in simulation(made, exact, SCHEMES[scheme])]
-    return [made.place(q) for q in run] if isinstance(made, ReducedScene) else run
+    return [made.place(q) for q in run] if isinstance(made, SliderCrankAngles) else run
 
 
 def drifts(

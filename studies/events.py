@@ -15,6 +15,7 @@ from frictionbench.problems import SCHEMES, NoSolution, impact, newton, start
 from frictionbench.reports.drawing.figures import Panel
 from studies.motions import REFERENCE_ACCURACY, SAMPLES, by_events, exact, sampled
 from studies.orders import COMPARED, HIGHER
+from studies.slider_crank import slider_crank_angles
 from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require
 
 EVENTS = "event_driven"
@@ -25,7 +26,7 @@ CASES: dict[str, tuple[str, dict[str, Any], float]] = {  # scene, parameters and
     "rocking_block": ("rocking_block", {}, 1.5),
     "sliding_rod": ("painleve_rod", {"friction": 0.5}, 1.0),
     "impacting_rod": ("painleve_rod", {"friction": 0.5, "lift": 0.1}, 0.8),
-    "slider_crank": ("slider_crank_angles", {}, 0.02),
+    "slider_crank": (slider_crank_angles.__name__, {}, 0.02),
     "woodpecker": ("woodpecker", {}, 0.15),
 }
 ONE_CONTACT = ("bouncing_ball", "bowl")  # scenes that the scheme of second order takes
@@ -37,7 +38,7 @@ ENDS: tuple[tuple[str, dict[str, Any], float], ...] = (
     ("painleve_rod", {"friction": 0.5, "lift": 0.1}, 0.8),
     ("painleve_rod", {}, 0.2),
     ("painleve_rod", {"spin": 4.0, "tip_velocity": -3.0}, 0.2),
-    ("slider_crank_angles", {}, 0.04),
+    (slider_crank_angles.__name__, {}, 0.04),
     ("woodpecker", {}, 0.3),
     *((f"example_{number}", {}, 1.0) for number in range(1, 8)),
 )

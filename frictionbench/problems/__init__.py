@@ -14,10 +14,11 @@ if TYPE_CHECKING:
     from frictionbench.problems.analysis.polyhedra import Shape as Shape
     from frictionbench.problems.analysis.thresholds import is_p0 as is_p0
     from frictionbench.problems.answer import Answer as Answer, Status as Status
+    from frictionbench.problems.catalogue import generator as generator
     from frictionbench.problems.check import InputError as InputError
     from frictionbench.problems.forms.lcp import LCP as LCP
     from frictionbench.problems.friction import FrictionProblem as FrictionProblem
-    from frictionbench.problems.generalised import ReducedScene as ReducedScene
+    from frictionbench.problems.generalised import GeneralisedScene as GeneralisedScene, GivenContacts as GivenContacts
     from frictionbench.problems.instances.recorded_step import recorded_steps as recorded_steps
     from frictionbench.problems.measures import judged as judged, violations as violations
     from frictionbench.problems.residual import relaxation_residual as relaxation_residual

@@ -3,8 +3,7 @@
     M(q) v' = k(q, v, t) + N' f_n + T' f_t,    q' = v,    N = d gap/dq,    T v the sliding velocities.
 
 k contains the Coriolis and centrifugal forces, which come from M'(q), and the springs. A linear part -K q of the springs may be
-given as `stiffness`, which the theta schemes treat implicitly. A scene of bodies with joints can be expressed in independent
-coordinates (ReducedScene): no joint equations are left, and constraints do not drift.
+given as `stiffness`, which the theta schemes treat implicitly.
 """
 
 from abc import abstractmethod
@@ -111,54 +110,3 @@ class GeneralisedScene(Scene):
 
     def _summary(self) -> list[str]:
         return [f"{len(self.q0)} coordinates", *super()._summary()[-2:]]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class ReducedScene(GeneralisedScene):
-    """A planar scene with joints in independent coordinates. full: the scene with bodies, whose hinges `place` satisfies."""
-
-    full: Scene
-
-    @abstractmethod
-    def place(self, q: Array) -> Array:
-        """The coordinates x (3 nb,) of the bodies."""
-
-    @abstractmethod
-    def slopes(self, q: Array) -> Array:
-        """X = dx/dq (3 nb, nv)."""
-
-    @abstractmethod
-    def bend(self, q: Array, v: Array) -> Array:
-        """dX/dt v (3 nb,)."""
-
-    def inertia(self, q: Array) -> Array:
-        X = self.slopes(q)
-        return np.asarray(X.T @ (self.full.weights[:, None] * X))
-
-    def force(self, q: Array, v: Array, t: float) -> Array:
-        X = self.slopes(q)
-        pull = self.full.force(self.place(q), X @ v, t) - self.full.weights * self.bend(q, v)
-        return np.asarray(X.T @ pull)
-
-    def potential(self, q: Array) -> float:
-        return self.full.energy(self.place(q), np.zeros(len(self.full.weights)))
-
-    def contacts(self, q: Array, margin: float | None = None) -> GivenContacts:
-        full_contacts, X = self.full.contacts(self.place(q), self.touch if margin is None else margin), self.slopes(q)
-        nv = len(X)
-        N, T = full_contacts.normal_rows.dense(nv) @ X, full_contacts.tangent_rows.dense(nv) @ X
-        return GivenContacts(full_contacts.gap, full_contacts.place, full_contacts.bodies, full_contacts.feature, q, N, T)
-
-    def fastest(self, v: Array) -> float:
-        return self.full.fastest(self.slopes(self.q0) @ v)
-
-    def coefficients(self, contacts: Contacts) -> Array:
-        return self.full.coefficients(contacts)
-
-    def poses(self, q: Array) -> Array:
-        return self.place(q).reshape(-1, 3)
-
-    @property
-    def outlines(self) -> tuple[tuple[int, Shape], ...]:
-        moving = [(i, s) for i, body in enumerate(self.full.bodies) if isinstance(body, Body) for s in body.shapes]
-        return (*moving, *((-1, s) for s in self.full.obstacles if isinstance(s, Shape)))

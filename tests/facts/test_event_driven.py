@@ -11,6 +11,7 @@ from frictionbench.problems.schemes.event_driven import follow
 from frictionbench.problems.schemes.impact import impact
 from frictionbench.problems.schemes.stepping import Event
 from frictionbench.problems.simulate import simulate
+from studies.slider_crank import slider_crank_angles
 from tests.helpers.friction_problems import lemke
 from tests.helpers.paths import siconos_motion
 
@@ -106,7 +107,7 @@ def test_impacts_of_several_contacts_may_accumulate(monkeypatch: pytest.MonkeyPa
 @pytest.mark.parametrize(("accuracy", "steps"), [(1e-10, 1), (1e-3, 4)])
 def test_contacts_that_have_just_rebounded_touch_no_second_time(accuracy: float, steps: int) -> None:
     """Two corners of the slider rebound from gaps of rounding's size: each smooth part after that advances."""
-    made, run = scene("slider_crank_angles", step=0.01), []
+    made, run = scene(slider_crank_angles.__name__, step=0.01), []
     now = start(made)
     for _ in range(steps):
         now = follow(made, now, lemke, impact, accuracy)

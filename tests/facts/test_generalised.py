@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from frictionbench.problems.catalogue import scene
-from frictionbench.problems.generalised import GeneralisedScene, ReducedScene
+from frictionbench.problems.generalised import GeneralisedScene
 from frictionbench.problems.schemes import SCHEMES, Step
 from frictionbench.problems.simulate import simulate
+from studies.slider_crank import SliderCrankAngles
 from tests.helpers.friction_problems import lemke
 from tests.helpers.paths import siconos_motion
 
@@ -62,7 +63,7 @@ def test_forces_follow_from_the_energy(name: str) -> None:
 def test_reduced_slider_crank_moves_as_on_hinges() -> None:
     """By events to the integrator's accuracy, over three impacts; by steps it does not drift off its hinges."""
     reduced = scene("slider_crank_angles", step=0.008)
-    assert isinstance(reduced, ReducedScene)
+    assert isinstance(reduced, SliderCrankAngles)
     ends = [
         list(simulate(made, lemke, SCHEMES["event_driven"], 1))[-1] for made in (reduced, scene("slider_crank", step=0.008))
     ]
