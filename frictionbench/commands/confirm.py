@@ -23,6 +23,7 @@ import pandas as pd
 from frictionbench.commands.stored_cell import trusted
 from frictionbench.harness import machine, process
 from frictionbench.harness.plans.suites import SUITES
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import scratch_folder
 from frictionbench.problems import InputError
 from frictionbench.problems.check import require
@@ -68,12 +69,13 @@ def confirmed(
     require(current.code in ("", machine.revision()), "DIR", DIFFERS.format(current.path, f"frictionbench, {current.code}"))
     known = set(stored.measured["variant"]) & set(current.measured["variant"])
     variants = known if code else {change.variant for change in comparison.worse} & known
+    made = {variant: plugin.get("content") for plugin in settings.get("plugins") or () for variant in plugin["solvers"]}
+    alerting = [plugin for variant in sorted(variants) for plugin in trusted({"variant": variant}, settings, named)]
+    for plugin in (*alerting, *load_plugins(named)[1]):
+        for variant in plugin.solvers:
+            require(made.get(variant) in (None, plugin.content), "DIR", DIFFERS.format(current.path, plugin.source))
     if not variants:
         return comparison
-    made = {variant: plugin.get("content") for plugin in settings.get("plugins") or () for variant in plugin["solvers"]}
-    for variant in sorted(variants):
-        for plugin in trusted({"variant": variant}, settings, named):
-            require(made.get(variant) in (None, plugin.content), "DIR", DIFFERS.format(current.path, plugin.source))
     trusted_specs = named if variants & comparison.sources.keys() else []
     outside = [plugins.absolute(spec) if plugins.defines_all(spec) else spec for spec in trusted_specs]
     with scratch_folder() as scratch:

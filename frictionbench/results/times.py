@@ -6,7 +6,8 @@ and p, the p-value of the two-sided test of no change. One pair gives no informa
 
 A disturbed cell (results.cells) is left out of its pair, because its time depends more on the machine than on the code. A cell
 that is disturbed in every process of the later version, but in few of the earlier, counts: the code itself causes it, for
-example by a child process that competes for its core.
+example by a child process that competes for its core. So does one that is much slower in every pair, such as a long simulation,
+which on a busy machine always waits for its core.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from frictionbench.results.changes import Time, equally_solved
 
 Pair = tuple[pd.DataFrame, pd.DataFrame]  # the cells of two processes
 ALPHA = 0.05  # error probability of the intervals
+MUCH_SLOWER = 2.0  # ratio of times that waiting alone does not cause in each pair
 FEW_DISTURBED = 0.25  # largest share of disturbed processes of the earlier version in that case
 
 
@@ -54,6 +56,8 @@ def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
         pd.concat([pair[side]["disturbed"].astype(float) for pair in pairs], axis=1).mean(axis=1) for side in (0, 1)
     )
     self_disturbed = later.index[(later == 1) & (earlier.reindex(later.index) <= FEW_DISTURBED)]
+    ratios = pd.concat([after["seconds"] / before["seconds"] for before, after in pairs], axis=1)
+    slower_throughout = ratios.index[ratios.min(axis=1, skipna=False) > MUCH_SLOWER]
     tables = []
     for pair in pairs:
         common = pair[0].index.intersection(pair[1].index)
@@ -63,7 +67,7 @@ def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
         for side, cells in (("before", before), ("after", after)):
             table[side] = np.log(cells["seconds"].loc[same.index])
         disturbed = (before["disturbed"] | after["disturbed"]).loc[same.index]
-        table["undisturbed"] = ~disturbed | same.index.isin(self_disturbed)
+        table["undisturbed"] = ~disturbed | same.index.isin(self_disturbed.union(slower_throughout))
         table = table.dropna()
         tables.append(table[table["undisturbed"] | ~table.groupby("variant")["undisturbed"].transform("any")])
     return tables

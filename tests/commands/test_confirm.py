@@ -121,8 +121,9 @@ def test_a_run_of_another_content_is_refused(seen, monkeypatch) -> None:
     write(Path("other.py"))  # of a solver of the same name
     guest.write_bytes(guest.read_bytes() + b"# changed")
     for named in ("solvers/guest.py", "other.py"):
-        with pytest.raises(InputError, match=rf"^DIR: .* was made with another content of .*/{named}"):
-            again(seen, None, (named,))
+        for alerts in (seen, replace(seen, changes=())):
+            with pytest.raises(InputError, match=rf"^DIR: .* was made with another content of .*/{named}"):
+                again(alerts, None, (named,))
     monkeypatch.setattr(confirm.machine, "revision", lambda: "another")
     with pytest.raises(InputError, match="was made with another content of frictionbench"):
         again(seen, None)

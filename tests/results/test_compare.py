@@ -253,7 +253,10 @@ def test_slowness_by_own_processes_is_detected(runs, tmp_path):
     ]
     assert confirm(seen, pairs, both=True, limits=Limits()).exit_code == 1
     busy = [(before.assign(disturbed=after["disturbed"]), after) for before, after in pairs]
-    assert confirm(seen, busy, both=True, limits=Limits()).exit_code == 0
+    assert confirm(seen, busy, both=True, limits=Limits()).exit_code == 1  # ten times slower in each
+    half = [(before, after.assign(seconds=after["seconds"] / (1 + 4 * after["disturbed"]))) for before, after in busy]
+    once = [*busy[:7], half[7]]  # in one pair twice as slow
+    assert confirm(seen, once, both=True, limits=Limits()).exit_code == 0
 
 
 def test_unconfirmed_alert_is_dropped(runs):

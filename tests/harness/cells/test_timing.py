@@ -116,6 +116,23 @@ def test_reused_results_are_not_timed(clock, seconds, loads, known):
         assert (found.reused, len(found.new_answers)) == (pytest.approx(1000), 2)
 
 
+class ReadsBack(Memoises):
+    """The second call on a problem, the first to read a file, takes a third of the first."""
+
+    second = frozenset[str]()
+
+    def form(self, problem):
+        formed = super().form(problem)
+        if self.seconds < self.usual and problem.hash not in self.second:
+            self.second |= {problem.hash}
+            self.seconds = self.usual / 3
+        return formed
+
+
+def test_results_read_from_a_file_are_not_timed(clock):
+    assert timed(ReadsBack(clock, 2.0**-10)).reused == pytest.approx(1000)
+
+
 def test_answers_to_new_problems_are_verified() -> None:
     """The others are kept on disk, and of a version that was right. Finding them there need not be faster than the solver."""
     good, bad, info = solve(block(), "lemke"), Answer(np.ones((1, 2)), Status.SOLVED), find("lemke")[0]
@@ -164,10 +181,10 @@ def test_simulation_discards_loading_calls(clock):
     taken = [simulation.run_closed_loop(cell, stage, info, keeps)["solver_time"] for _ in range(2)]
     assert taken == [7.0 * found["problems"], None]
     kept, known, bad = Late(clock), {}, Answer(np.ones((1, 2)), Status.SOLVED)
-    for made, timed_too in (solve, True), (lambda *_: bad, False):  # by the first version, and by a later one
+    for made, verdict in (solve, "solved"), (lambda *_: bad, "wrong"):  # by the first version, and by a later one
         kept.solve = lambda given, *_, new=made: known.setdefault(given.hash, new(given, "lemke"))
         row = simulation.run_closed_loop(cell, stage, info, kept)
-        assert (row["verdict"], row["solver_time"] is not None) == ("solved", timed_too)
+        assert (row["verdict"], row["solver_time"] is not None, row["unsolved"]) == (verdict, verdict == "solved", 0)
 
 
 @pytest.mark.parametrize("name", ["lemke", "path_search", "interior_point", "nsgs", "admm", "hybrid"])
