@@ -400,6 +400,7 @@ def check_solver(
         list[str], typer.Argument(metavar="FILE|NAME...", help="Files that define solvers, or names; with all their variants.")
     ],
     jobs: options.Jobs = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Check a solver against the contract.
 
@@ -408,7 +409,7 @@ def check_solver(
     from frictionbench.harness.contract.examine import examine, format_findings
     from frictionbench.harness.progress import Progress
 
-    results = examine(solver, _jobs(jobs), Progress())
+    results = examine(solver, _jobs(jobs), Progress(quiet=quiet))
     typer.echo(format_findings(results))
     raise typer.Exit(int(any(one.violations for one in results)))
 

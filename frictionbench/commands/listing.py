@@ -1,6 +1,7 @@
 """The lists of `frictionbench list`: JSON, or a paragraph for each scene, solver or suite, wrapped to the terminal's width."""
 
 from dataclasses import fields
+from itertools import groupby
 from typing import Any
 
 from frictionbench.commands.table import say
@@ -24,7 +25,7 @@ def show(what: str) -> None:
     for name, entry in listed(what).items():
         facts = {fact.replace("_", " "): value for fact, value in entry.items() if value and value != [name]}
         texts = [facts.pop("summary", "No description.")]
-        texts += [f"{fact}: {_words(value)}" for fact, value in facts.items() if isinstance(value, dict | list)]
+        texts += [f"{fact}: {_words(fact, value)}" for fact, value in facts.items() if isinstance(value, dict | list)]
         short = [_short(fact, value) for fact, value in facts.items() if not isinstance(value, dict | list)]
         say(f"{name}  ({'; '.join(short)})" if short else name, rest="    ")
         for text in texts:
@@ -37,10 +38,13 @@ def _short(fact: str, value: Any) -> str:
     return fact if value is True else f"not available: {value}" if fact == "missing" else f"{fact} {value}"
 
 
-def _words(values: Facts | list[Any]) -> str:
+def _words(fact: str, values: Facts | list[Any]) -> str:
     if isinstance(values, dict):
         return ", ".join(f"{name}={_number(value)}" for name, value in values.items())
-    return ", ".join(map(_number, values))
+    if fact != "solvers":
+        return ", ".join(map(_number, values))
+    solvers = {name: list(variants) for name, variants in groupby(sorted(values), lambda spec: spec.partition("[")[0])}
+    return ", ".join(f"{name} ({len(of)} variants)" if of[1:] else of[0] for name, of in solvers.items())
 
 
 def _number(value: Any) -> str:

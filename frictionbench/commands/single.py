@@ -31,7 +31,7 @@ from frictionbench.results.store import Row
 from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import installed
 
-SPATIAL = 3  # dimensions
+PLANAR = 2  # dimensions
 FIRST = ("nsgs", "hybrid")  # run first: one compiles within seconds, the other solves nearly every problem
 ANNOUNCED_AFTER = 5.0  # seconds after which the first answer is announced before the table
 
@@ -84,7 +84,7 @@ def solve_one(
         print(json_text(data))
         return
     title = f"tolerance {number(tol)}, ranked {rank_by.words} ({rank_by.parts})"
-    if record["dimension"] != SPATIAL:  # in space the exact problem is not an LCP
+    if record["dimension"] == PLANAR:  # in space the exact problem is not an LCP, and of a bare LCP the summary tells the size
         title = f"LCP of {record['size']} unknowns, {title}"
     _show(title, {str(rank): row for rank, row in enumerate(applicable, start=1)}, rank_by)
     if refused := [row["variant"] for row in rows if row not in applicable]:

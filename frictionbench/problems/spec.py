@@ -6,6 +6,8 @@ from typing import Any
 
 from frictionbench.problems.check import InputError
 
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")  # also those that JSON lacks, such as .5, 1. and +1
+
 
 def split(field: str, text: str) -> tuple[str, dict[str, str | None]]:
     """The name and its settings as text; the value of a setting without `=` is None. Errors: InputError naming the field."""
@@ -31,5 +33,5 @@ def parse(field: str, text: str) -> tuple[str, dict[str, Any]]:
         try:
             values[key] = json.loads(value.lower())
         except ValueError:
-            values[key] = value
+            values[key] = float(value) if _NUMBER.fullmatch(value) else value
     return name, values

@@ -119,7 +119,8 @@ class Judged:
             near, half = sum(net[0] <= SAME_NET_IMPULSE for net in determined), sorted(determined)[len(determined) // 2][0]
             farthest, velocities, file = max(determined, key=lambda net: net[0])
             text += f"Net impulses between bodies within {rough_percent(SAME_NET_IMPULSE)} of the exact answer's: "
-            text += f"{near} of {len(determined)}. The difference is {rough_percent(half)} in the median; the largest, "
+            text += f"{near} of {len(determined)}. The difference"
+            text += f" is {rough_percent(half)} in the median; the largest, " if determined[1:] else ", "
             text += f"{rough_percent(farthest)}, is on velocit{'y' if velocities.isdigit() else 'ies'} {velocities} in {file}. "
         if hyperstatic := sum(not each_known for _, _, (_, _, each_known, *_) in nets):
             text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."

@@ -51,7 +51,8 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
         write_text(paper / f"{table.name}.tex", booktabs(table))
     captions = {table.name: table.caption for table in made} | captions
     write_text(paper / "captions.tex", captions_file(captions, f"{setting(run)} {disturbed(run, leads=False)}".rstrip(), paper))
-    write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
+    solvers = [*run.rows["solver"], *run.simulations["solver"], *run.portfolios.values()]
+    write_text(paper / "references.bib", bibliography(set(", ".join(solvers).split(", "))))
     return paper
 
 
@@ -107,7 +108,10 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
     there = {str(text) for table in named.values() for text in table.stack().dropna()}
     if missing := [name for name in names if name not in there]:
         raise ResultsError(f"{what}: {missing[0]} is not in this run; there are {'; '.join(sorted(there))}")
-    return replace(run, **{name: table[named[name].isin(list(names)).any(axis=1)] for name, table in tables.items()})
+    settings = dict(run.manifest["settings"])
+    settings["suite"] = f"{settings.get('suite', 'unnamed')} with the {what} {', '.join(names)} only"
+    kept = {name: table[named[name].isin(list(names)).any(axis=1)] for name, table in tables.items()}
+    return replace(run, manifest=run.manifest | {"settings": settings}, **kept)
 
 
 def booktabs(table: Table) -> str:

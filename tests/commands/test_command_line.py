@@ -56,7 +56,11 @@ def test_lists_are_json_too(what) -> None:
     listed = json.loads(CliRunner().invoke(app, ["list", what, "--json"]).stdout)
     assert {"scenes": "cubes", "solvers": "lemke", "suites": "smoke"}[what] in listed
     assert all(facts["summary"].endswith((".", ")")) for facts in listed.values())
-    named = {"scenes": "arch  (planar)", "solvers": "lemke  (family pivoting; model lcp; ", "suites": "smoke  (takes "}[what]
+    named = {
+        "scenes": "arch  (planar)",
+        "solvers": "lemke  (family pivoting; model lcp; ",
+        "suites": "lemke (2 variants), nsgs",
+    }[what]
     assert named in CliRunner().invoke(app, ["list", what]).output
 
 

@@ -18,6 +18,7 @@ from tools.columns import describe
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 each_document = pytest.mark.parametrize("document", DOCUMENTS, ids=[path.name for path in DOCUMENTS])
 RUNS = [json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "results/published").glob("*.json")]
+SUITES = ("standard", "peers")
 FOLDERS = ("problems", "solvers", "harness", "results", "reports", "tests", "docs", "frictionbench", "studies", "tools")
 # Written by recipes or by a user's own repository.
 EXAMPLES = re.compile(r"brick|plate|pushes|midpoint|jacobi|scipy_nnls|charts/solved|plain_json|solvers/mine")
@@ -58,8 +59,12 @@ def test_leads_in_the_paper_are_those_of_published_runs() -> None:
     assert text.count(" times ahead of ") == len(lead.findall(text)) > 6
     assert set(lead.findall(text)) <= set(lead.findall(told))
     solved, version = re.findall(r"convex relaxation of (\d+) of the 126 problems of `standard` \((\w+)\)", text)[0]
-    standard = next(run for run in RUNS if (run["suite"], run["version"][:7]) == ("standard", version))
+    standard, peers = (next(run for run in RUNS if (run["suite"], run["version"][:7]) == (name, version)) for name in SUITES)
     assert {row["own"] for row in standard["reliability"] if row["solver"].startswith("clarabel")} == {int(solved)}
+    waited = [
+        int(re.findall(r"cells (\d+) shared or waited", str(run["checks"]))[0]) / run["cells"] for run in (standard, peers)
+    ]
+    assert "{:.0%} of the cells of `standard` and {:.0%} of `peers`".format(*waited).replace("%", " %") in text
 
 
 def test_leads_on_the_published_page_are_those_of_published_runs() -> None:

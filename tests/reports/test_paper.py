@@ -18,6 +18,7 @@ from frictionbench.reports.latex import ESCAPED, cited, escaped, references
 from frictionbench.reports.paper import booktabs, restricted, write_paper
 from frictionbench.reports.printed import REFERENCES, Table, printed
 from frictionbench.reports.run import Run, read_run
+from frictionbench.reports.tables import setting
 from frictionbench.solvers import available
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
@@ -100,6 +101,7 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     kept = re.findall(r".*bench\w+@speed_accuracy.*", (paper / "captions.tex").read_text())
     assert [re.findall(r"continued \((\d of \d)", line) for line in kept] == [[], [], ["2 of 3"], [], ["3 of 3"], []]
     few = restricted(many, "scenes", ["scene_3"])
+    assert setting(few).startswith("Suite made with the scenes scene_3 only, frictionbench ")
     wide = (write_paper(tmp_path, few, ["profiles"], 7.0) / "captions.tex").read_text()  # of another setting, beside the first
     assert set(kept) < set(wide.splitlines())
     with (paper / "captions.tex").open("a") as file:  # of somebody else
