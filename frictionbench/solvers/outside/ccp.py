@@ -24,47 +24,40 @@ from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxati
 
 
 class Backend(NamedTuple):
-    """A backend's distributions, and the name and default of its limit on iterations.
-
-    definite: whether it is given dense matrices and requires a definite P, so that it takes no friction_bias.
-    """
+    """A backend's distributions, and the name and default of its limit on iterations."""
 
     distributions: tuple[str, ...]
     limit: str
     most: int
-    definite: bool = False
 
 
 BACKENDS = {
     "highs": Backend(("highspy",), "qp_iteration_limit", 100_000),
     "hipo": Backend(("highspy", "highspy-extras"), "ipm_iteration_limit", 500),
-    "ecos": Backend(("ecos",), "max_iters", 200, definite=True),
     "qpalm": Backend(("qpalm",), "max_iter", 10_000),
 }
 _TUNED: dict[str, dict[str, float]] = {"highs": {"qp_regularization_value": 0.0}}
 _VARIANTS = (*(f"backend={name}" for name in BACKENDS), *(f"backend={name},settings=tuned" for name in _TUNED))
 
 
-@relaxation_library("ccp", needs=("qpsolvers", "highspy"), lacks=(), variants=_VARIANTS)
+@relaxation_library("ccp", needs=("qpsolvers", "highspy"), variants=_VARIANTS)
 class CCP:
     """The convex relaxation as a QP in the velocities, by a library through qpsolvers.
 
     backend: which library. settings: default or tuned. Work: the backend's iterations, where it reports them.
 
-    Licence: qpsolvers LGPL-3.0; HiGHS MIT, ECOS GPL-3.0, QPALM LGPL-3.0-or-later.
-    Form: the dimensionless QP (solvers.outside.scaled_program), dense for ECOS; highs is given rows and columns alike, as what
-        it adds to P changes light bodies more, and the unknowns in reversed order, for docs/fairness.md shows a wrong answer in
-        the natural one. Setup: qpsolvers' problem. Solve: qpsolvers' call.
+    Licence: qpsolvers LGPL-3.0; HiGHS MIT, QPALM LGPL-3.0-or-later.
+    Form: the dimensionless QP (solvers.outside.scaled_program); highs is given rows and columns alike, as what it adds to P
+        changes light bodies more, and the unknowns in reversed order, for docs/fairness.md shows a wrong answer in the natural
+        one. Setup: qpsolvers' problem. Solve: qpsolvers' call.
     Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
     Settings: for highs, HiGHS' active sets, qp_regularization_value is 1e-7 by default; tuned is 0. hipo is its interior point.
     Tolerance: eps is tol in the units of the scaled program. highs and hipo both feasibilities eps/10, no less than 1e-10, and
-        hipo a gap of eps^2, no less than 1e-12, its least. qpalm eps_abs = eps/10. ecos feastol = eps/10, gaps eps^2, no less
-        than 1e-14. Relative tolerances are 0.
-    Flaws: ECOS requires a definite matrix and so does not support friction_bias. HiGHS' least feasibility of 1e-10 and ECOS'
-        arithmetic leave the residual of some answers at a few times 1e-8, and HiPO's least gap some at 1e-6, `frictionbench
-        solve 'stack[blocks=3]' --solver 'ccp[backend=hipo]'`.
-    Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Huangfu and Hall 2018 (HiGHS); Domahidi, Chu and Boyd
-        2013 (ECOS); Hermans, Themelis and Patrinos 2022 (QPALM).
+        hipo a gap of eps^2, no less than 1e-12, its least. qpalm eps_abs = eps/10. Relative tolerances are 0.
+    Flaws: HiGHS' least feasibility of 1e-10 leaves the residual of some answers at a few times 1e-8, and HiPO's least gap some
+        at 1e-6, `frictionbench solve 'stack[blocks=3]' --solver 'ccp[backend=hipo]'`.
+    Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Huangfu and Hall 2018 (HiGHS); Hermans, Themelis and
+        Patrinos 2022 (QPALM).
     """
 
     backend: str = "highs"
@@ -74,13 +67,9 @@ class CCP:
     def needs(self) -> tuple[str, ...]:
         return "qpsolvers", *BACKENDS[self.backend].distributions
 
-    @property
-    def lacks(self) -> tuple[str, ...]:
-        return ("friction_bias", "asymmetry") if BACKENDS[self.backend].definite else ("asymmetry",)
-
     def form(self, problem: FrictionProblem) -> tuple[ScaledProgram, Any]:
-        highs, definite = self.backend == "highs", BACKENDS[self.backend].definite
-        scaled = scaled_program(problem, definite, from_free=self.backend in ("hipo", "ecos"), alike=highs)
+        highs = self.backend == "highs"
+        scaled = scaled_program(problem, from_free=self.backend == "hipo", alike=highs)
         (A, b), P, q, G = scaled.equations, scaled.P, scaled.q, scaled.G
         if highs:
             P, q, G, A = P[::-1, ::-1], q[::-1], G[:, ::-1], None if A is None else A[:, ::-1]
@@ -92,14 +81,13 @@ class CCP:
 
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         (scaled, qp), backend = prepared, BACKENDS[self.backend]
-        eps, gap = scaled.tolerances(tol, 1e-14)  # the least gap that ECOS reaches
+        eps, gap = scaled.tolerances(tol, 1e-12)  # the least gap that HiPO reaches
         accuracy = eps / STOPPING_MARGIN
         feasible = max(accuracy, 1e-10)
         highs: dict[str, Any] = {"primal_feasibility_tolerance": feasible, "dual_feasibility_tolerance": feasible}
         settings: dict[str, Any] = {
             "highs": highs,
-            "hipo": {"solver": "hipo", "ipm_optimality_tolerance": max(gap, 1e-12)} | highs,
-            "ecos": {"feastol": accuracy, "abstol": gap, "reltol": gap},
+            "hipo": {"solver": "hipo", "ipm_optimality_tolerance": gap} | highs,
             "qpalm": {"eps_abs": accuracy, "eps_rel": 0.0},
         }[self.backend]
         settings[backend.limit] = limit or backend.most
@@ -113,10 +101,8 @@ class CCP:
 
 
 def _iterations_and_detail(extras: Mapping[str, Any]) -> tuple[int | None, str]:
-    """The iterations and the final status of a backend: QPALM's object, ECOS' numbers, none of HiGHS."""
-    if "info" in extras:
-        return int(extras["info"].iter), str(extras["info"].status)
-    return extras.get("iter"), str(extras.get("infostring", ""))
+    """The iterations and the final status that QPALM reports; HiGHS reports none."""
+    return (int(extras["info"].iter), str(extras["info"].status)) if "info" in extras else (None, "")
 
 
 @relaxation_library("ccp_cone", dimension=(2, 3), needs=("cvxpy", "clarabel"))
@@ -137,7 +123,7 @@ class CCPCone:
     """
 
     def form(self, problem: FrictionProblem) -> ScaledProgram:
-        return scaled_program(problem, from_free=True, alike=True)
+        return scaled_program(problem, from_free=problem.dimension == 3)
 
     def setup(self, scaled: ScaledProgram) -> tuple[ScaledProgram, Any]:
         """The CVXPY problem, and its canonical data with what converts their solution."""

@@ -1,9 +1,9 @@
 """The convex relaxation in the plane by dual active sets, of few contacts: DAQP, and Goldfarb and Idnani's method by quadprog.
 
-Form: the dimensionless QP (solvers.outside.scaled_program), dense, G above A, for quadprog A above G. Setup: none. Solve: one
-    call, in which the library sets up and solves.
-Charged: some 5 µs more than a call by hand at 2 contacts, 15 at 20, .1 ms with the joints of 40: the units in which tolerances
-    have one meaning, and what joints hold, of which a call by hand computes nothing.
+Form: the dimensionless QP about the free motion, dense, G above A, for quadprog A above G (solvers.outside.scaled_program). No
+    tolerance changes an answer of active sets beyond rounding, so that no units of tolerances are computed, nor are islands of
+    unlike speeds balanced (solvers.balanced). Setup: none. Solve: one call, in which the library sets up and solves.
+Charged: .1 ms more than a call by hand with the joints of 40 contacts, for what joints hold.
 """
 
 from importlib import import_module
@@ -14,10 +14,10 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
-from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program
 
 _EQUALITY = 5  # DAQP's sense of a row of A
+_DAQP_TOLERANCE = 1e-12  # relative to the fastest contact: from 1e-9 to 1e-13 DAQP takes as many iterations on 148 problems
 Prepared = tuple[ScaledProgram, Any]  # and the library's arguments
 
 
@@ -30,12 +30,14 @@ class DAQP:
     Licence: MIT.
     Clock: DAQP's own setup_time and solve_time together.
     Settings: its defaults.
-    Tolerance: primal_tol and dual_tol eps/10, by default 1e-6 and 1e-12; eps stands for tol.
+    Tolerance: primal_tol and dual_tol 1e-12 times the largest free velocity, by default 1e-6 and 1e-12, for every tol.
     Reference: Arnström, Bemporad and Axehill 2022.
     """
 
+    exact = True
+
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, dense=True)
+        scaled = scaled_program(problem, dense=True, from_free=True, exact=True)
         sense = np.zeros(len(scaled.right), dtype=np.int32)
         sense[len(scaled.h) :] = _EQUALITY
         return scaled, (scaled.P, scaled.q, scaled.stacked(), scaled.right, scaled.least(-1e30), sense)
@@ -43,7 +45,7 @@ class DAQP:
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         daqp: Any = import_module("daqp")
         scaled, arguments = prepared
-        accuracy = tol * scaled.share / STOPPING_MARGIN
+        accuracy = _DAQP_TOLERANCE * float(abs(scaled.right).max()) or _DAQP_TOLERANCE
         _, _, flag, info = daqp.solve(*arguments, primal_tol=accuracy, dual_tol=accuracy, iter_limit=limit or 10_000)
         clock = float(info["setup_time"] + info["solve_time"])
         return scaled.answer(np.array(info["lam"]), flag > 0, int(info["iterations"]), f"exit flag {flag}", clock)
@@ -57,16 +59,20 @@ class Quadprog:
 
     Licence: GPL-2.0-or-later.
     Clock: none.
-    Settings: it has none.
+    Settings: factorized, which spares it the factorisation of a diagonal P.
     Tolerance: it takes none.
     Flaws: it requires a definite matrix and so does not support friction_bias.
     Reference: Goldfarb and Idnani 1983.
     """
 
+    exact = True
+
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, dense=True)
+        scaled = scaled_program(problem, dense=True, from_free=True, exact=True)
         right = np.concatenate([scaled.b, scaled.h]) if len(scaled.b) else scaled.right
-        return scaled, (scaled.P, -scaled.q, -scaled.stacked(joints_first=True).T, -right, len(scaled.b))
+        diagonal = len(problem.mass_rows.value) == len(scaled.q)
+        P = np.diag(scaled.P.diagonal() ** -0.5) if diagonal else scaled.P  # the inverse of the root of P
+        return scaled, (P, -scaled.q, -scaled.stacked(joints_first=True).T, -right, len(scaled.b), diagonal)
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         quadprog: Any = import_module("quadprog")

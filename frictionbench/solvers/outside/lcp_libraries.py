@@ -1,6 +1,7 @@
 """The friction LCP by libraries of LCPs: Drake's two solvers, PATH through GAMSPy, and QuantEcon's Lemke method.
 
-All receive the dense, scaled M (solvers.pivots.dense_lcp) and q; PATH also the mixed problem in velocities and impulses.
+All receive a dense, scaled M and q (solvers.pivots.dense_lcp, for pivoting methods in the plane solvers.outside.planar_lcp);
+PATH also the mixed problem in velocities and impulses.
 """
 
 import io
@@ -15,6 +16,7 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside import STOPPING_MARGIN
+from frictionbench.solvers.outside.planar_lcp import smallest_lcp
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 lcp_library = partial(solver, family="pivoting", model="lcp", dimension=(2, 3))  # registers an adapter
@@ -43,8 +45,9 @@ class Drake:
     Work: none is reported.
 
     Licence: BSD-3-Clause; the wheel bundles proprietary libraries that none of these solvers calls.
-    Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgram with that one constraint. Solve: a new
-        solver object, as a reused one starts from its last basis, and its Solve.
+    Form: the friction LCP's M, dense and scaled, and q, in the plane with three unknowns a contact. Setup: a
+        MathematicalProgram with that one constraint. Solve: a new solver object, as a reused one starts from its last basis,
+        and its Solve.
     Clock: none.
     Settings: its defaults; there are no options. perturbation=1e-10 gives it q + 1e-10 rand, less for slow contacts, without
         ties; of these its ratio test takes one not yet taken in this basis, or fails, `frictionbench solve
@@ -64,7 +67,7 @@ class Drake:
         require(0 <= self.perturbation < 1, "perturbation", f"must be at least 0 and less than 1, got {self.perturbation!r}")
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
-        return perturbed(dense_lcp(problem), self.perturbation)
+        return perturbed(smallest_lcp(problem), self.perturbation)
 
     def setup(self, lcp: DenseLCP) -> tuple[DenseLCP, Any, Any]:
         drake: Any = import_module("pydrake.solvers")
@@ -192,9 +195,10 @@ class QuantEcon:
     settings: default or tuned. Work: pivots.
 
     Licence: MIT.
-    Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
+    Form: the friction LCP's M, dense and scaled, and q, in the plane with three unknowns a contact. Setup: none. Solve:
+        lcp_lemke's call.
     Clock: none.
-    Settings: tol_ratio_diff, within which two ratios are a tie, is 1e-13 by default; tuned is 1e-10, `frictionbench solve
+    Settings: tol_ratio_diff, within which two ratios are a tie, is 1e-13 by default; tuned is 1e-8, `frictionbench solve
         'stack[blocks=50,friction=0.05,push=1]' --solver 'quantecon' --solver 'quantecon[settings=tuned]'`.
     Tolerance: it takes none; the solution of a basis is exact up to rounding.
     Flaws: its status is unreliable in both directions: it reports a ray for problems that it has solved, `frictionbench solve
@@ -206,10 +210,10 @@ class QuantEcon:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
-        return dense_lcp(problem)
+        return smallest_lcp(problem)
 
     def solve(self, prepared: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        options = import_module("quantecon.optimize").PivOptions(tol_ratio_diff=1e-10 if self.settings == "tuned" else 1e-13)
+        options = import_module("quantecon.optimize").PivOptions(tol_ratio_diff=1e-8 if self.settings == "tuned" else 1e-13)
         lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
         result = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
         return prepared.scaled.answer(result.z, _ENDED.get(result.status, Status.FAILED), pivots=int(result.num_iter))

@@ -22,7 +22,7 @@ Prepared = tuple[ScaledProgram, Any]  # and what the library is given: its argum
 LEAST_GAP = {
     "clarabel": 1e-15,  # with 1e-14 some claims are wrong, with 1e-16 accurate answers are failures: docs/fairness.md
     "proxsuite": 1e-15,  # with 1e-14 some answers on walls are off by 2e-8
-    "piqp": 1e-15,  # with 3e-16 it takes five times as many iterations on pyramids, with 1e-14 errors of 1e-7 remain on stacks
+    "piqp": 1e-14,  # with 1e-15 it takes 2.6 times as many iterations on 182 problems, with 1e-13 claims are off by 4e-8
 }
 _GAP_ROUNDING = 4.4e-16  # of a gap's terms: without, PIQP accepts no iterate on some chains, and takes twice as many elsewhere
 _PROXQP_OBJECTIVE = 0.03  # times the objective: 16 iterations instead of 25 on 117 problems, 22 instead of 26 on 56 others
@@ -40,14 +40,14 @@ class Clarabel:
     settings: default or tuned. Work: iterations.
 
     Licence: Apache-2.0.
-    Form: the dimensionless program (solvers.outside.scaled_program) with rows and columns alike, A and G stacked, P's upper
+    Form: the dimensionless program (solvers.outside.scaled_program), in space about the free motion, A and G stacked, P's upper
         half. Setup: Clarabel's solver object, its ordering and scaling. Solve: its solve. (It has no warm start.)
     Clock: its solve_time, which includes its setup.
     Settings: presolve off, which would forbid setting tolerances afterwards. tuned is for programs that are already scaled, as
         these are: equilibrate_enable off, static_regularization_constant = 1e-12 instead of 1e-8 and, as that leaves nothing
-        to refine, iterative_refinement_enable off, `frictionbench solve 'stack[blocks=50,mass_ratio=1e5,push=1]' --solver
-        'clarabel' --solver 'clarabel[settings=tuned]'`; and on circular cones max_step_fraction = 0.9 instead of 0.99, with
-        which the gap reaches its limit more often.
+        to refine, iterative_refinement_enable off; and on circular cones max_step_fraction = 0.9 instead of 0.99, with which
+        the gap reaches its limit more often, `frictionbench solve 'random_bodies[contacts=24,seed=3]' --solver 'clarabel'
+        --solver 'clarabel[settings=tuned]'`.
     Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-15; eps stands for tol.
     Flaws: its gap is the difference of two objectives, which rounding can make 0 before the answer is accurate: some answers
         that it calls Solved are off by a few times 1e-8. Or it stays above eps^2, and it reports failure although the answer
@@ -60,7 +60,7 @@ class Clarabel:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, from_free=True, upper=True, alike=True)
+        scaled = scaled_program(problem, from_free=problem.dimension == 3, upper=True)
         return scaled, (scaled.P, scaled.q, scaled.stacked(), scaled.right)
 
     def setup(self, formed: Prepared) -> Prepared:
@@ -151,7 +151,8 @@ class ProxSuite:
     Clock: ProxQP's own solve_time.
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
         solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=30,push=0.7,friction=0.2]' --solver
-        'proxsuite' --solver 'proxsuite[settings=tuned]'`. Sparse it is given P and q 33 times smaller.
+        'proxsuite' --solver 'proxsuite[settings=tuned]'`. Sparse it is given P and q 33 times smaller; dense it is told if P
+        is diagonal.
     Tolerance: eps_abs = eps/100 for both residuals, as with eps it calls answers solved that are off by 10 tol; gap eps^2, no
         less than 1e-15, which is tested only on request; eps_rel = 0, 4.4e-16 for the gap, for rounding; eps stands for tol.
     Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
@@ -172,7 +173,13 @@ class ProxSuite:
 
     def setup(self, formed: Prepared) -> Prepared:
         (scaled, arguments), proxqp = formed, import_module("proxsuite").proxqp
-        qp = getattr(proxqp, self.matrices).QP(len(scaled.q), len(scaled.b), len(scaled.h))
+        sizes = len(scaled.q), len(scaled.b), len(scaled.h)
+        if self.matrices == "sparse":
+            qp = proxqp.sparse.QP(*sizes)
+        else:
+            diagonal = np.count_nonzero(scaled.P) == np.count_nonzero(scaled.P.diagonal())
+            kind = proxqp.dense.HessianType.Diagonal if diagonal else proxqp.dense.HessianType.Dense
+            qp = proxqp.dense.QP(*sizes, False, kind)
         qp.settings.compute_timings = True
         qp.init(*arguments)
         return scaled, qp
@@ -204,7 +211,7 @@ class PIQP:
     Charged: some 10 µs more than a call by hand at 2 contacts with dense matrices, 30 at 20, .1 to .3 ms with the joints of 40
         and 80: the units, and what joints hold.
     Settings: compute_timings on.
-    Tolerance: eps_abs = eps, gap eps^2, no less than 1e-15; eps_rel = 0, for the gap 4.4e-16; eps stands for tol.
+    Tolerance: eps_abs = eps, gap eps^2, no less than 1e-14; eps_rel = 0, for the gap 4.4e-16; eps stands for tol.
     Reference: Schwan, Jiang, Kuhn and Jones 2023.
     """
 

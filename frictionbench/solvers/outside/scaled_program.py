@@ -111,19 +111,26 @@ class ScaledProgram:
 
 
 def scaled_program(
-    problem: FrictionProblem, dense: bool = False, from_free: bool = False, upper: bool = False, alike: bool = False
+    problem: FrictionProblem,
+    dense: bool = False,
+    from_free: bool = False,
+    upper: bool = False,
+    alike: bool = False,
+    exact: bool = False,
 ) -> ScaledProgram:
     """Scale a problem's relaxation, the QP in the plane and the cone program in space, in which rows and columns are alike.
 
     from_free: x* as above, for libraries that stop by a duality gap; otherwise x* = 0. First-order methods start from x^ = 0
     and regularised ones are drawn to it, and rest is nearer to most answers than free motion. upper: of P, if it is sparse.
+    exact: in the plane, for active sets, whose answer no tolerance changes: theta is 1, and the share, which is 0, unused.
     """
-    units = problem.relaxation_units  # with them, the scale and q are computed, which are the same for both laws
-    law = _SECTIONS[problem.dimension], problem.friction, bias_of_size(problem)
+    law, nothing = (_SECTIONS[problem.dimension], problem.friction, bias_of_size(problem)), np.zeros(2 * problem.contacts)
+    units = nothing[::2] if exact else problem.relaxation_units  # with which the scale and q are computed, equal for both laws
+    measures = (units, nothing, units) if exact else (problem.scale, problem.q, units)
     offset = problem.bias[:, None] if problem.mechanical else problem.offset
     motion = problem.free_velocity, offset, problem.joint_bias
     rows, alike = (*problem.contact_rows, *problem.mass_rows, *problem.joint_rows), alike or problem.dimension == 3
-    given = *rows, *motion, *law, problem.scale, problem.q, units, from_free, alike
+    given = *rows, *motion, *law, *measures, from_free, alike
     if dense:
         return ScaledProgram(law, *_dense(*given))
     P, G, A, q, right, unit, share = _program(*given, upper)
@@ -150,7 +157,7 @@ def _program(  # type: ignore[no-untyped-def]
         q[:nv], x[:nv] = 0.0, free
         for i in range(len(mu)):
             if b_f[i] > 0:
-                x[at] = length(contact_velocity[i * d + 1 : i * d + d], 0, d - 1)
+                x[at] = length(contact_velocity, i * d + 1, d - 1)
                 at += 1
         for v in range(len(x)):
             for k in range(g_start[v], g_start[v + 1]):

@@ -6,14 +6,16 @@ The global form takes mass matrix and Jacobian separately: with v = theta D v^, 
     M^ v^ = H^ r^ + q^,    u^ = H^'v^ + b^,      M^ = D M D,    H^ = D J'E,    q^ = D M v* / theta,    b^ = E b / theta.
 
 Licence: Apache-2.0. (The metadata of Debian's 4.4.0 state 4.5.0.)
-Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensionless Delassus matrix with a decoupled second
-    tangent for friction_3d_ on planar problems, in Siconos' block storage, that of its own simulations, and dense where that
-    is faster: for friction_2d_cpg and friction_2d_lemke, for admm and prox where W is more than half full and up to 100 and 80
-    contacts, for friction_2d_nsgs up to 48, for vi_eg up to 32, for nsn_fb up to 16, for nsn_ac up to 4; for global_, in space
-    only, the entries of M and H = J' and q, dimensionless. Setup: none. Solve: one message to the child and its reply.
+Form: for lcp_ the friction LCP's M, dense and scaled, in the plane for lcp_lemke and lcp_pivot with three unknowns a contact;
+    for friction_ the dimensionless Delassus matrix with a decoupled second tangent for friction_3d_ on planar problems, in
+    Siconos' block storage, that of its own simulations, and dense where that is faster: for friction_2d_cpg and
+    friction_2d_lemke, for admm and prox where W is more than half full and up to 100 and 80 contacts, for friction_2d_nsgs up
+    to 48, for vi_eg up to 32, for nsn_fb up to 16, for nsn_ac up to 4; for global_, in space only, the entries of M and H = J'
+    and q, dimensionless. Setup: none. Solve: one message to the child and its reply.
 Clock: around Siconos' problem object and the driver's call, in the child, of matrices in its storage. Solvers are compared by
     it, as a user of Siconos has no child: the column solve_time is this clock, and call_time the whole call.
-Charged: W's entries and the units cost some 10 µs at 2 contacts, where a call by hand takes 6.
+Charged: W's entries and the units cost some 10 µs at 2 contacts, where a call by hand takes 6; in space NSGS and PROX are
+    charged 3 to 4.4 times a call by hand at 2 contacts, 2 to 2.7 times at 10 and 1.2 times at 20.
 Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho (by default
     constant), where one residual is PHI = 10 times the other (by default 2), and for the former a W whose mean diagonal is 4,
     `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=friction_3d_admm]' --solver
@@ -26,9 +28,8 @@ Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy
     default one where a contact has no friction, as that aborts there. For lcp_lemke and lcp_pivot tuned is q + 1e-10 rand,
     less for slow contacts, without ties, and success where it holds of q, `frictionbench solve 'cubes[boxes=2]' --solver
     'siconos[method=lcp_lemke]' --solver 'siconos[method=lcp_lemke,settings=tuned]'`. lcp_pivot follows Lemke's rule by
-    default; lcp_pivot_least_index is the same driver with LEAST_INDEX, `frictionbench solve
-    'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=lcp_pivot]' --solver
-    'siconos[method=lcp_pivot_least_index]'`.
+    default; lcp_pivot_least_index is the same driver with LEAST_INDEX, `frictionbench solve redundant_table --solver
+    'siconos[method=lcp_pivot]' --solver 'siconos[method=lcp_pivot_least_index]'`.
 Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus
     and, for lcp_, solvers.pivots.dense_lcp. Where |r^| is larger it divides by that, and is called again from its own answer
     with a smaller tolerance, unless that answer's error is small enough. The drivers of friction_2d_ begin at 0 whatever their
@@ -50,6 +51,7 @@ from frictionbench.problems.rows import row_of_entry
 from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside.children.child import child
 from frictionbench.solvers.outside.lcp_libraries import perturbed
+from frictionbench.solvers.outside.planar_lcp import smallest_lcp
 from frictionbench.solvers.outside.scaled_delassus import PLANE, SPACE, ScaledDelassus, entries, scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
@@ -119,7 +121,8 @@ class Siconos:
         kind = next(kind for kind in ("lcp", "friction_2d", "friction_3d", "global") if self.method.startswith(kind))
         given: DenseLCP | ScaledDelassus
         if isinstance(problem, LCP) or kind == "lcp":
-            given = perturbed(dense_lcp(problem), 1e-10 if self.settings == "tuned" else 0.0)
+            form = dense_lcp if "newton" in self.method else smallest_lcp
+            given = perturbed(form(problem), 1e-10 if self.settings == "tuned" else 0.0)
             message: dict[str, Any] = {"M": given.M, "q": given.q}
         else:
             nc = problem.contacts

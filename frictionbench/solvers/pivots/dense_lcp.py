@@ -1,6 +1,6 @@
 """The scaled LCP (solvers.pivots.scaled_lcp) with a dense matrix."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -8,13 +8,14 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms.lcp import by_unknown, dense_matrix
 from frictionbench.solvers.interface import Status
-from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, scaled_lcp
+from frictionbench.solvers.pivots.scaled_lcp import scaled_lcp
 
 
 class DenseLCP(NamedTuple):
-    """The scaled LCP w = M y + q, with M (n, n) and q (n,), and the ScaledLCP it was made from; another q is perturbed."""
+    """The scaled LCP w = M y + q, with M (n, n) and q (n,), and the ScaledLCP it was made from, or another form that has q,
+    unit and answer; another q is perturbed."""
 
-    scaled: ScaledLCP
+    scaled: Any
     M: Array
     q: Array
 

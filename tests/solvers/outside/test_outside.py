@@ -46,7 +46,7 @@ UNABLE = {
     *((f"pinocchio[method=pgs{tuned}]", "in space") for tuned in ("", ",settings=tuned")),
     *((f"mujoco[method=cg{tuned}]", "two boxes") for tuned in ("", ",settings=tuned")),
     *((f"siconos[method={method}]", "frictionless") for method in ("lcp_pivot", "friction_3d_nsn_fb")),
-    *((spec, "frictionless") for spec in ("casadi[method=ipopt]", "ccp[backend=ecos]")),
+    ("casadi[method=ipopt]", "frictionless"),
     ("siconos[method=lcp_lemke]", "in space"),
     ("siconos[method=lcp_newton_fb_fblsa]", "two boxes"),
     ("siconos[method=friction_3d_dsfp]", "two boxes"),
@@ -188,7 +188,7 @@ def test_a_problem_is_measured_for_one_law_only(spec) -> None:
     _, solver = installed(spec)
     problem = scene("stack", blocks=1, push=1.0).problem().fresh()
     solver.form(problem)
-    assert len({"_measures", "_relaxed_measures"} & set(vars(problem))) == 1
+    assert len({"_measures", "_relaxed_measures"} & set(vars(problem))) == (not getattr(solver, "exact", False))
 
 
 @pytest.mark.parametrize("spec", ["mujoco", "casadi[method=ipopt]"])
