@@ -26,7 +26,7 @@ from frictionbench.problems.forms.islands import delassus_graph, delassus_units,
 from frictionbench.problems.forms.joints import require_consistent
 from frictionbench.problems.forms.lcp import LCP, content_hash, friction_rows, tangent_basis
 from frictionbench.problems.forms.mass import inverse_mass
-from frictionbench.problems.forms.relaxation import QP, ConeProgram, relaxation_cone, relaxation_qp
+from frictionbench.problems.forms.relaxation import Program, relaxation
 from frictionbench.problems.mechanics import NO_ROWS, Measures, Mechanics
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
@@ -139,20 +139,21 @@ class FrictionProblem(Mechanics):
         *rows, right = friction_rows(*self.blocks, self.q, self.friction, self.friction_bias, basis)
         return LCP.of_friction(Rows(*rows), right, basis, (self.contacts, self.dimension))
 
-    def qp(self, facets: int = 8) -> QP:
+    def qp(self, facets: int = 8) -> Program:
         """The convex relaxation as a quadratic program in the velocities (Anitescu 2006).
 
         min 1/2 x'Px + q'x with h - G x >= 0 and A x = b, matrices in CSC form. In space the cone's section is a polygon with
         `facets` corners; in the plane facets has no effect.
         """
-        return relaxation_qp(self, facets)
+        corners = tangent_basis(self.dimension, facets)[1:, 1:].T
+        return relaxation(self, np.column_stack([np.ones(len(corners)), corners]))
 
-    def cone(self) -> ConeProgram:
+    def cone(self) -> Program:
         """The convex relaxation as a second-order cone program in the velocities (Anitescu and Tasora 2010).
 
         min 1/2 x'Px + q'x with h - G x in second-order cones {s_0 >= |s_1:|}, one block of d rows for each, and A x = b.
         """
-        return relaxation_cone(self)
+        return relaxation(self, np.eye(self.dimension))
 
     @cached_property
     def hash(self) -> str:

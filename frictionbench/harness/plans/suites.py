@@ -33,7 +33,7 @@ OUTSIDE = (
     *("siconos[method=friction_3d_nsgs]", "siconos[method=friction_3d_nsgs,settings=newton]"),
     "pinocchio[method=admm,settings=tuned]",
 )
-OUTSIDE_LCP = ("path[settings=tuned]", "quantecon[settings=default]")
+OUTSIDE_LCP = ("path[settings=tuned]", "quantecon[settings=tuned]")
 # The fastest of our methods for each kind of problem, and simple ones for comparison with outside libraries.
 OURS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg", "apgd_coulomb", "relaxation_ip", "apgd")
 # Batches of stacks of boxes and of cubes, contacts to number of problems: a batch takes some hundredths of a second.

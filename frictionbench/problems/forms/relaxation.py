@@ -31,7 +31,7 @@ EDGES = np.array([[1.0, 1.0], [1.0, -1.0]])  # the section in the plane
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """min ½ x'Px + q'x,   x = (v, y),   with constraints on h - G x and A x = b.
+    """min ½ x'Px + q'x,   x = (v, y),   with A x = b and h - G x >= 0 or, for a round cone, in second-order cones.
 
     objective and bounds are P and G by columns (start, row, value), with ascending rows; joints is A by rows.
     section: (m, d), the rows (e_k, d_k). impulse(z) turns the multipliers z of G into the contact impulses (nc, d).
@@ -63,32 +63,12 @@ class Program:
         return multiplied(self.section, self.friction, self.friction_bias, z)
 
 
-class QP(Program):
-    """The program with the constraints h - G x >= 0."""
-
-
-class ConeProgram(Program):
-    """The program with h - G x in second-order cones {s_0 >= |s_1:|}, in blocks of d rows."""
-
-
-def relaxation_qp(problem: Mechanics, facets: int) -> QP:
-    """The relaxation with a polygonal section (exact in the plane) as a QP in x = (v, y)."""
-    if problem.dimension == 2:
-        return QP(*_program(problem, EDGES))
-    angle = 2 * np.pi * np.arange(facets) / facets
-    return QP(*_program(problem, np.column_stack([np.ones(facets), np.cos(angle), np.sin(angle)])))
-
-
-def relaxation_cone(problem: Mechanics) -> ConeProgram:
-    """The relaxation with the circular section as a second-order cone program in x = (v, y)."""
-    return ConeProgram(*_program(problem, np.eye(problem.dimension)))
-
-
-def _program(problem: Mechanics, section: Array) -> tuple[Rows, Array, Rows, Array, Rows, Array, Array, Array, Array]:
+def relaxation(problem: Mechanics, section: Array) -> Program:
+    """The relaxation with this section of the cone, as a program in x = (v, y)."""
     mu, b_f, M = problem.friction, bias_of_size(problem), problem.mass_rows
     p_start, q, *G, h = matrices(*problem.contact_rows, *M, problem.free_velocity, problem.offset, mu, b_f, section)
     P = Rows(p_start, M.column, M.value)
-    return P, q, Rows(*G), h, problem.joint_rows, -problem.joint_bias, section, mu, b_f
+    return Program(P, q, Rows(*G), h, problem.joint_rows, -problem.joint_bias, section, mu, b_f)
 
 
 def bias_of_size(problem: Mechanics) -> Array:

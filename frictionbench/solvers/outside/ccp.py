@@ -9,7 +9,6 @@ a modelling language costs. The relaxation differs from Coulomb's law: see probl
 """
 
 import warnings
-from collections.abc import Mapping
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -97,12 +96,9 @@ class CCP:
             # as qpsolvers.solve_problem, which cannot hand on HiGHS' option `solver`
             call = import_module("qpsolvers.solvers").solve_function["highs" if self.backend == "hipo" else self.backend]
             result = call(qp, **settings)
-        return scaled.answer(result.z, result.found, *_iterations_and_detail(result.extras), result.solve_time)
-
-
-def _iterations_and_detail(extras: Mapping[str, Any]) -> tuple[int | None, str]:
-    """The iterations and the final status that QPALM reports; HiGHS reports none."""
-    return (int(extras["info"].iter), str(extras["info"].status)) if "info" in extras else (None, "")
+        info = result.extras.get("info")  # QPALM's; HiGHS reports nothing
+        told = (int(info.iter), str(info.status)) if info else (None, "")
+        return scaled.answer(result.z, result.found, *told, result.solve_time)
 
 
 @relaxation_library("ccp_cone", dimension=(2, 3), needs=("cvxpy", "clarabel"))
