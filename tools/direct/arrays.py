@@ -115,20 +115,17 @@ def dense(matrix: Any) -> Array:
 
 
 def lcp(problem: Arrays) -> tuple[Array, Array]:
-    """Return M and q of the friction LCP in the plane."""
+    """Return M and q of Glocker and Pfeiffer's friction LCP in the plane, of (r_n, mu r_n + r_t, g-)."""
     W, q = delassus(problem)
-    nc = len(problem.mu)
-    D = np.zeros((2 * nc, 3 * nc))
-    i = np.arange(nc)
-    D[2 * i, i], D[2 * i + 1, nc + i], D[2 * i + 1, 2 * nc + i] = 1.0, 1.0, -1.0
-    M = np.zeros((4 * nc, 4 * nc))
-    M[: 3 * nc, : 3 * nc] = D.T @ (W @ D)
-    M[nc + i, 3 * nc + i] = M[2 * nc + i, 3 * nc + i] = 1.0
-    M[3 * nc + i, i], M[3 * nc + i, nc + i], M[3 * nc + i, 2 * nc + i] = problem.mu, -1.0, -1.0
-    return M, np.concatenate([D.T @ q, np.zeros(nc)])
+    nc, i = len(problem.mu), np.arange(len(problem.mu))
+    M = np.zeros((3 * nc, 3 * nc))
+    M[: 2 * nc, nc : 2 * nc] = np.vstack([W[::2, 1::2], W[1::2, 1::2]])
+    M[: 2 * nc, :nc] = np.vstack([W[::2, ::2], W[1::2, ::2]]) - M[: 2 * nc, nc : 2 * nc] * problem.mu
+    M[nc + i, 2 * nc + i], M[2 * nc + i, i], M[2 * nc + i, nc + i] = 1.0, 2 * problem.mu, -1.0
+    return M, np.concatenate([q[::2], q[1::2], np.zeros(nc)])
 
 
-def of_lcp(z: Array) -> Array:
+def of_lcp(problem: Arrays, z: Array) -> Array:
     """Return the impulses for a solution of the friction LCP."""
-    nc = len(z) // 4
-    return np.column_stack([z[:nc], z[nc : 2 * nc] - z[2 * nc : 3 * nc]])
+    normal, edge, _ = np.reshape(z, (3, -1))
+    return np.column_stack([normal, edge - problem.mu * normal])

@@ -86,10 +86,12 @@ def piqp(problem: Arrays, tol: float, matrices: str = "sparse") -> Called:
 def daqp(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("daqp")
     P, q, G, h = program(problem)
-    C, c, _ = with_joints(problem, G, h)
-    sense, lower = np.zeros(len(c), dtype=np.int32), np.full(len(c), -1e30)
-    sense[len(h) :], lower[len(h) :] = 5, c[len(h) :]  # DAQP's mark of an equation
-    rows = dense(P), q, dense(C), c, lower, sense
+    rows: tuple[Any, ...] = dense(P), q, dense(G), h
+    if len(problem.f):
+        C, c, _ = with_joints(problem, G, h)
+        sense, lower = np.zeros(len(c), dtype=np.int32), np.full(len(c), -1e30)
+        sense[len(h) :], lower[len(h) :] = 5, c[len(h) :]  # DAQP's mark of an equation
+        rows = dense(P), q, dense(C), c, lower, sense
     _, _, flag, info = library.solve(*rows, primal_tol=tol / 10, dual_tol=tol / 10, iter_limit=10_000)
     return Called(of_multipliers(problem, np.array(info["lam"])), flag > 0)
 
@@ -153,7 +155,7 @@ def quantecon(problem: Arrays, tol: float) -> Called:
     lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
     M, q = lcp(problem)
     found = lemke(M, q)
-    return Called(of_lcp(found.z), found.success)
+    return Called(of_lcp(problem, found.z), found.success)
 
 
 def drake(problem: Arrays, tol: float) -> Called:
@@ -163,7 +165,7 @@ def drake(problem: Arrays, tol: float) -> Called:
     z = program.NewContinuousVariables(len(q))
     program.AddLinearComplementarityConstraint(M, q, z)
     found = library.UnrevisedLemkeSolver().Solve(program, None, None)
-    return Called(of_lcp(found.GetSolution(z)), found.is_success())
+    return Called(of_lcp(problem, found.GetSolution(z)), found.is_success())
 
 
 def pinocchio(problem: Arrays, tol: float, **chosen: float) -> Called:
