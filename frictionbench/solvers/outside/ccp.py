@@ -97,7 +97,7 @@ class CCP:
             call = import_module("qpsolvers.solvers").solve_function["highs" if self.backend == "hipo" else self.backend]
             result = call(qp, **settings)
         info = result.extras.get("info")  # QPALM's; HiGHS reports nothing
-        told = (int(info.iter), str(info.status)) if info else (None, "")
+        told: tuple[int | None, str] = (int(info.iter), str(info.status)) if info else (None, "")
         return scaled.answer(result.z, result.found, *told, result.solve_time)
 
 
