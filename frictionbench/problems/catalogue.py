@@ -79,6 +79,7 @@ def _add(kind: str, make: Callable[..., Any], name: str, dimension: int, **defau
         raise ValueError(f"{kind}: the name {name!r} is taken by {_REGISTERED[name].make}")
     parameters = {key: parameter.default for key, parameter in signature(make).parameters.items()}
     _REGISTERED[name] = Generator(name, make, parameters | defaults, getdoc(make) or "", dimension, kind)
+    _all.cache_clear()
 
 
 def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:

@@ -116,7 +116,7 @@ def dense(matrix: Any) -> Array:
 
 def lcp(problem: Arrays) -> tuple[Array, Array]:
     """Return M and q of Glocker and Pfeiffer's friction LCP in the plane, of (r_n, mu r_n + r_t, g-)."""
-    W, q = delassus(problem)
+    W, q = map(dense, delassus(problem))
     nc, i = len(problem.mu), np.arange(len(problem.mu))
     M = np.zeros((3 * nc, 3 * nc))
     M[: 2 * nc, nc : 2 * nc] = np.vstack([W[::2, 1::2], W[1::2, 1::2]])
