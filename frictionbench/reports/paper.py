@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from markupsafe import Markup
-from matplotlib.artist import Artist
 
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
@@ -68,7 +67,6 @@ def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) ->
     """Save the figures of a chart, one with all panels or one for each map, each in parts that fit on a page. Return the
     captions by the files' names."""
     drawings, captions, caption = chart.panels(run), dict[str, str](), _caption(chart, run)
-    figures: list[tuple[str, str, Sequence[Panel], Mapping[str, Artist]]]  # the file, the caption, the panels, legend entries
     figures = [(chart.name, caption, [one for one in drawings if isinstance(one, Panel)], NO_HANDLES)]
     for one in drawings:
         if isinstance(one, Drawing):

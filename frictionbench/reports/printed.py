@@ -14,7 +14,7 @@ from frictionbench.reports.accuracy import LEVELS, in_order, overall, percentile
 from frictionbench.reports.choice import DRAWS, Choice, Kind, choices
 from frictionbench.reports.drawing.text import percent, power, ratio, residual, seconds
 from frictionbench.reports.latex import cited
-from frictionbench.reports.run import Run
+from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.conventions import ENDINGS
 
 
@@ -28,6 +28,7 @@ class Table(NamedTuple):
 
 
 REFERENCES = "references"
+MODELS = {"coulomb": "Coulomb's law", "lcp": "LCP"}  # names of models in print that differ from those in tables
 
 
 def printed(run: Run) -> list[Table]:
@@ -47,6 +48,8 @@ def _choice(run: Run) -> list[Table]:
         "scenes, problems and repeats, of which a lower end of 1.00 or less names no winner"
         f"{'; and the first of the outside libraries that has a mean' if outside else ''}."
     )
+    caption += " One outcome: no answers with several velocities are known." * any("one outcome" in row[0] for row in rows)
+    caption += " Unjudgeable: rounding leaves open whether it is solved." * any("unjudgeable" in row[-2] for row in rows)
     header = ["kind of problem", "problems", "first", "mean", "lead", "interval", "solved", *outside]
     return [Table("choice", caption, header, [row[: len(header)] for row in rows])]
 
@@ -136,7 +139,9 @@ def _problems(run: Run) -> list[Table]:
         [row["problem_class"], str(row["problems"]), str(row["left_out"]), _range(row, "contacts"), _range(row, "size")]
         for row in tables.problem_classes(run).to_dict("records")
     ]
-    caption = "Problems by class; left out: not ranked; unknowns of the friction LCP."
+    caption = (
+        "Problems by class; left out: not ranked; unknowns (n): of the friction LCP, in space with a cone of eight facets."
+    )
     return [Table("problems", caption, ["class", "problems", "left out", "contacts", "unknowns"], rows)]
 
 
@@ -148,9 +153,10 @@ def _range(row: dict[str, float], what: str) -> str:
 def _solvers(run: Run) -> list[Table]:
     both = pd.concat([run.rows[["solver", "model"]], run.simulations[["solver"]]]).drop_duplicates("solver").fillna("")
     rows = [
-        [row.solver, row.model, ", ".join(sorted(cited(row.solver))) or "–"] for row in both.sort_values("solver").itertuples()
+        [name + PORTFOLIO * (name in run.portfolios), MODELS.get(model, model), ", ".join(sorted(cited(name))) or "–"]
+        for name, model in both.sort_values("solver").itertuples(index=False)
     ]
-    caption = "Solvers, the model that each solves (lcp: in space with a polygon in place of the cone), and references."
+    caption = "Solvers, the model that each solves (LCP: in space with a polygon in place of the cone), and references."
     caption += "".join(f" {name}* is a portfolio, which may run {members}." for name, members in run.portfolios.items())
     return [Table("solvers", caption, ["solver", "solves", REFERENCES], rows)]
 

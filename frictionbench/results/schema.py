@@ -53,7 +53,7 @@ reference          text      solvers of the verified reference answers of the pr
 contacts           whole     number of contacts
 dimension          whole     2 planar, 3 spatial
 velocities         whole     number of velocities
-size               whole     unknowns of the friction LCP
+size               whole     unknowns of the friction LCP, in space with 8 facets
 rank               whole     rank of the Delassus matrix W
 condition          real  1   condition number of W on its range
 redundancy         whole     number of rows of W minus its rank

@@ -94,8 +94,7 @@ def test_profiles_are_drawn_to_the_largest_ratio():
     """Of eight problems b solves seven, the last in 2e5 times the time of a; each is the fastest on four."""
     rows = [*pair([0.1, 0.2, 0.5, 0.9, 2.0, 3.0, 2e5]), solve_row("a", "last"), unanswered_row("b", "last", "timeout")]
     (panel,) = profiles.panels(run_of(*rows))
-    ax = Figure().subplots()
-    panel.draw(ax)
+    panel.draw(ax := Figure().subplots())
     ends = [line.get_xydata()[[0, -1]].ravel().tolist() for line in ax.lines]
     assert ends == [pytest.approx([1, 0.5, 2e5, 1]), pytest.approx([1, 0.5, 2e5, 7 / 8])]
     assert (ax.get_xlim(), [text.get_text() for text in ax.get_xticklabels()]) == ((1, 1e6), ["1", "100", "1e4", "1e6"])

@@ -52,7 +52,7 @@ def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look],
     log_ticks(ax, "x", {10.0**k: f"{10**k}" for k in decades})
     residual_axis(ax)
     ax.set_xlim(0.9, 1.1 * max(most, 10))
-    ax.set_ylim(ZERO / 3, WORST * 3)
+    ax.set_ylim(ZERO / 30, WORST * 3)
     name_axes(ax, "sweeps, iterations or pivots", "verified residual")
 
 

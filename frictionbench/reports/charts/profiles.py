@@ -85,9 +85,7 @@ def _draw_within(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], bu
 
 
 def _draw_shares(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look]) -> float:
-    """Draw the share of the problems within each cost, from the least to the largest cost of any label, and return the latter.
-
-    Steps are thinned to STEPS."""
+    """Draw the share of the problems within each cost, from the least to the largest of all labels, and return the largest."""
     every = np.unique(np.concatenate([profile.cost[np.isfinite(profile.cost)] for profile in costs.values()]))
     for label, profile in costs.items():
         own = profile.cost[np.isfinite(profile.cost)]

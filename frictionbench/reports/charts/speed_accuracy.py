@@ -67,7 +67,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[floa
     time_axis(ax, "x")
     bottom = 10.0 ** np.floor(np.log10(lowest))
     residual_axis(ax, bottom)
-    ax.set_ylim(bottom / 3, STRIP)
+    ax.set_ylim(bottom / 30, STRIP)
     name_axes(ax, across, "verified residual", grid="y")
     _no_answers(ax, rows, looks)
 
@@ -92,8 +92,9 @@ CHART = Chart(
     panels=panels,
     section="chart",
     caption=Markup(
-        "Lower is more accurate, left is faster. Dots are cells; a line joins the medians of a solver at its tolerances. A "
-        "dotted line with hollow markers is the residual of a relaxation on its own model. "
+        "Verified residual against time, by class of problems. Lower is more accurate, left is faster. Dots are cells, each of "
+        "a problem and a tolerance; a line joins the medians of a solver at its tolerances. A dotted line with hollow markers "
+        "is the residual of a relaxation on its own model. "
         '<span class="alarm">Red rings</span> are wrong claims; a strip at the top counts cells without an answer.'
     ),
 )

@@ -32,28 +32,18 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     rasterised = len(rows) > MOST_DOTS
     ax.axvline(ILL_POSED, color=INK, lw=0.6, ls=":")
     ax.axhline(UNSTABLE, color=INK, lw=0.6, ls=":")
-    for label, of_label in rows.groupby("label"):
+    rows = rows.assign(x=rows["sensitivity"].clip(*SENSITIVITY), y=rows["backward_error"].clip(ZERO, WORST))
+    for label, own in rows.groupby("label"):
         look = looks[str(label)]
-        dots = ax.scatter(
-            of_label["sensitivity"].clip(*SENSITIVITY),
-            of_label["backward_error"].clip(ZERO, WORST),
-            s=9,
-            lw=0,
-            color=look.colour,
-            marker=look.marker,
-            alpha=0.5,
-            rasterized=rasterised,
-        )
-        dots.set_gid(f"dots-{look.tag}")
+        dots: Any = {"marker": look.marker, "color": look.colour, "ms": 3, "mew": 0, "alpha": 0.5, "gid": f"dots-{look.tag}"}
+        ax.plot(own["x"], own["y"], **dots, ls="none", rasterized=rasterised)
     failed = rows[rows["verdict"] != Verdict.SOLVED]
-    cross: Any = {"color": INK, "ms": 3, "mew": 0.5, "alpha": 0.6, "rasterized": rasterised}
-    ax.plot(failed["sensitivity"].clip(*SENSITIVITY), failed["backward_error"].clip(ZERO, WORST), "x", **cross)
-    corners = (
+    ax.plot(failed["x"], failed["y"], "x", color=INK, ms=3, mew=0.5, alpha=0.6, rasterized=rasterised)
+    for x, y, side, text in (
         (0.02, 0.97, "left", "unstable solver"),
         (0.98, 0.97, "right", "both"),
         (0.98, 0.03, "right", "ill-posed problem"),
-    )
-    for x, y, side, text in corners:
+    ):
         height = "top" if y > 0.5 else "bottom"
         ax.text(x, y, text, transform=ax.transAxes, ha=side, va=height, fontsize="small", alpha=0.8)
     log_ticks(ax, "x", {10.0**k: f"1e{k}" for k in range(-2, 7, 2)} | {SENSITIVITY[1]: "∞"})

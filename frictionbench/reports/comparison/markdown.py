@@ -27,13 +27,8 @@ def markdown(comparison: Comparison) -> str:
     """Return the comparison as Markdown. The template escapes untrusted text by `code` and `escaped`."""
     templates = PackageLoader("frictionbench.reports", "templates")
     made = Environment(loader=templates, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    made.filters |= {
-        "code": code,
-        "escaped": escaped,
-        "seconds": seconds,
-        "number": number,
-        "residual": partial(residual, decimals=1),
-    }
+    made.filters |= {function.__name__: function for function in (code, escaped, seconds, number)}
+    made.filters["residual"] = partial(residual, decimals=1)
     made.tests["finite"] = lambda value: bool(np.isfinite(value))
     changes = {
         variant: [change for change in comparison.changes if change.variant == variant and change.kind != "times"]

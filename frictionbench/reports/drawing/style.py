@@ -52,8 +52,9 @@ _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p", "<", ">", "h")  # 11 and 12 
 _DASHES = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 # A solver's position in the cycles is fixed, so that it looks the same in every report; other positions come from a hash.
 _PLACES = (
-    *("hybrid", "interior_point", "lemke", "path_search", "nsgs", "apgd_coulomb", "admm_coulomb", "relaxation_ip", "ccp"),
-    *("clarabel", "apgd", "admm", "nncg", "staggered", "anitescu_hart", "fischer_newton", "minmap_newton", "murty", "dantzig"),
+    *("hybrid", "interior_point", "lemke", "path_search", "nsgs", "apgd_coulomb", "proximal_newton", "osqp", "siconos"),
+    *("clarabel", "proxsuite", "admm_coulomb", "relaxation_ip", "ccp", "apgd", "admm", "nncg", "staggered", "anitescu_hart"),
+    *("fischer_newton", "minmap_newton", "murty", "dantzig"),
 )
 
 

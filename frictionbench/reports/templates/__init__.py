@@ -34,14 +34,12 @@ def environment(*folders: Path) -> Environment:
     loader = FileSystemLoader([Path(__file__).parent, *folders])
     made = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     drawings = numbers()
+    made.filters |= {function.__name__: function for function in (power, ratio, count, ending)}
     made.filters |= {
         "seconds3": lambda value: "–" if pd.isna(value) else "∞" if math.isinf(value) else seconds(value, 3),
         "seconds": lambda value: "–" if pd.isna(value) else seconds(value),
         "residual": lambda value: "–" if pd.isna(value) else residual(value),
         "digits": lambda value: "–" if pd.isna(value) else residual(value, 1),
-        "power": power,
-        "ratio": ratio,
-        "count": count,
         "levels": shown_levels,
         "share": lambda value: "–" if pd.isna(value) else percent(value),
         "percent": lambda value: "–" if pd.isna(value) else rough_percent(value),
@@ -51,7 +49,6 @@ def environment(*folders: Path) -> Environment:
         "records": lambda table: table.to_dict("records"),
         "rerun": lambda row, run: rerun(run.folder, row["key"], row["variant"], run.plugins),
         "scene": lambda row: scene_title(row["scene"], row["parameters"]),
-        "ending": ending,
         "svg": lambda drawn: Markup(distinct(swatch(drawn) if isinstance(drawn, Look) else inline_svg(drawn), next(drawings))),
         "paths": tiles.paths,
         "short": lambda name: plain(name, tiles.LONGEST_TITLE),
