@@ -140,8 +140,9 @@ def _panels(chart: str, run: Run) -> list[Panel]:
 
 
 def _legend(ax: Axes, run: Run, panel: Panel) -> None:
-    """Add a legend; curves are identified by their group ids."""
+    """Add a legend to the right of the axes; curves are identified by their group ids."""
     drawn = {str(artist.get_gid()) for artist in ax.findobj()}
     named = {name: look for name, look in run.looks.items() if {look.tag, f"dots-{look.tag}"} & drawn}
     labels = [f"{plain(name)} {panel.notes.get(name, '')}".strip() for name in named]
-    ax.legend([Line2D([], [], **look.line) for look in named.values()], labels, fontsize="small", frameon=False)
+    lines = [Line2D([], [], **look.line) for look in named.values()]
+    ax.legend(lines, labels, loc="upper left", bbox_to_anchor=(1, 1), fontsize="small", frameon=False)

@@ -43,9 +43,9 @@ def _choice(run: Run) -> list[Table]:
     rows = [_first(kind, one, theirs.get(kind.name)) for kind in choices(run) if (one := kind.choices.get(target))]
     outside = ["outside"] * any(row[-1] != "–" for row in rows)
     caption = (
-        f"The solver with the least mean time {run.rank_by.words} ({run.rank_by.parts}) to {power(target)}, problems not "
-        f"solved or not run charged the time limit; its lead over the next, with the 95 % interval over {DRAWS} resamples of "
-        "scenes, problems and repeats, of which a lower end of 1.00 or less names no winner"
+        f"Of the solvers compared, that with the least mean time {run.rank_by.words} ({run.rank_by.parts}) to "
+        f"{power(target)}, problems not solved or not run charged the time limit; its lead over the next, with the 95 % "
+        f"interval over {DRAWS} resamples of scenes, problems and repeats, of which a lower end of 1.00 or less names no winner"
         f"{'; and the first of the outside libraries that has a mean' if outside else ''}."
     )
     caption += " One outcome: no answers with several velocities are known." * any("one outcome" in row[0] for row in rows)

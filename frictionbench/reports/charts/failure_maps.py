@@ -220,8 +220,8 @@ VERDICTS = Chart(
     "its sensitivity to a small change of the data, the distance of the solution to a change of mode, and its condition. Then "
     "follows a panel for each solver that fails somewhere, with the share solved of the grid points where a solution is known. "
     "Small tiles are refinements between neighbours with different verdicts. Dots are analytical thresholds, traced from the "
-    "mechanics without a solver. Hover over a failure to read its reason; click a tile for its problem and the commands that "
-    "solve and show it.",
+    "mechanics without a solver. Scales of colour are logarithmic, from dark to light. Hover over a failure to read "
+    "its reason; click a tile for its problem and the commands that solve and show it.",
 )
 TYPES = Chart(
     name="map_types",

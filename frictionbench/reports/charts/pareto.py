@@ -72,5 +72,5 @@ CHART = Chart(
     ranked=True,
     caption="The mean time and the median verified residual by Coulomb's law at each tolerance, for the solvers that ran on "
     "every problem. Lower and further left is better; the grey line is the Pareto front, formed by the solvers for which no "
-    "other is both faster and more accurate.",
+    "other shown is both faster and more accurate.",
 )

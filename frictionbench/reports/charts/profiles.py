@@ -102,8 +102,8 @@ CHART = Chart(
     title="Performance profiles",
     ranked=True,
     caption="The weighted share of all ranked problems, the same for all solvers, solved to the target within a multiple of "
-    "the time of the fastest solver on the problem. At 1, the left edge, the share on which a solver is the fastest; at the "
-    "right end of its line, the share that it solves at all.",
+    "the time of the fastest solver shown on the problem. At 1, the left edge, the share on which a solver is the fastest; at "
+    "the right end of its line, the share that it solves at all.",
 )
 WORK = Chart(
     name="work",

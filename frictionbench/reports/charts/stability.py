@@ -46,7 +46,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     ):
         height = "top" if y > 0.5 else "bottom"
         ax.text(x, y, text, transform=ax.transAxes, ha=side, va=height, fontsize="small", alpha=0.8)
-    log_ticks(ax, "x", {10.0**k: f"1e{k}" for k in range(-2, 7, 2)} | {SENSITIVITY[1]: "∞"})
+    log_ticks(ax, "x", {10.0**k: f"1e{k}" for k in range(0, 7, 2)} | {SENSITIVITY[0]: "≤1e-2", SENSITIVITY[1]: "≥1e8"})
     residual_axis(ax)
     ax.set_xlim(SENSITIVITY[0] / 2, SENSITIVITY[1] * 2)
     ax.set_ylim(ZERO / 100, WORST * 100)  # leaves room for the words above and below the dots
