@@ -5,8 +5,9 @@
 //     frictionbench solve 'pyramid[rows=3,push=1]' --solver 'exec:./bullet_mlcp pgs {problem} {answer}' --solver nsgs
 //
 // pgs: projected Gauss-Seidel sweeps, whose friction bounds follow the current normal impulses. dantzig: its bounds are those of the
-// frictionless normal impulses, another law than Coulomb's. Its Lemke method takes no bounds that depend on other unknowns, so
-// friction is left out there. The clock is around solveMLCP.
+// frictionless normal impulses, another law than Coulomb's. Its Lemke method is called through the same interface, which has
+// no bounds that depend on other unknowns, so friction is left out there; btLemkeAlgorithm itself takes the friction LCP. The clock is
+// around solveMLCP.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
