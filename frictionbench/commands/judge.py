@@ -15,7 +15,7 @@ from frictionbench.results.files import printable
 def as_data(folder: Path) -> dict[str, Any]:
     """Return the judgement as plain values for JSON: the page's sentences and tables, and every step."""
     judged = read_judged(folder)
-    values = {name: getattr(judged, name) for name in ("creep", "forces", "laws", "notes", "percentiles", "beside")}
+    values = {name: getattr(judged, name) for name in ("doubts", "creep", "forces", "laws", "notes", "percentiles", "beside")}
     return {"folder": str(folder), **values, "steps": [one._asdict() for one in judged.steps]}
 
 
@@ -26,7 +26,7 @@ def summary(folder: Path) -> str:
     without, idle = len(judged.steps) - touching, touching - min((other["steps"] for other in beside), default=touching)
     lines = [f"{count(touching, 'step')} with contacts judged by Coulomb's law, {without} without contact"]
     lines += [f"left out of the solvers' rows, as no impulse is needed: {count(idle, 'step')}"] if idle else []
-    for answer in filter(None, (judged.creep, judged.forces, judged.impossible)):
+    for answer in filter(None, (judged.doubts, judged.creep, judged.forces, judged.impossible)):
         lines += paragraph(printable(answer))
     most = ", ".join(f"{law} in {count}" for law, count in judged.laws.items())
     lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")

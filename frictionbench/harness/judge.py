@@ -30,6 +30,7 @@ from frictionbench.problems.residual import contact_residuals, residual_floor
 from frictionbench.problems.verify import ledger_defect
 from frictionbench.results.files import replaced, subfolder
 from frictionbench.results.judgement import LAWS, Judgement, write_judgements
+from frictionbench.solvers import find
 
 FOLDER = "judged"
 OUR_SOLVER = "hybrid"  # our solver of Coulomb's law for any problem, with which the engine is compared
@@ -147,6 +148,8 @@ def prepared(
     naming the folder or file that cannot be used, ResultsError if out holds another run.
     """
     require(0 < tol < 1, "tol", "must lie between 0 and 1")
+    for name in set(against).difference(*(plugin.solvers for plugin in plugins)):
+        require(not (missing := find(name)[0].missing), "against", str(missing))
     require(folder.exists(), "folder", f"there is no folder or file {folder}")
     paths = [folder] if folder.is_file() else sorted(folder.glob("[!.]*.npz"), key=natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")

@@ -36,6 +36,10 @@ TIGHTER = (
     "The likely cause is a solver that stops early, or friction that the engine regularises: tighten its tolerance, raise its "
     f"number of iterations, or lower the speed at which friction is full. {SYMPTOM}"
 )
+WORSE_THAN_NONE = (
+    "In most steps the impulses are worse than none, with residuals above 1: `impulse` is force times step, N s, the normal "
+    "first and positive where bodies are pushed apart, and problem.velocity(impulse) is the engine's next velocity."
+)
 PERCENTILES = {"p50": 50, "p90": 90, "p99": 99, "worst": 100}
 
 
@@ -85,6 +89,13 @@ class Judged:
         have = "has" if len(proved) == 1 else "have"
         text = f"{len(proved)} of {len(self.steps)} steps {have} no solution, with proof; "
         return text + f"{proved[0].file}: {proved[0].contradiction}" if proved else ""
+
+    @property
+    def doubts(self) -> str:
+        """Sentences on what the files seem to lack or to hold in other units; empty if nothing is in doubt."""
+        unknown, of = sum(one.penetration is None for one in self.touching), len(self.touching)
+        text = f"{unknown} of {of} steps do not say their length `step`: penetration counts as a violation. " if unknown else ""
+        return text + (WORSE_THAN_NONE if 2 * sum(one.residual > 1 for one in self.touching) > of else "")
 
     @property
     def creep(self) -> str:

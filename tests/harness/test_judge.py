@@ -3,6 +3,7 @@
 import json
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -170,6 +171,21 @@ def test_unusable_folders_are_refused(tmp_path) -> None:
         assert (done.returncode, done.stdout) == (2, "")
         assert told_of in done.stderr
     assert not (tmp_path / "runs").exists()
+
+
+def test_what_seems_to_be_a_mistake_is_told(tmp_path, monkeypatch) -> None:
+    """A file without the step's length, and forces in place of impulses."""
+    impulse = np.array([[2 * 9.81 * STEP, -0.05]])
+    fb.save(box(), tmp_path / "timeless.npz", impulse=impulse)
+    fb.save(box(), tmp_path / "forces.npz", impulse=impulse / STEP, step=STEP)
+    timeless, forces = (
+        Judged([judge_file(tmp_path, tmp_path / name)], pd.DataFrame()) for name in ("timeless.npz", "forces.npz")
+    )
+    assert timeless.doubts == "1 of 1 steps do not say their length `step`: penetration counts as a violation. "
+    assert forces.doubts.startswith("In most steps the impulses are worse than none")
+    monkeypatch.setattr("frictionbench.harness.judge.find", lambda _: (SimpleNamespace(missing="x not installed"), None))
+    with pytest.raises(fb.InputError, match=r"^against: x not installed"):
+        prepared(tmp_path, ("nsgs",), (), 1e-8, 10.0, 1, None, quiet())
 
 
 def test_hyperstatic_contacts_are_marked(tmp_path) -> None:

@@ -30,10 +30,6 @@ class PlanarLCP(NamedTuple):
     bias: Array
 
     @property
-    def contacts(self) -> tuple[int, int]:
-        return self.form.contacts
-
-    @property
     def unit(self) -> Array:
         """(2, 3 nc): the factors of y and w in the residual."""
         force = self.form.theta / (self.form.E * np.where(self.problem.units > 0, self.problem.units, 1.0))

@@ -22,10 +22,13 @@ class DenseLCP(NamedTuple):
     @property
     def share(self) -> float:
         """The factor of tol that bounds the errors of scaled rows, so that each contact's residual is within tol."""
-        nc = self.scaled.contacts[0]
-        if not nc or isinstance(self.scaled.problem, LCP):
+        problem = self.scaled.problem
+        if isinstance(problem, LCP) or not problem.contacts:
             return 1.0
-        more = 1 + by_unknown(self.scaled.problem.friction, len(self.q))  # tangential defects are multiplied by 1 + mu
+        nc, more = (
+            problem.contacts,
+            1 + by_unknown(problem.friction, len(self.q)),
+        )  # tangential defects are multiplied by 1 + mu
         more[:nc] = 1.0
         return min(1.0, float((more / self.scaled.unit[1])[:-nc].min()))
 
