@@ -24,15 +24,14 @@ SIZES = 3  # the fewest sizes for which a slope has a standard error
 def panels(run: Run) -> list[Panel]:
     """Return a panel per scene with SIZES sizes or more, with the exponent of each label."""
     contacts = run.ranked.groupby("problem_id")["contacts"].max()
-    times = run.times[TARGET if TARGET in run.times else run.outer_targets[-1]].join(contacts, on="problem_id")
+    target = TARGET if TARGET in run.times else run.outer_targets[-1]
+    times = run.times[target].join(contacts, on="problem_id")
     scenes = times.groupby("scene", sort=False)
     curves_by_scene = {str(scene): _curves(times) for scene, times in scenes if times["contacts"].nunique() >= SIZES}
     means = [curve["mean"] for curves in curves_by_scene.values() for curve in curves.values()]
     ends = (min(mean.min() for mean in means) / 1.5, 1.5 * max(mean.max() for mean in means)) if means else (0.0, 0.0)
-    return [
-        Panel(scene, partial(_draw, curves=curves, looks=run.looks, ends=ends), notes=_exponents(curves))
-        for scene, curves in curves_by_scene.items()
-    ]
+    draw = partial(_draw, looks=run.looks, ends=ends, up=f"time to {power(target)}")
+    return [Panel(scene, partial(draw, curves=curves), notes=_exponents(curves)) for scene, curves in curves_by_scene.items()]
 
 
 def _curves(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -61,7 +60,7 @@ def _exponents(curves: dict[str, pd.DataFrame]) -> dict[str, str]:
     return {label: f"n^{slope:.1f} ± {error:.1f}" for label, (slope, error) in sorted(slopes.items(), key=lambda one: one[1])}
 
 
-def _draw(ax: Axes, curves: dict[str, pd.DataFrame], looks: dict[str, Look], ends: tuple[float, float]) -> None:
+def _draw(ax: Axes, curves: dict[str, pd.DataFrame], looks: dict[str, Look], ends: tuple[float, float], up: str) -> None:
     for label, curve in curves.items():
         look, incomplete = looks[label], curve[~curve["all"]]
         ax.plot(curve.index, curve["mean"], color=look.colour, ls=look.dash, gid=look.tag)
@@ -74,7 +73,7 @@ def _draw(ax: Axes, curves: dict[str, pd.DataFrame], looks: dict[str, Look], end
     log_ticks(ax, "x", {n: f"{n:g}" for n in (shown if len(shown) > 1 else [sizes[0], sizes[-1]])})
     ax.set_ylim(ends)
     time_axis(ax, "y")
-    name_axes(ax, "contacts", "time to the target")
+    name_axes(ax, "contacts", up)
 
 
 CHART = Chart(
@@ -82,7 +81,8 @@ CHART = Chart(
     panels=panels,
     section="time",
     ranked=True,
-    title=f"Time against size, residual within {power(TARGET)} or the tightest target",
-    caption="Crosses: at least one problem of that size was not solved and is charged the time limit. Below each panel, the "
-    "growth of the time with the number of contacts n, fitted to the sizes solved completely, if these are three or more.",
+    title="Time against size",
+    caption="The mean time to the residual that the axis names. Crosses: at least one problem of that size was not solved and "
+    "is charged the time limit. Below each panel, the growth of the time with the number of contacts n, fitted to the sizes "
+    "solved completely, if these are three or more.",
 )
