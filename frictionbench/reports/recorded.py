@@ -74,9 +74,6 @@ def step_times(run: Run) -> list[tuple[str, pd.DataFrame]]:
     title = rows["scene"].where(recorded, pd.Series(titles, index=rows.index, dtype=object))
     of = pd.DataFrame({"title": title, "step": rows["step"]}).groupby(rows["problem_id"]).first()
     times = run.times[run.outer_targets[-1]]
-    times_by_title = []
-    for name, of_motion in times.groupby(times["problem_id"].map(of["title"]), sort=False):
-        steps = of_motion["problem_id"].map(of["step"])
-        if steps.nunique() >= FEWEST_STEPS:
-            times_by_title.append((str(name), of_motion.assign(step=steps)))
-    return times_by_title
+    times = times.assign(step=times["problem_id"].map(of["step"]))
+    scenes = times.groupby(times["problem_id"].map(of["title"]), sort=False)
+    return [(str(name), of_scene) for name, of_scene in scenes if of_scene["step"].nunique() >= FEWEST_STEPS]

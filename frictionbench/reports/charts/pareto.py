@@ -24,10 +24,8 @@ UPPER_MEDIAN = 0.5 + 1e-9  # the upper median: solving half of the problems does
 
 def panels(run: Run) -> list[Panel]:
     """Return a panel for the plane and one for space, if some solver ran on all problems."""
-    points_by_class = {where: means(run.ranked[run.ranked["dimension"] == dimension]) for dimension, where in OVERALL.items()}
-    return [
-        Panel(where, partial(_draw, points=points, looks=run.looks)) for where, points in points_by_class.items() if len(points)
-    ]
+    tables = {where: means(run.ranked[run.ranked["dimension"] == dimension]) for dimension, where in OVERALL.items()}
+    return [Panel(where, partial(_draw, points=points, looks=run.looks)) for where, points in tables.items() if len(points)]
 
 
 def means(rows: pd.DataFrame) -> pd.DataFrame:

@@ -29,16 +29,15 @@ def panels(run: Run) -> list[Panel]:
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
-    rasterised = len(rows) > MOST_DOTS
+    small: Any = {"ms": 3, "alpha": 0.5, "rasterized": len(rows) > MOST_DOTS}
     ax.axvline(ILL_POSED, color=INK, lw=0.6, ls=":")
     ax.axhline(UNSTABLE, color=INK, lw=0.6, ls=":")
     rows = rows.assign(x=rows["sensitivity"].clip(*SENSITIVITY), y=rows["backward_error"].clip(ZERO, WORST))
     for label, own in rows.groupby("label"):
         look = looks[str(label)]
-        dots: Any = {"marker": look.marker, "color": look.colour, "ms": 3, "mew": 0, "alpha": 0.5, "gid": f"dots-{look.tag}"}
-        ax.plot(own["x"], own["y"], **dots, ls="none", rasterized=rasterised)
+        ax.plot(own["x"], own["y"], look.marker, color=look.colour, mew=0, gid=f"dots-{look.tag}", **small)
     failed = rows[rows["verdict"] != Verdict.SOLVED]
-    ax.plot(failed["x"], failed["y"], "x", color=INK, ms=3, mew=0.5, alpha=0.6, rasterized=rasterised)
+    ax.plot(failed["x"], failed["y"], "x", color=INK, mew=0.5, **small)
     for x, y, side, text in (
         (0.02, 0.97, "left", "unstable solver"),
         (0.98, 0.97, "right", "both"),

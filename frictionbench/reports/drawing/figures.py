@@ -3,8 +3,8 @@
 import io
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import cache
+from typing import NamedTuple
 
 import matplotlib as mpl
 from markupsafe import escape
@@ -17,8 +17,7 @@ PANEL = (3.9, 2.9)  # inches
 IMAGE = 200  # dots per inch of rasterised parts, twice the resolution of usual screens
 
 
-@dataclass(frozen=True)
-class Panel:
+class Panel(NamedTuple):
     """One drawing on one pair of axes.
 
     dots: for each tag, the tooltips of its dots in the order drawn. notes: text per label, shown below the panel.
@@ -26,8 +25,8 @@ class Panel:
 
     title: str
     draw: Callable[[Axes], object]
-    dots: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    notes: Mapping[str, str] = field(default_factory=dict)
+    dots: Mapping[str, Sequence[str]] = {}
+    notes: Mapping[str, str] = {}
 
 
 def inline_svg(panel: Panel) -> str:

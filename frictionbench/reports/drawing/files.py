@@ -54,8 +54,7 @@ def save_sheet(
         for ax in grid[len(panels) :]:
             ax.axis("off")
         tags = {str(artist.get_gid()).removeprefix("dots-") for artist in figure.findobj()}
-        drawn = {name: look for name, look in looks.items() if look.tag in tags}
-        named = {**{name: Line2D([], [], **look.line) for name, look in drawn.items()}, **handles}
+        named = {**{name: Line2D([], [], **look.line) for name, look in looks.items() if look.tag in tags}, **handles}
         names = [plain(name) for name in named]
         across, height = legend_size(names, width, font)
         figure.set_figheight(rows * size[1] + height)  # the legend is below the panels
