@@ -119,7 +119,7 @@ class CCPCone:
     """
 
     def form(self, problem: FrictionProblem) -> ScaledProgram:
-        return scaled_program(problem, from_free=problem.dimension == 3)
+        return scaled_program(problem, from_free=True)
 
     def setup(self, scaled: ScaledProgram) -> tuple[ScaledProgram, Any]:
         """The CVXPY problem, and its canonical data with what converts their solution."""

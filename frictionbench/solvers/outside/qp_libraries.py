@@ -40,8 +40,8 @@ class Clarabel:
     settings: default or tuned. Work: iterations.
 
     Licence: Apache-2.0.
-    Form: the dimensionless program (solvers.outside.scaled_program), in space about the free motion, A and G stacked, P's upper
-        half. Setup: Clarabel's solver object, its ordering and scaling. Solve: its solve. (It has no warm start.)
+    Form: the dimensionless program (solvers.outside.scaled_program), tuned with rows and columns alike, A and G stacked, P's
+        upper half. Setup: Clarabel's solver object, its ordering and scaling. Solve: its solve. (It has no warm start.)
     Clock: its solve_time, which includes its setup.
     Settings: presolve off, which would forbid setting tolerances afterwards. tuned is for programs that are already scaled, as
         these are: equilibrate_enable off, static_regularization_constant = 1e-12 instead of 1e-8 and, as that leaves nothing
@@ -60,7 +60,7 @@ class Clarabel:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, from_free=problem.dimension == 3, upper=True)
+        scaled = scaled_program(problem, from_free=True, upper=True, alike=self.settings == "tuned")
         return scaled, (scaled.P, scaled.q, scaled.stacked(), scaled.right)
 
     def setup(self, formed: Prepared) -> Prepared:
