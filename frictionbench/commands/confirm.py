@@ -70,8 +70,9 @@ def confirmed(
     known = set(stored.measured["variant"]) & set(current.measured["variant"])
     variants = known if code else {change.variant for change in comparison.worse} & known
     made = {variant: plugin.get("content") for plugin in settings.get("plugins") or () for variant in plugin["solvers"]}
-    alerting = [plugin for variant in sorted(variants) for plugin in trusted({"variant": variant}, settings, named)]
-    for plugin in (*alerting, *load_plugins(named)[1]):
+    loaded = load_plugins(named)[1]
+    unloaded = sorted(variants.difference(*(plugin.solvers for plugin in loaded)))
+    for plugin in chain(loaded, *(trusted({"variant": variant}, settings, named) for variant in unloaded)):
         for variant in plugin.solvers:
             require(made.get(variant) in (None, plugin.content), "DIR", DIFFERS.format(current.path, plugin.source))
     if not variants:

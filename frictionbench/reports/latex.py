@@ -45,8 +45,13 @@ class Reference(NamedTuple):
 def references() -> tuple[Reference, ...]:
     """All references, in the order of the file."""
     text = Path(__file__).with_name("references.bib").read_text(encoding="utf-8")
-    entries = re.finditer(r"^@\w+\{([^,]+),(?:.(?!^@))*?keywords = \{(.*?)\}.*?^\}\n", text, flags=re.MULTILINE | re.DOTALL)
-    return tuple(Reference(entry[1], frozenset(entry[2].split(", ")), entry[0]) for entry in entries)
+    entries = []
+    for entry in re.findall(r"^@\w+\{.*?^\}\n", text, flags=re.MULTILINE | re.DOTALL):
+        key, named = re.match(r"@\w+\{([^,]+),", entry), re.search(r"keywords = \{(.*?)\}", entry)
+        assert key is not None, entry
+        assert named is not None, entry
+        entries.append(Reference(key[1], frozenset(named[1].split(", ")), entry))
+    return tuple(entries)
 
 
 def cited(solver: str) -> list[str]:

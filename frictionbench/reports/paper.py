@@ -67,6 +67,7 @@ def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) ->
     """Save the figures of a chart, one with all panels or one for each map, each in parts that fit on a page. Return the
     captions by the files' names."""
     drawings, captions, caption = chart.panels(run), dict[str, str](), _caption(chart, run)
+    # Of each figure the file, the caption, the panels and the legend's entries.
     figures = [(chart.name, caption, [one for one in drawings if isinstance(one, Panel)], NO_HANDLES)]
     for one in drawings:
         if isinstance(one, Drawing):

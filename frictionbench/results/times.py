@@ -57,7 +57,7 @@ def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
     )
     self_disturbed = later.index[(later == 1) & (earlier.reindex(later.index) <= FEW_DISTURBED)]
     ratios = pd.concat([after["seconds"] / before["seconds"] for before, after in pairs], axis=1)
-    slower_throughout = ratios.index[ratios.min(axis=1, skipna=False) > MUCH_SLOWER]
+    kept = self_disturbed.union(ratios.index[ratios.min(axis=1, skipna=False) > MUCH_SLOWER])
     tables = []
     for pair in pairs:
         common = pair[0].index.intersection(pair[1].index)
@@ -67,7 +67,7 @@ def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
         for side, cells in (("before", before), ("after", after)):
             table[side] = np.log(cells["seconds"].loc[same.index])
         disturbed = (before["disturbed"] | after["disturbed"]).loc[same.index]
-        table["undisturbed"] = ~disturbed | same.index.isin(self_disturbed.union(slower_throughout))
+        table["undisturbed"] = ~disturbed | same.index.isin(kept)
         table = table.dropna()
         tables.append(table[table["undisturbed"] | ~table.groupby("variant")["undisturbed"].transform("any")])
     return tables

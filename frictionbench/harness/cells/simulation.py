@@ -68,7 +68,7 @@ class _ClosedLoop:
         return RANK[judged(problem, answer, self._info, self._tol).verdict]
 
     def time(self) -> float | None:
-        """Return the solver's time in seconds, or None if it cannot be reported."""
+        """Return the solver's time in seconds, or None if it cannot be reported. `verdict` uses what this finds computed."""
         if not np.isfinite(self.solver_time):
             return None
         timing = Timing()

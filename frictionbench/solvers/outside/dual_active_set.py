@@ -69,9 +69,8 @@ class Quadprog:
     def form(self, problem: FrictionProblem) -> Prepared:
         scaled = scaled_program(problem, dense=True, from_free=True, exact=True)
         right = np.concatenate([scaled.b, scaled.h]) if len(scaled.b) else scaled.right
-        diagonal = len(problem.mass_rows.value) == len(scaled.q)
-        P = np.diag(scaled.P.diagonal() ** -0.5) if diagonal else scaled.P  # the inverse of the root of P
-        return scaled, (P, -scaled.q, -scaled.stacked(joints_first=True).T, -right, len(scaled.b), diagonal)
+        P = np.diag(scaled.P.diagonal() ** -0.5) if scaled.diagonal else scaled.P  # the inverse of the root of P
+        return scaled, (P, -scaled.q, -scaled.stacked(joints_first=True).T, -right, len(scaled.b), scaled.diagonal)
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         quadprog: Any = import_module("quadprog")

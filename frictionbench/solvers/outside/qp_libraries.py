@@ -177,8 +177,7 @@ class ProxSuite:
         if self.matrices == "sparse":
             qp = proxqp.sparse.QP(*sizes)
         else:
-            diagonal = np.count_nonzero(scaled.P) == np.count_nonzero(scaled.P.diagonal())
-            kind = proxqp.dense.HessianType.Diagonal if diagonal else proxqp.dense.HessianType.Dense
+            kind = proxqp.dense.HessianType.Diagonal if scaled.diagonal else proxqp.dense.HessianType.Dense
             qp = proxqp.dense.QP(*sizes, False, kind)
         qp.settings.compute_timings = True
         qp.init(*arguments)

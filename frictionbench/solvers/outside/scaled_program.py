@@ -25,7 +25,7 @@ the difference of two objectives of size 1 that a library reaches in floating po
 """
 
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -70,6 +70,11 @@ class ScaledProgram:
     def equations(self) -> tuple[Any, Array | None]:
         """A and b, None without joints."""
         return (self.A, self.b) if len(self.b) else (None, None)
+
+    @cached_property
+    def diagonal(self) -> bool:
+        """Whether P, if it is dense, is diagonal."""
+        return np.count_nonzero(self.P) == np.count_nonzero(self.P.diagonal())
 
     def stacked(self, joints_first: bool = False) -> Any:
         """G above A, or A above G."""
@@ -124,13 +129,16 @@ def scaled_program(
     and regularised ones are drawn to it, and rest is nearer to most answers than free motion. upper: of P, if it is sparse.
     exact: in the plane, for active sets, whose answer no tolerance changes: theta is 1, and the share, which is 0, unused.
     """
-    law, nothing = (_SECTIONS[problem.dimension], problem.friction, bias_of_size(problem)), np.zeros(2 * problem.contacts)
-    units = nothing[::2] if exact else problem.relaxation_units  # with which the scale and q are computed, equal for both laws
-    measures = (units, nothing, units) if exact else (problem.scale, problem.q, units)
+    if exact:
+        scale = units = np.zeros(problem.contacts)
+        q = np.zeros(2 * problem.contacts)
+    else:  # units first: with them, the scale and q are computed, which are the same for both laws
+        units, scale, q = problem.relaxation_units, problem.scale, problem.q
+    law = _SECTIONS[problem.dimension], problem.friction, bias_of_size(problem)
     offset = problem.bias[:, None] if problem.mechanical else problem.offset
     motion = problem.free_velocity, offset, problem.joint_bias
     rows, alike = (*problem.contact_rows, *problem.mass_rows, *problem.joint_rows), alike or problem.dimension == 3
-    given = *rows, *motion, *law, *measures, from_free, alike
+    given = *rows, *motion, *law, scale, q, units, from_free, alike
     if dense:
         return ScaledProgram(law, *_dense(*given))
     P, G, A, q, right, unit, share = _program(*given, upper)

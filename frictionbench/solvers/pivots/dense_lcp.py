@@ -25,12 +25,9 @@ class DenseLCP(NamedTuple):
         problem = self.scaled.problem
         if isinstance(problem, LCP) or not problem.contacts:
             return 1.0
-        nc, more = (
-            problem.contacts,
-            1 + by_unknown(problem.friction, len(self.q)),
-        )  # tangential defects are multiplied by 1 + mu
-        more[:nc] = 1.0
-        return min(1.0, float((more / self.scaled.unit[1])[:-nc].min()))
+        more = 1 + by_unknown(problem.friction, len(self.q))  # tangential defects are multiplied by 1 + mu
+        more[: problem.contacts] = 1.0
+        return min(1.0, float((more / self.scaled.unit[1])[: -problem.contacts].min()))
 
     def status(self, y: Array, tol: float) -> Status:
         """The status of a y that a library calls a solution: of a perturbed q it is a claim where it holds of the given q."""
