@@ -17,7 +17,12 @@ def split(field: str, text: str) -> tuple[str, dict[str, str | None]]:
         raise InputError(f"{field}: cannot read {text!r}; write name or name[setting=value,...]{program}")
     name, settings = match.groups()
     pairs = [[part.strip() for part in setting.partition("=")] for setting in filter(None, (settings or "").split(","))]
-    return name, {key: value if equals else None for key, equals, value in pairs}
+    found: dict[str, str | None] = {}
+    for key, equals, value in pairs:
+        if key in found:
+            raise InputError(f"{field}: the setting {key!r} of {name} is given twice")
+        found[key] = value if equals else None
+    return name, found
 
 
 def parse(field: str, text: str) -> tuple[str, dict[str, Any]]:

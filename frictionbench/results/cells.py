@@ -122,7 +122,7 @@ def _stacked(folder: Path, manifest: dict[str, Any], rank_by: RankBy) -> pd.Data
             table="simulation",
             step=None,
             work=[
-                _counted("{}", steps_not_done=row.steps - row.steps_done, unsolved_problems=row.unsolved)
+                _counted(row.work, steps_not_done=row.steps - row.steps_done, unsolved_problems=row.unsolved)
                 for row in simulations.itertuples()
             ],
             seconds=simulations["solver_time"],

@@ -119,6 +119,7 @@ solver_time        real  s   form, setup and solve, summed over all problems
 times              reals s   time at the end of each step
 energies           reals J   kinetic plus potential energy at these times
 penetrations       reals m   largest penetration at these times
+work               text      deterministic counters, summed over the problems, a JSON object
 """
 _BATCHES = f"""
 way                text      how all problems are solved: {"; ".join(f"{way}: {means}" for way, means in WAYS.items())}

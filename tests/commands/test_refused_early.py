@@ -60,6 +60,7 @@ def test_scenes_beyond_the_memory_limit(tmp_path, monkeypatch) -> None:
         ("compare --history a b --out c", "frictionbench: history: "),
         ("compare a b --accept --confirm", "frictionbench: accept: "),
         (f"compare a {__file__}", "frictionbench: DIR: "),
+        ("solve stack[blocks=2,blocks=3]", "scene: the setting 'blocks' of stack is given twice"),
         ("solve stack[block=2]", "block: the scene stack has no such parameter (did you mean blocks?)"),
         ("solve stack --solver lemka", "solver: unknown solver 'lemka' (did you mean lemke?)"),
         (f"solve {__file__}", "no problem file; known are .npz"),

@@ -67,6 +67,14 @@ def test_more_failures_within_a_simulation(tmp_path: Path) -> None:
         assert alerts(old, folders["before"]) == {}
 
 
+def test_more_work_within_a_simulation(tmp_path: Path) -> None:
+    """Every step of a motion is solved, with a tenth more sweeps in all."""
+    works = ('{"sweeps": 1000}', '{"sweeps": 1100}')
+    rows = [simulation_row("a", steps=160, steps_done=160, problems=160, unsolved=0, work=work) for work in works]
+    before, after = (write_folder(tmp_path / str(k), [solve_row("a", "p")], [row]) for k, row in enumerate(rows))
+    assert alerts(before, after) == {"sweeps": (1000, 1100)}
+
+
 def test_more_failures_within_a_batch(tmp_path: Path) -> None:
     rows = [batch_row("a", "packed", verdict="unsolved", residual=1.0, verified=share) for share in (0.99, 0.5)]
     folders = [write_folder(tmp_path / f"{i}", [], None, [row]) for i, row in enumerate(rows)]

@@ -6,6 +6,7 @@ if the scheme's equations have no solution. No time is reported if all calls on 
 the verdicts on answers that are computed then count as well.
 """
 
+import json
 from collections import Counter
 from time import perf_counter
 from typing import Any
@@ -34,6 +35,7 @@ class _ClosedLoop:
     def __init__(self, info: SolverInfo, solver: Solver, cell: SimulationCell) -> None:
         self._info, self._solver, self._tol = info, solver, cell.tol
         self.verdicts: Counter[Verdict] = Counter()
+        self.work: Counter[str] = Counter()
         self.computed: list[Verdict] = []  # on new problems, where results are reused
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
         self._last: tuple[FrictionProblem, Call] | None = None
@@ -57,6 +59,7 @@ class _ClosedLoop:
         self.worst_residual = max(self.worst_residual, finding.residual)
         if np.isfinite(finding.residual):
             self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
+        self.work.update(call.answer.work)
         verdict = finding.verdict if same(problem, handed) else Verdict.WRONG
         self.overhead += perf_counter() - answered
         return verdict, usable(problem, call.answer.impulse)
@@ -149,6 +152,7 @@ def run_closed_loop(cell: SimulationCell, stage: Scene, info: SolverInfo, solver
         "times": times,
         "energies": energies,
         "penetrations": penetrations,
+        "work": json.dumps(loop.work, sort_keys=True),
     }
 
 

@@ -1,6 +1,8 @@
 """Form, setup and solve are timed separately, without calls that compile or load code; the clock is simulated."""
 
+import json
 import sys
+from collections import Counter
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
@@ -12,6 +14,7 @@ from frictionbench.harness.cells.rows import finding_columns
 from frictionbench.harness.deadline import Deadline
 from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.problems.catalogue import scene
+from frictionbench.problems.simulate import simulate
 from frictionbench.solvers import Answer, SolverInfo, Status, find, solve
 from frictionbench.solvers.interface import with_all_steps
 from tests.helpers.friction_problems import block
@@ -185,6 +188,19 @@ def test_simulation_discards_loading_calls(clock):
         kept.solve = lambda given, *_, new=made: known.setdefault(given.hash, new(given, "lemke"))
         row = simulation.run_closed_loop(cell, stage, info, kept)
         assert (row["verdict"], row["solver_time"] is not None, row["unsolved"]) == (verdict, verdict == "solved", 0)
+
+
+def test_a_simulation_sums_the_counters_of_its_steps():
+    stage, work = scene("stopping_block"), Counter()
+
+    def answered(problem):
+        work.update((answer := solve(problem, "lemke")).work)
+        return answer.impulse
+
+    assert list(simulate(stage, answered, steps=3))
+    assert work["pivots"] > 3
+    row = simulation.run_closed_loop(SimulationCell("stopping_block", {}, "lemke", 1e-8, steps=3), stage, *find("lemke"))
+    assert json.loads(row["work"]) == work
 
 
 @pytest.mark.parametrize("name", ["lemke", "path_search", "interior_point", "nsgs", "admm", "hybrid"])
