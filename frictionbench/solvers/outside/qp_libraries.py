@@ -151,8 +151,8 @@ class ProxSuite:
     Clock: ProxQP's own solve_time.
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
         solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=30,push=0.7,friction=0.2]' --solver
-        'proxsuite' --solver 'proxsuite[settings=tuned]'`. Sparse it is given P and q 33 times smaller; dense it is told if P
-        is diagonal.
+        'proxsuite' --solver 'proxsuite[settings=tuned]'`. tuned is without preconditioner, as the QP is scaled already, and
+        dense with the backend PrimalDualLDLT. Sparse it is given P and q 33 times smaller; dense it is told if P is diagonal.
     Tolerance: eps_abs = eps/100 for both residuals, as with eps it calls answers solved that are off by 10 tol; gap eps^2, no
         less than 1e-15, which is tested only on request; eps_rel = 0, 4.4e-16 for the gap, for rounding; eps stands for tol.
     Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
@@ -173,14 +173,15 @@ class ProxSuite:
 
     def setup(self, formed: Prepared) -> Prepared:
         (scaled, arguments), proxqp = formed, import_module("proxsuite").proxqp
-        sizes = len(scaled.q), len(scaled.b), len(scaled.h)
+        sizes, tuned = (len(scaled.q), len(scaled.b), len(scaled.h)), self.settings == "tuned"
         if self.matrices == "sparse":
             qp = proxqp.sparse.QP(*sizes)
         else:
             kind = proxqp.dense.HessianType.Diagonal if scaled.diagonal else proxqp.dense.HessianType.Dense
-            qp = proxqp.dense.QP(*sizes, False, kind)
+            backend = proxqp.dense.DenseBackend.PrimalDualLDLT if tuned else proxqp.dense.DenseBackend.Automatic
+            qp = proxqp.dense.QP(*sizes, False, kind, backend)
         qp.settings.compute_timings = True
-        qp.init(*arguments)
+        qp.init(*arguments, compute_preconditioner=not tuned)
         return scaled, qp
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
