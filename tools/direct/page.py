@@ -14,11 +14,14 @@ import sys
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
+from textwrap import fill
 
 from frictionbench.solvers import SolverInfo, available, find
 
 DOCS = Path(__file__).parents[2] / "docs"
 FIELDS = ("Licence", "Law", "Form", "Clock", "Charged", "Settings", "Tolerance", "Flaws", "Reference")
+WIDTH = 125  # letters of a line
+BOUND = "\N{NO-BREAK SPACE}"  # at which `fill` breaks no line
 BEGIN = "<!-- begin: python -m tools.direct.page -->\n"
 
 
@@ -73,7 +76,15 @@ def _section(info: SolverInfo, results: dict[str, dict[str, str]]) -> str:
         *_contract(info.specs, results),
         "",
     ]
-    return "\n".join(lines)
+    return "\n".join(map(_wrapped, lines))
+
+
+def _wrapped(line: str) -> str:
+    """Break a line of Markdown, within its list item, at spaces outside of code."""
+    mark = re.match(r"( *\* )?", line)[0]  # type: ignore[index]
+    bound = re.sub("`[^`]*`", lambda code: code[0].replace(" ", BOUND), line)
+    lines = fill(bound, WIDTH, subsequent_indent=" " * len(mark), break_long_words=False, break_on_hyphens=False)
+    return lines.replace(BOUND, " ")
 
 
 def _contract(specs: tuple[str, ...], results: dict[str, dict[str, str]]) -> list[str]:

@@ -26,7 +26,7 @@ from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 from tests.helpers.friction_problems import block, installed, nothing, own_residual, spatial, with_joints
 from tests.helpers.paths import HELPERS, ROOT
-from tools.direct.page import FIELDS, facts, outcomes, page
+from tools.direct.page import BEGIN, FIELDS, WIDTH, facts, outcomes, page
 
 FAKE_LIBRARIES = HELPERS / "fake_libraries.py"
 SPECS = [spec for name, info in sorted(available().items()) if info.needs and name != "path" for spec in info.specs]
@@ -218,6 +218,8 @@ def test_treatment_is_documented(info) -> None:
 def test_fairness_page_is_generated() -> None:
     written = (ROOT / "docs" / "fairness.md").read_text(encoding="utf-8")
     assert written == page(), "python -m tools.direct.page"
+    words = written.partition(BEGIN)[2].splitlines()
+    assert [line for line in words if len(line) > WIDTH and not line.lstrip().startswith(("`", "|"))] == []  # code, tables
 
 
 def test_contract_results_are_complete() -> None:
