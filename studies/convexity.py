@@ -147,10 +147,9 @@ def _bent(ax: Axes, jam: pd.DataFrame) -> None:
     slides = jam["share"] <= 1
     ax.plot(jam["normal"][slides], jam["velocity"][slides], color=BLUE, label="slides")
     ax.plot(jam["normal"][~slides], jam["velocity"][~slides], color=BLUE, ls="--", label="sticks, any larger impulse")
-    first, last = jam.iloc[0], jam.iloc[-1]
-    ax.plot(*zip(first[["normal", "velocity"]], last[["normal", "velocity"]], strict=True), color=ALARM, lw=0.7, ls=":")
-    middle = (first[["normal", "velocity"]] + last[["normal", "velocity"]]) / 2
-    ax.plot(*middle, "x", color=ALARM, label="no solution")
+    ends = jam.iloc[[0, -1]][["normal", "velocity"]]
+    ax.plot(ends["normal"], ends["velocity"], color=ALARM, lw=0.7, ls=":")
+    ax.plot(*ends.mean(), "x", color=ALARM, label="no solution")
     finish(ax, "normal impulse, N s", "velocity afterwards, m/s")
 
 

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 import frictionbench as fb
 from frictionbench.problems import SCHEMES, simulation
 from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import COLOURS, INK
 from studies.motions import by
 from studies.study import Row, Study, Summary, Tables, curve, finish, listing, widest
 
@@ -104,8 +105,16 @@ def _draw(ax: Axes, rows: pd.DataFrame, column: str) -> None:
     for k, (scene, group) in enumerate(rows.groupby("scene")):
         lemke = group[group["solver"] == "lemke"][column]
         unit = (lemke.iloc[-1] if column == "normal" else lemke.iloc[0]) or 1.0
-        for j, (_, curve_of) in enumerate(group.groupby("solver")):
-            curve(ax, k, curve_of["step"], curve_of[column] / unit, str(scene) if not j else "", lw=1.2 - 0.4 * j)
+        ax.plot([], [], color=COLOURS[k], label=str(scene))
+        for j, (solver, own) in enumerate(group.groupby("solver")):
+            look: dict[str, Any] = {
+                "mfc": "none",
+                "mew": 0.7,
+                "ms": 2.5 + 1.5 * j,
+                "lw": 0.8,
+            }  # shows all of several that coincide
+            curve(ax, j, own["step"], own[column] / unit, color=COLOURS[k], **look)
+            curve(ax, j, [], [], str(solver) if scene == rows["scene"].max() else "", color=INK, **look)
     finish(ax, "step, s", "relative", "x")
 
 

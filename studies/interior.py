@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem, first_problem, is_p0, relaxation_residual
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import INK
+from frictionbench.reports.drawing.style import COLOURS, INK
 from frictionbench.solvers import one_start, solve
 from studies.motions import thrown
 from studies.study import Row, Study, Summary, Tables, curve, finish, listing, require, share, wilson
@@ -115,8 +115,7 @@ def _with_intervals(ax: Axes, k: int, x: np.ndarray, solved: pd.Series, trials: 
     value = (solved / trials).to_numpy(float)
     ends = np.array([wilson(int(s), int(n)) for s, n in zip(solved, trials, strict=True)])
     curve(ax, k, x, value, label)
-    for at, (low, high) in zip(x, ends, strict=True):
-        curve(ax, k, [at, at], [low, high], lw=0.7, marker="", ls="-")
+    ax.vlines(x, *ends.T, lw=0.7, color=COLOURS[k])
 
 
 def _height(ax: Axes, piles: pd.DataFrame) -> None:

@@ -156,11 +156,8 @@ def summary(tables: Tables) -> Summary:
 def _told(part: pd.DataFrame) -> str:
     """Return the cases, each with its schemes and their smallest change."""
     least = part.groupby(["case", "scheme"])["size"].min().reset_index()
-    cases = {
-        str(case): ", ".join(group["scheme"] + group["size"].map(" from {:.0e}".format))
-        for case, group in least.groupby("case")
-    }
-    return "; ".join(f"{case} ({schemes})" for case, schemes in cases.items()) or "none"
+    least["told"] = least["scheme"] + least["size"].map(" from {:.0e}".format)
+    return "; ".join(f"{case} ({', '.join(group['told'])})" for case, group in least.groupby("case")) or "none"
 
 
 def _landings(ax: Axes, landings: pd.DataFrame) -> None:

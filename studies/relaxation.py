@@ -155,10 +155,9 @@ def _counts(ax: Axes, errors: pd.DataFrame) -> None:
 
 
 def _gaps(ax: Axes, gaps: pd.DataFrame) -> None:
-    curve(ax, 0, gaps["step"], gaps["hop"], "sudden start")
-    ax.plot(gaps["step"], gaps["hop_predicted"], color=INK, lw=0.7, ls=":", label="closed forms")
-    curve(ax, 1, gaps["step"], gaps["smooth"], "smooth start")
-    ax.plot(gaps["step"], gaps["smooth_predicted"], color=INK, lw=0.7, ls=":")
+    for k, (column, start) in enumerate({"hop": "sudden start", "smooth": "smooth start"}.items()):
+        curve(ax, k, gaps["step"], gaps[column], start)
+        ax.plot(gaps["step"], gaps[f"{column}_predicted"], color=INK, lw=0.7, ls=":", label="" if k else "closed forms")
     finish(ax, "step, s", "height, m", "xy")
 
 

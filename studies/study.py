@@ -19,12 +19,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import GRID, Look
-from frictionbench.reports.drawing.text import percent, plain
+from frictionbench.reports.drawing.style import COLOURS, GRID, Look
+from frictionbench.reports.drawing.text import percent, plain, residual
 from frictionbench.results.files import ResultsError
 
 Z = NormalDist().inv_cdf(0.975)
-COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a6761d", "#8c6bb1", "#7f7f7f")
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 _DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), "-", "--", "-.")
 
@@ -118,8 +117,9 @@ def finish(ax: Axes, x: str, y: str, logarithmic: str = "", **more: Any) -> None
         low, high = axis.get_view_interval()
         subs = (1.0,) if high > 90 * low else (1.0, 2.0, 5.0)
         axis.set_major_locator(LogLocator(subs=subs, numticks=7))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        write = "{:g}".format if low >= 1e-4 and high < 1e5 else residual  # one notation on an axis
+        axis.set_major_formatter(FuncFormatter(lambda value, _, write=write: write(value)))
         axis.set_minor_locator(NullLocator())
     ax.grid(**GRID)
     if ax.get_legend_handles_labels()[0]:
-        ax.legend(fontsize="x-small")
+        ax.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1, 1))  # beside the axes, where it hides no curve

@@ -85,13 +85,12 @@ def summary(tables: Tables) -> Summary:
         "at_once": listing([f"{name} in {100 * free[name]:.0f} %" for name in names if free[name] > 0]),
         "lost": listing([name for name in names if answers.loc[name, WARM] < answers.loc[name, COLD]]),
     }
-    figures = {
-        "ratios": (
-            Panel("from the step before", partial(_draw, motions=motions, start=WARM, names=names, ratios=ratios)),
-            Panel("from another step", partial(_draw, motions=motions, start=SHUFFLED, names=names, ratios=ratios)),
-        ),
-    }
-    return Summary(numbers, figures)
+    of_sums = {start: {name: ratios[name][start][0] for name in names} for start in (WARM, SHUFFLED)}
+    panels = [
+        Panel(f"from {step}", partial(_draw, motions=motions, start=start, ratios=of_sums[start]))
+        for step, start in (("the step before", WARM), ("another step", SHUFFLED))
+    ]
+    return Summary(numbers, {"ratios": panels})
 
 
 def _spread(of: pd.Series) -> str:
@@ -111,15 +110,13 @@ def _ratio(group: pd.DataFrame, start: str, methods: int, draws: int = 2000) -> 
     return float(above.sum() / below.sum()), float(low), float(high)
 
 
-def _draw(
-    ax: Axes, motions: pd.DataFrame, start: str, names: list[str], ratios: dict[str, dict[str, tuple[float, float, float]]]
-) -> None:
+def _draw(ax: Axes, motions: pd.DataFrame, start: str, ratios: dict[str, float]) -> None:
     ax.axvline(1, color=INK, lw=0.6, ls=":")
-    for k, name in enumerate(names):
+    for k, (name, ratio) in enumerate(ratios.items()):
         group = motions.loc[name]
         ax.plot(group[start] / group[COLD], np.full(len(group), k), "o", ms=3, alpha=0.6, color="#0077bb")
-        ax.plot([ratios[name][start][0]] * 2, [k - 0.3, k + 0.3], color=INK, lw=1.2)
-    ax.set_yticks(range(len(names)), names)
+        ax.plot([ratio] * 2, [k - 0.3, k + 0.3], color=INK, lw=1.2)
+    ax.set_yticks(range(len(ratios)), list(ratios))
     finish(ax, "work over that from zero", "")
 
 

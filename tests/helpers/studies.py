@@ -24,5 +24,8 @@ def text(name: str, tables: Tables) -> dict[str, str]:
     for figure, panels in summary.figures.items():
         assert f"{name}_{figure}.svg" in found["body"]
         for panel in panels:
-            panel.draw(Figure().subplots())
+            ax = Figure().subplots()
+            panel.draw(ax)
+            legend = ax.get_legend()
+            assert legend is None or legend.get_window_extent().x0 >= ax.get_window_extent().x1  # it hides no curve
     return found | {"body": " ".join(found["body"].split())}
