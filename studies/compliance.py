@@ -124,10 +124,7 @@ def summary(tables: Tables) -> Summary:
         "off": off,
     }
     figures = {
-        "stiffness": (
-            Panel("error", partial(_lines, table=table, column="error")),
-            Panel("work", partial(_lines, table=table, column="work")),
-        ),
+        "stiffness": [Panel(column, partial(_lines, table=table, column=column)) for column in ("error", "work")],
         "painleve": (Panel("the springs decide", partial(_decided, pressed=pressed)),),
     }
     return Summary(numbers, figures)

@@ -120,13 +120,10 @@ def summary(tables: Tables) -> Summary:
         "located": ends[["impacts", "accumulations"]].sum(),
         "stopped": stopped.assign(before=stopped["reached"] + stopped["duration"] / SAMPLES).to_dict("records"),
     }
-    figures = {
-        "work": tuple(
-            Panel(name.replace("_", " "), partial(_work, errors=errors[errors["scene"] == name].dropna(subset="error")))
-            for name in names
-        ),
-    }
-    return Summary(numbers, figures)
+    known, schemes = errors.dropna(subset="error"), sorted(errors["scheme"].unique())
+    scenes = known.groupby("scene", sort=False)
+    panels = [Panel(str(name).replace("_", " "), partial(_work, errors=of, schemes=schemes)) for name, of in scenes]
+    return Summary(numbers, {"work": panels})
 
 
 def _best(name: str, driven: pd.DataFrame, whole: pd.DataFrame) -> dict[str, Any]:
@@ -137,10 +134,10 @@ def _best(name: str, driven: pd.DataFrame, whole: pd.DataFrame) -> dict[str, Any
     return facts | {"stepped": best["error"], "steps": int(best["work"]), "scheme": best["scheme"]}
 
 
-def _work(ax: Axes, errors: pd.DataFrame) -> None:
-    for k, (scheme, group) in enumerate(errors.groupby("scheme")):
+def _work(ax: Axes, errors: pd.DataFrame, schemes: list[str]) -> None:
+    for scheme, group in errors.groupby("scheme"):
         ordered = group.sort_values("work")
-        curve(ax, k, ordered["work"], ordered["error"].clip(lower=LEAST_DRAWN), str(scheme))
+        curve(ax, schemes.index(str(scheme)), ordered["work"], ordered["error"].clip(lower=LEAST_DRAWN), str(scheme))
     finish(ax, "evaluations", "largest error, m or rad", "xy")
 
 

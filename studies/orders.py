@@ -129,10 +129,11 @@ def summary(tables: Tables) -> Summary:
         "singles": listing([f"{s} {of.min():.2f} to {of.max():.2f}" for s, of in single.groupby(level=0)]),
         "drift": "; ".join(_drift(kind, drifts, errors) for kind in drifting),
     }
+    draw = partial(_draw, schemes=sorted(errors["scheme"].unique()))
     of_kind = {kind: errors[errors["kind"] == kind] for kind in kinds}
     figures = {
-        "orders": tuple(Panel(kind, partial(_draw, group=of_kind[kind], column="error")) for kind in kinds),
-        "drift": tuple(Panel(f"drift, {kind}", partial(_draw, group=of_kind[kind], column="drift")) for kind in drifting),
+        "orders": tuple(Panel(kind, partial(draw, group=of_kind[kind], column="error")) for kind in kinds),
+        "drift": tuple(Panel(f"drift, {kind}", partial(draw, group=of_kind[kind], column="drift")) for kind in drifting),
     }
     return Summary(numbers, figures)
 
@@ -150,9 +151,9 @@ def _drift(kind: str, drifts: dict[tuple[str, str], Slope], errors: pd.DataFrame
     return f"{kind}, at the finest step: " + ", ".join(texts)
 
 
-def _draw(ax: Axes, group: pd.DataFrame, column: str) -> None:
-    for k, (scheme, rows) in enumerate(group.groupby("scheme")):
-        curve(ax, k, rows["step"], rows[column].clip(lower=ERROR_ROUNDING), str(scheme))
+def _draw(ax: Axes, group: pd.DataFrame, column: str, schemes: list[str]) -> None:
+    for scheme, rows in group.groupby("scheme"):
+        curve(ax, schemes.index(str(scheme)), rows["step"], rows[column].clip(lower=ERROR_ROUNDING), str(scheme))
     steps, top = np.sort(group["step"].unique()), group[column].max()
     for power in (1, 2):
         ax.plot(steps, top * (steps / steps[-1]) ** power, color="#20242b", lw=0.6, ls=":")
