@@ -6,7 +6,9 @@ import string
 import subprocess
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 from frictionbench.commands.options import parse_length, split_names
 from frictionbench.reports.drawing.figures import Panel
@@ -73,6 +75,10 @@ def test_chosen_solvers(run) -> None:
     assert few.looks["lemke"][:3] == run.looks["lemke"][:3]
     every = looks([*available(), *(f"nsgs[relaxation=1.{i}]" for i in range(30))]).values()
     assert len({look[:2] for look in every}) == len(every)
+    for solver in ("osqp", "nsgs", "interior_point"):
+        shown = looks([solver, f"{solver}[settings=tuned]", f"{solver}[settings=other]"]).values()
+        greys = sorted(np.array(to_rgb(look.colour)) @ (0.299, 0.587, 0.114) for look in shown)
+        assert np.diff(greys).min() > 0.05
     assert set(few.summaries[1e-8]["label"]) == set(few.looks)
     assert split_names("a, b[x=1,y=2],c, n < 100, d, n from 1000") == ["a", "b[x=1,y=2]", "c, n < 100", "d, n from 1000"]
 

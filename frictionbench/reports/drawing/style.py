@@ -8,6 +8,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator, PercentFormatter
 
 from frictionbench.reports.drawing.text import seconds
@@ -49,6 +50,8 @@ COLOURS = (
     *("#8c6bb1", "#8a9a3b", "#e7298a", "#00a5a5", "#c49a6c", "#7f7f7f"),
 )
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p", "<", ">", "h")  # 11 and 12 are coprime
+_TINTS = (0.25, 0.4)  # share of white in the colours of variants, or of black if the solver's own colour is light
+_LIGHT = 0.6  # mean of the red, green and blue of a light colour, weighted as greyscale does
 _DASHES = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 # A solver's position in the cycles is fixed, so that it looks the same in every report; other positions come from a hash.
 _PLACES = (
@@ -74,13 +77,20 @@ class Look(NamedTuple):
 
 def looks(labels: Iterable[str]) -> dict[str, Look]:
     """Return a look for each label, which depends on its name and is therefore the same in every report. If two labels have the
-    same marker and colour, or the same marker and dash, by which lines differ in greyscale, the later one gets others."""
+    same marker and colour, or the same marker and dash, by which lines differ in greyscale, the later one gets others. A
+    variant has a lighter tint of its solver's colour, or a darker one if that is light, to differ in greyscale, too."""
     looks_by_label: dict[str, Look] = {}
     for label in sorted(set(labels), key=lambda label: (_solver(label) not in _PLACES, label)):
         place, shift = _place(label)
         marks = [look[1:3] for look in [*looks_by_label.values()][1 - len(_MARKERS) * len(_DASHES) :]]
         dots = [look[:2] for look in looks_by_label.values()]
-        each = [_drawn(place + k, shift + j) for k in range(len(COLOURS)) for j in range(len(_MARKERS) * len(_DASHES))]
+        used = {look.colour for look in looks_by_label.values()}
+        each = [
+            (colour, *_mark(place + k, shift + j))
+            for k in range(len(COLOURS))
+            for colour in sorted(_tints(COLOURS[(place + k) % len(COLOURS)], shift), key=used.__contains__)
+            for j in range(len(_MARKERS) * len(_DASHES))
+        ]
         drawn = next((one for one in each if one[1:] not in marks and one[:2] not in dots), each[0])
         looks_by_label[label] = Look(*drawn, f"label-{_number(label):x}")
     return dict(sorted(looks_by_label.items()))
@@ -97,9 +107,17 @@ def _place(label: str) -> tuple[int, int]:
     return place, _number(label) if label != solver else 0
 
 
-def _drawn(place: int, shift: int) -> tuple[str, str, Any]:
+def _mark(place: int, shift: int) -> tuple[str, Any]:
     other = place // len(COLOURS) + place + shift
-    return (COLOURS[place % len(COLOURS)], _MARKERS[other % len(_MARKERS)], _DASHES[other % len(_DASHES)])
+    return _MARKERS[other % len(_MARKERS)], _DASHES[other % len(_DASHES)]
+
+
+def _tints(colour: str, shift: int) -> list[str]:
+    """Return the colours of a solver, its own, or of a variant, the one that its shift selects first."""
+    own = np.array(to_rgb(colour))
+    other = float(own @ (0.299, 0.587, 0.114) < _LIGHT)
+    tints = [to_hex((1 - share) * own + share * other) for share in _TINTS]
+    return tints[:: -1 if shift % 2 else 1] if shift else [colour]
 
 
 def _number(text: str) -> int:
