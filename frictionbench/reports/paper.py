@@ -30,7 +30,7 @@ SHRUNK = 0.3  # if this share of a panel's height is lacking for one more row, a
 NARROWEST, MOST_COLUMNS = 1.6, 3  # least width of a panel, inches; most panels side by side
 LETTERS = 75  # letters in a row that fit into one column of text; a table with longer rows takes the width of the page
 CITED = 4  # letters of a citation by number
-ON_PAGE_ONLY = ("Hover over", "Below each panel")  # how sentences begin that apply to the page only
+ON_PAGE_ONLY = ("Hover over", "Below each panel", "One map per scene")  # how sentences begin that apply to the page only
 # Shrinks a table that is wider than the text; \width is graphicx's name for the natural width of the box.
 FIT = r"\smallskip\noindent\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 
@@ -71,7 +71,7 @@ def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) ->
     figures = [(chart.name, caption, [one for one in drawings if isinstance(one, Panel)], NO_HANDLES)]
     for one in drawings:
         if isinstance(one, Drawing):
-            text = f"{one.title.rstrip('.')}. {caption} {one.note}".rstrip()
+            text = f"{one.title.rstrip('.')}. {one.note} {caption}"
             figures.append((f"{chart.name}_{one.name}", text, one.panels, one.handles))
     for stem, text, panels, handles in figures:
         columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field, NonNegativeInt
 
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.conventions import DEFAULT_SCHEME, first_phase
+from frictionbench.results.conventions import DEFAULT_SCHEME, first_phase, number
 from frictionbench.results.files import parsed, read_parsed
 
 if TYPE_CHECKING:
@@ -70,6 +70,12 @@ class Axis:
     def name(self) -> str:
         """The parameter with its unit."""
         return f"{self.parameter}, {UNITS[self.parameter]}" if self.parameter in UNITS else self.parameter
+
+    @property
+    def extent(self) -> str:
+        """The parameter from its first to its last value, with its unit: angle 0.4 to 1.4 rad."""
+        low, high = (number(self.value(line)) for line in (0, self.count - 1))
+        return f"{self.parameter} {low} to {high} {UNITS.get(self.parameter, '')}".rstrip()
 
     def _value(self, position: float) -> float:
         last = self.count - 1

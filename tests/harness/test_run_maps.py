@@ -1,6 +1,7 @@
 """Failure maps: axes, refinement, thresholds known from theory, and invariance under units."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -9,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from markupsafe import escape
+from matplotlib.figure import Figure
 
 from frictionbench.harness.cells.simulation import run_closed_loop
 from frictionbench.harness.maps import crossings, finer, run_maps
@@ -137,6 +139,7 @@ def test_page_shows_every_map(atlas) -> None:
     assert all(escape(MAPS[name].title) in page for name in ("painleve_rod", "sliding_block", "jam", "steps_painleve_rod"))
     assert "<title>overlap 0.1, friction" in page
     assert "Every grid point is solved by hybrid*, lemke." in page
+    assert "on painleve_rod[step=0.0001] over angle 0.3 to 1.5 rad and friction 0.4 to 3.1, to 1e-6. " in page
     maps = [file for file in write_paper(atlas, read_run(atlas)).iterdir() if file.match("map_*.svg")]
     assert {"map_jam.svg", "map_times_steps_painleve_rod.svg", "map_times_jam.svg"} <= {file.name for file in maps}
     assert {ElementTree.parse(file).getroot().tag[-3:] for file in maps} == {"svg"}
@@ -149,6 +152,14 @@ def test_map_markup_is_compact_and_escaped() -> None:
     assert '<path d="M-0.5 -0.5h1v1h-1zM0.5 -0.5h1v1h-1z"/>' in drawn
     assert '<path d="M1.25 -0.25h0.5v0.5h-0.5z"><title>&lt;i&gt;' in drawn
     assert "&lt;b&gt;&amp;" in drawn
+    scaled = tiles.Field("", row, scale=["red", "blue"], ticks=["1", "10", "100"])
+    shown = re.findall(
+        r'y="(.*?)" text-anchor="start">(10*)<', environment().get_template("tiles.svg").module.panel(scaled, grid)
+    )
+    assert shown == [("120.5", "1"), ("72.5", "10"), ("24.5", "100")]
+    axes = Figure().subplots()
+    tiles.draw(axes, scaled, grid)
+    assert [text.get_text() for text in axes.figure.axes[1].get_yticklabels()] == ["1", "10", "100"]
 
 
 def test_map_resumes(atlas) -> None:

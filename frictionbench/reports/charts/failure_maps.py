@@ -3,7 +3,9 @@
 The panels for the problem distinguish ill-posed problems from unstable solvers. The axes count grid lines on any scale.
 """
 
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from itertools import repeat
 from typing import Any
 
@@ -16,12 +18,12 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.style import INK
-from frictionbench.reports.drawing.text import percent, seconds
+from frictionbench.reports.drawing.text import percent, power, seconds
 from frictionbench.reports.drawing.tiles import Drawing, Entry, Field, Grid, Tile
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.commands import rerun
-from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, endings, number
+from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, endings, number, scene_title
 from frictionbench.results.maps import Axis, Map
 
 VERDICT = {
@@ -44,9 +46,12 @@ THRESHOLDS = {
     "pointed": ("cone pointed up to here", "#0b5fa5"),
     "gaps": ("gap 0", "#8a5a00"),
 }
-TICKS = 4  # largest number of ticks of an axis
 WORST = "#5b0f14"  # the colour of an infinite value on a scale
+COLOURS = VERDICT | SOLUTIONS | {"infinite": WORST}
+TICKS = 4  # largest number of ticks of an axis
 SHADES = 16  # colours of a scale: more could not be distinguished, and each takes an element of the page
+MOST_NAMES = 6  # solvers that a note names; of more it states the number
+SHORT = partial(number, digits=2)
 NO_COLOURS: Mapping[str, str] = {}
 
 
@@ -59,30 +64,36 @@ def verdicts(run: Run) -> list[Drawing]:
         perfect = ", ".join(label for label in fields if label not in shown)
         problem, note = _problem(cells)
         note += f"Every grid point is solved by {perfect}." if perfect else ""
-        drawings.append(_drawing(run, cells, [*problem, *shown.values()], note, VERDICT | SOLUTIONS | {"infinite": WORST}))
+        drawings.append(_drawing(run, cells, "Verdicts", [*problem, *shown.values()], note, COLOURS))
     return drawings
 
 
 def types(run: Run) -> list[Drawing]:
     """Return a drawing for each map on which solvers find more than one type of solution, according to the column `mode`."""
-    return _drawings(run, _types, TYPE)
+    return _drawings(run, "Contact states", _types, TYPE)
 
 
 def times(run: Run) -> list[Drawing]:
     """Return a drawing per map: the time of each solver; in closed loop its drift of energy and its penetration."""
-    return _drawings(run, lambda cells: _loop(cells) if cells.spec.steps else _times(cells))
+    return _drawings(run, "Times", _times) + _drawings(run, "Errors and contact-free steps", _loop)
 
 
 def _drawings(
-    run: Run, fields: Callable[[MapCells], list[tuple[str, Field]]], legend: Mapping[str, str] = NO_COLOURS
+    run: Run, what: str, fields: Callable[[MapCells], list[tuple[str, Field]]], legend: Mapping[str, str] = NO_COLOURS
 ) -> list[Drawing]:
     """Return a drawing of each map that has such fields, with equal ones merged."""
     made = [(cells, fields(cells)) for cells in map_cells(run)]
-    return [_drawing(run, cells, *_alike(drawn_fields), legend) for cells, drawn_fields in made if drawn_fields]
+    return [_drawing(run, cells, what, *_alike(drawn_fields), legend) for cells, drawn_fields in made if drawn_fields]
 
 
-def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, legend: Mapping[str, str] = NO_COLOURS) -> Drawing:
-    spec = cells.spec
+def _drawing(
+    run: Run, cells: MapCells, what: str, fields: Sequence[Field], note: str, legend: Mapping[str, str] = NO_COLOURS
+) -> Drawing:
+    """Return a drawing whose note begins with what is drawn, over which parameters and for which solvers."""
+    spec, names = cells.spec, list(cells.by_label)
+    solvers = ", ".join(names) if len(names) <= MOST_NAMES else f"{len(names)} solvers"
+    on = f"{scene_title(spec.scene, json.dumps(spec.parameters))} over {spec.x.extent} and {spec.y.extent}"
+    note = f"{what} of {solvers} on {on}, to {power(cells.rows['tol'].min())}. {note}".rstrip()
     traced = {name: places for name, places in run.thresholds.get(spec.name, {}).items() if name in THRESHOLDS and places}
     used = {colour for field in fields for colour in (field.ground, *(tile.colour for tile in field.tiles))}
     entries = [Entry(name, colour) for name, colour in legend.items() if colour in used]
@@ -156,8 +167,8 @@ def _solutions(row: "pd.Series[Any]") -> str:
     return "one" if row["outcomes"] == 1 else "a continuum" if pd.isna(row["outcomes"]) else "several"
 
 
-def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Callable[[float], str] = number) -> Field:
-    """Return a panel of values on a logarithmic scale of colours, with the ends of the scale in the title."""
+def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Callable[[float], str] = SHORT) -> Field:
+    """Return a panel of values on a logarithmic scale of colours, with ticks at its ends and in its middle."""
     size = values.astype(float).abs()
     positive = size[np.isfinite(size) & (size > 0)]
     low, high = (positive.min(), positive.max()) if len(positive) else (1.0, 1.0)
@@ -165,7 +176,8 @@ def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Call
     share = (np.log(size.clip(lower=low)) - np.log(low)) / max(np.log(high / low), 1e-9)
     shades = [to_hex(colormaps["viridis"](k / SHADES)) for k in range(SHADES + 1)]
     colours = share.map(lambda x: WORST if x > 1 + 1e-9 else "" if np.isnan(x) else shades[round(x * SHADES)])
-    return _field(f"{title} {write(low)} to {write(high)}".strip(), rows, colours)._replace(scale=shades)
+    ticks = [write(value) for value in (low, np.sqrt(low * high), high)]
+    return _field(title, rows, colours)._replace(scale=shades, ticks=ticks)
 
 
 def _type(mode: object) -> str | None:
@@ -183,14 +195,15 @@ def _types(cells: MapCells) -> list[tuple[str, Field]]:
 
 
 def _times(cells: MapCells) -> list[tuple[str, Field]]:
-    return [(label, _scale("", rows, rows["time"], seconds)) for label, rows in cells.by_label.items()]
+    solvers = {} if cells.spec.steps else cells.by_label
+    return [(label, _scale("", rows, rows["time"], seconds)) for label, rows in solvers.items()]
 
 
 def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
     """Merge equal fields of several labels into one, with a title that says so; return also a note that lists these labels."""
     same: dict[tuple[Any, ...], list[tuple[str, Field]]] = {}
     for label, field in fields:
-        same.setdefault((field.title, *sorted(field.tiles)), []).append((label, field))
+        same.setdefault((field.title, *field.ticks, *sorted(field.tiles)), []).append((label, field))
     merged, notes = [], []
     for alike in same.values():
         (label, field), others = alike[0], len(alike) - 1
@@ -208,7 +221,7 @@ def _loop(cells: MapCells) -> list[tuple[str, Field]]:
         (label, _scale(title, rows, rows[column]))
         for column, title in columns.items()
         for label, rows in cells.by_label.items()
-        if rows[column].max() > rows[column].min()
+        if cells.spec.steps and rows[column].max() > rows[column].min()
     ]
 
 

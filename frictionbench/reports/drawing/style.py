@@ -116,7 +116,7 @@ def _tints(colour: str, shift: int) -> list[str]:
     """Return the colours of a solver, its own, or of a variant, the one that its shift selects first."""
     own = np.array(to_rgb(colour))
     other = float(own @ (0.299, 0.587, 0.114) < _LIGHT)
-    tints = [to_hex((1 - share) * own + share * other) for share in _TINTS]
+    tints = [to_hex(tuple((1 - share) * own + share * other)) for share in _TINTS]
     return tints[:: -1 if shift % 2 else 1] if shift else [colour]
 
 

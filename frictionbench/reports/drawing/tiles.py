@@ -10,6 +10,7 @@ from itertools import cycle, groupby
 from operator import attrgetter
 from typing import NamedTuple
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
@@ -55,12 +56,13 @@ class Grid(NamedTuple):
 
 class Field(NamedTuple):
     """One panel. ground: the background colour; whole tiles of this colour can be left out. scale: the colours of a scale, the
-    lowest first; the title states both ends."""
+    lowest first; ticks: texts at equal distances along it, from end to end."""
 
     title: str
     tiles: Sequence[Tile]
     ground: str = ""
     scale: Sequence[str] = ()
+    ticks: Sequence[str] = ()
 
 
 class Entry(NamedTuple):
@@ -109,7 +111,8 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
         place([line for line, _ in axis.ticks], [text for _, text in axis.ticks])
         name(plain(axis.name, LONGEST_TITLE))
     if field.scale:
-        ax.figure.colorbar(ScalarMappable(cmap=ListedColormap(field.scale)), ax=ax, ticks=[])
+        bar = ax.figure.colorbar(ScalarMappable(cmap=ListedColormap(field.scale)), ax=ax)
+        bar.set_ticks(np.linspace(0, 1, len(field.ticks)).tolist(), labels=field.ticks)
 
 
 def paths(tiles: Iterable[Tile]) -> list[tuple[str, list[tuple[str, str]]]]:
