@@ -36,7 +36,8 @@ def scs(problem: Arrays, tol: float, **chosen: float) -> Called:
     C, c, joints = with_joints(problem, G, h, first=True)
     cone = {"z": joints} | ({"l": len(h)} if problem.d == 2 else {"q": [3] * (len(h) // 3)})
     data = {"P": _upper(P), "A": sparse.csc_matrix(C), "b": c, "c": q}
-    found = library.SCS(data, cone, verbose=False, eps_abs=tol / 10, eps_rel=0.0, max_iters=100_000, **chosen).solve()
+    settings = {"eps_abs": tol / 10, "eps_rel": 0.0, "linear_solver": library.LinearSolver.QDLDL, **chosen}
+    found = library.SCS(data, cone, verbose=False, max_iters=100_000, **settings).solve()
     return Called(of_multipliers(problem, found["y"][joints:]), found["info"]["status_val"] == 1)
 
 

@@ -65,7 +65,8 @@ class _ClosedLoop:
         return verdict, usable(problem, call.answer.impulse)
 
     def _timed(self, problem: FrictionProblem) -> Call:
-        return timed_call(self._solver, problem, lambda ready: self._solver.solve(ready, self._tol, None))
+        remote = self._info.remote and self._info.ours
+        return timed_call(self._solver, problem, lambda ready: self._solver.solve(ready, self._tol, None), remote)
 
     def _rank(self, problem: FrictionProblem, answer: Answer) -> int:
         return RANK[judged(problem, answer, self._info, self._tol).verdict]

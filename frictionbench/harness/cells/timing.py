@@ -8,7 +8,8 @@ be verified. An answer that is not plain arrays and numbers is converted within 
 defer work until it is read, or do it in another thread or on a device.
 
 A library that runs in another process only here is timed by its own clock in that process (SolverInfo.remote). Setup and solve
-are then that time, but no more than the call took, and the call's time is stored as well.
+are then that time, but no more than the call took, and the call's time is stored as well. Form is called once more before it is
+timed, because this process has waited for the library and begins with cold caches.
 
 Repeats could be answered from a cache, even unintentionally, by a memoised matrix. So could a first call, if the solver met the
 problem in an earlier cell or process. A last call is therefore made on a problem that differs in the last bits, by a random
@@ -42,13 +43,14 @@ LOADS = 5  # successive calls that load something, after which the next is expec
 
 
 class Call(NamedTuple):
-    """One call: its answer, the seconds of form, setup and solve, whether anything was compiled or loaded, and the seconds for
-    which it waited for a core."""
+    """One call: its answer, the seconds of form, setup and solve, whether anything was compiled or loaded, the seconds for
+    which it waited for a core, and those of setup and solve with the transfer to another process."""
 
     answer: Answer
     times: tuple[float, float, float]
     loaded: bool
     waited: float
+    transferred: float
 
     @property
     def running(self) -> float:
@@ -86,14 +88,11 @@ class Timing:
         """Add a call's answer and, unless it loaded something, its times."""
         self.add_answer(call.answer)
         if not call.loaded:
-            (form, setup, solve), clock = call.times, call.answer.clock
-            if self.remote and clock is not None:
-                self.calls.append(setup + solve)
-                setup, solve = 0.0, min(clock, setup + solve)
-            for samples, seconds in zip((self.form, self.setup, self.solve), (form, setup, solve), strict=True):
+            for samples, seconds in zip((self.form, self.setup, self.solve), call.times, strict=True):
                 samples.append(seconds)
-            if clock is not None:
-                self.clock.append(clock)
+            if call.answer.clock is not None:
+                self.clock.append(call.answer.clock)
+                self.calls += [call.transferred] if self.remote else []
 
 
 def time_solver(
@@ -116,8 +115,8 @@ def time_solver(
     timing = Timing(remote)
 
     def call(given: FrictionProblem | LCP = problem) -> Call:
-        made = timed_call(solver, given, solve)
-        timing.spent += sum(made.times)
+        made = timed_call(solver, given, solve, remote)
+        timing.spent += made.times[0] + made.transferred
         restart_limit()
         return made
 
@@ -129,7 +128,7 @@ def time_solver(
         timing.add_answer(first.answer)
         timing.first = None if first.loaded else sum(first.times)
         clean = first if not first.loaded else clean_call(call)
-        seconds = sum(clean.times)
+        seconds = clean.times[0] + clean.transferred
         if seconds > BUDGET:
             timing.add_sample(clean)
         else:
@@ -179,13 +178,15 @@ def clean_call(call: Callable[[], Call]) -> Call:
     return made
 
 
-def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[Any], Answer]) -> Call:
-    """Make one call on the problem, without values cached by earlier calls."""
+def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[Any], Answer], remote: bool) -> Call:
+    """Make one call on the problem, without values cached by earlier calls. remote: as in Timing."""
     from numba.core import event
 
     fresh, modules = problem.fresh(), len(sys.modules)
     # numba holds this lock while it compiles or reads its cache
     with event.install_recorder("numba:compiler_lock") as loads, no_forked_child():
+        if remote:
+            solver.form(problem.fresh())
         before = waited()
         start = perf_counter()
         formed = solver.form(fresh)
@@ -200,4 +201,7 @@ def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[
             answer = checked_copy(answer)
             end += perf_counter() - begun
     loaded = bool(loads.buffer) or len(sys.modules) != modules
-    return Call(checked_copy(answer), (written - start, ready - written, end - ready), loaded, wait if wait > 0 else 0.0)
+    times, transferred = (written - start, ready - written, end - ready), end - written
+    if remote and answer.clock is not None:
+        times = times[0], 0.0, min(answer.clock, transferred)
+    return Call(checked_copy(answer), times, loaded, wait if wait > 0 else 0.0, transferred)

@@ -46,7 +46,7 @@ class Clarabel:
     Settings: presolve off, which would forbid setting tolerances afterwards. tuned is for programs that are already scaled, as
         these are: equilibrate_enable off, static_regularization_constant = 1e-12 instead of 1e-8 and, as that leaves nothing
         to refine, iterative_refinement_enable off; and on circular cones max_step_fraction = 0.9 instead of 0.99, with which
-        the gap reaches its limit more often, `frictionbench solve 'random_bodies[contacts=24,seed=3]' --solver 'clarabel'
+        the gap reaches its limit more often, `frictionbench solve 'random_bodies[contacts=6,seed=1]' --solver 'clarabel'
         --solver 'clarabel[settings=tuned]'`.
     Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-15; eps stands for tol.
     Flaws: its gap is the difference of two objectives, which rounding can make 0 before the answer is accurate: some answers
@@ -249,9 +249,10 @@ class SCS:
     Form: the dimensionless program (solvers.outside.scaled_program), A above G, P's upper half. Setup: none, as tolerances are
         set with the problem. Solve: its object, ordering and scaling, and its solve.
     Clock: its setup_time and solve_time.
-    Settings: without output. scale, the weight of the dual residual that it begins with, is 0.1 by default, and its Anderson
-        acceleration uses 10 steps; tuned are 1, of the size of P and A here, and 6, `frictionbench solve
-        'pyramid[push=1]' --solver scs --solver 'scs[settings=tuned]'`.
+    Settings: without output, with the linear solver QDLDL: left to itself it takes Pardiso where MKL is there, which is slower.
+        scale, the weight of the dual residual that it begins with, is 0.1 by default, and its Anderson acceleration uses 10
+        steps; tuned are 1, of the size of P and A here, and 6, `frictionbench solve 'pyramid[push=1]' --solver scs --solver
+        'scs[settings=tuned]'`.
     Tolerance: eps_abs = eps/2 for both residuals and the gap, eps_rel = 0; eps stands for tol. Tall stacks stall at eps/10.
     Reference: O'Donoghue, Chu, Parikh and Boyd 2016.
     """
@@ -269,7 +270,8 @@ class SCS:
         scaled, arguments = prepared
         accuracy = {"eps_abs": tol * scaled.share / 2, "eps_rel": 0.0, "max_iters": limit or 100_000}
         tuned = {"scale": 1.0, "acceleration_lookback": 6} if self.settings == "tuned" else {}
-        result = import_module("scs").SCS(*arguments, verbose=False, **tuned, **accuracy).solve()
+        scs: Any = import_module("scs")
+        result = scs.SCS(*arguments, linear_solver=scs.LinearSolver.QDLDL, verbose=False, **tuned, **accuracy).solve()
         info = result["info"]
         clock = 1e-3 * (info["setup_time"] + info["solve_time"])
         return scaled.answer(result["y"][len(scaled.b) :], info["status_val"] == 1, int(info["iter"]), info["status"], clock)

@@ -10,14 +10,14 @@ Form: for lcp_ the friction LCP's M, dense and scaled, in the plane for lcp_lemk
     for friction_ the dimensionless Delassus matrix with a decoupled second tangent for friction_3d_ on planar problems, in
     Siconos' block storage, that of its own simulations, and dense where that is faster: for friction_2d_cpg and
     friction_2d_lemke, for admm and prox where W is more than half full and up to 100 and 80 contacts, for friction_2d_nsgs up
-    to 48, for vi_eg up to 32, for nsn_fb up to 16, for nsn_ac up to 4; for global_, in space only, the entries of M and H = J'
-    and q, dimensionless. Setup: none. Solve: one message to the child and its reply.
-Clock: around Siconos' problem object and the driver's call, in the child, of matrices in its storage. Solvers are compared by
-    it, as a user of Siconos has no child: the column solve_time is this clock, and call_time the whole call.
-Charged: W's entries and the units cost some 10 µs at 2 contacts, where a call by hand takes 6; in space NSGS and PROX are
-    charged 3 to 4.4 times a call by hand at 2 contacts, 2 to 2.7 times at 10 and 1.2 times at 20.
+    to 48, for vi_eg up to 32, for nsn_fb up to 16, for nsn_ac up to 4 and at any size with settings=dense; for global_, in
+    space only, the entries of M and H = J' and q, dimensionless. Setup: none. Solve: one message to the child and its reply.
+Clock: around Siconos' problem object and the driver's call, in the child, of matrices in its storage, the third time for what
+    takes less than 1 ms. Solvers are compared by it, as a user of Siconos has no child: the column solve_time is this clock,
+    and call_time the whole call.
+Charged: W's entries and the units cost some 10 µs at 2 contacts, where in the plane a call by hand takes 7 in all.
 Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho (by default
-    constant), where one residual is PHI = 10 times the other (by default 2), and for the former a W whose mean diagonal is 4,
+    constant), where one residual is PHI = 10 times the other, for the former instead of 2, and a W whose mean diagonal is 4,
     `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=friction_3d_admm]' --solver
     'siconos[method=friction_3d_admm,settings=tuned]'`; for friction_3d_nsgs a relaxation of 1.3, `frictionbench
     solve 'stack[blocks=5,push=1]' --solver 'siconos[method=friction_3d_nsgs]' --solver
@@ -76,6 +76,7 @@ _TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
     "friction_3d_prox,settings=tuned": ({}, {"SICONOS_FRICTION_3D_PROXIMAL_DPARAM_SIGMA": 0.5}),
     **{f"{kind}friction_3d_admm,settings=tuned": _BALANCED for kind in ("", "global_")},
     **{f"lcp_{method},settings=tuned": ({}, {}) for method in ("lemke", "pivot")},  # their q is perturbed
+    "friction_3d_nsn_ac,settings=dense": ({}, {}),
 }
 
 
@@ -97,7 +98,7 @@ Prepared = tuple[str, DenseLCP | ScaledDelassus, dict[str, Any]]
 class Siconos:
     """Siconos' solvers of LCPs and friction problems, in a child process. (outside)
 
-    method: Siconos' constant without SICONOS_, in small letters. settings: default, tuned or newton. Work: iterations.
+    method: Siconos' constant without SICONOS_, in small letters. settings: default, tuned, newton or dense. Work: iterations.
     """
 
     method: str = "friction_3d_prox"
@@ -127,6 +128,7 @@ class Siconos:
         else:
             nc = problem.contacts
             full = self.method in ("friction_3d_admm", "friction_3d_prox") and 2 * len(problem.blocks.neighbours) > nc**2
+            full = full or self.settings == "dense"
             dense = kind != "global" and (full or nc <= _DENSE.get(self.method, 0))
             size = 4.0 if (self.method, self.settings) in _LARGER else 1.0
             given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense, size=size)

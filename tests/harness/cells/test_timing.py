@@ -3,6 +3,7 @@
 import json
 import sys
 from collections import Counter
+from dataclasses import replace
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
@@ -78,6 +79,27 @@ def test_form_setup_and_solve_times(clock):
     quick = timed(Late(clock, seconds=2.0**-10))
     assert len(quick.form) == len(quick.setup) == len(quick.solve) == int(timing.BUDGET / (7 * 2.0**-10))
     assert set(quick.form) == {2.0**-10}
+
+
+class Remote(Late):
+    """Its process takes half of the 4 s to solve; after it, the first form takes ten times as long."""
+
+    cold = False
+
+    def form(self, problem):
+        self.clock.now, self.cold = self.clock.now + 9 * self.seconds * self.cold, False
+        return super().form(problem)
+
+    def solve(self, problem, tol, limit, start=None):
+        self.cold = True
+        return replace(super().solve(problem, tol, limit), clock=2 * self.seconds)
+
+
+def test_a_library_in_another_process_is_timed_by_its_own_clock(clock):
+    found = timed(Remote(clock, seconds=2.0**-10), remote=True)
+    form, solve, call, own = (set(times) for times in (found.form, found.solve, found.calls, found.clock))
+    assert (form, solve, call, own) == ({2.0**-10}, {2.0**-9}, {6 * 2.0**-10}, {2.0**-9})
+    assert set(found.setup) == {0.0}
 
 
 @pytest.mark.parametrize("seconds", [2.0**-10, 1.0])
