@@ -13,7 +13,6 @@ from frictionbench.problems.catalogue import find_scene
 from frictionbench.problems.check import require
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
-from frictionbench.reports.drawing.text import rough_percent
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.motion import Motion, decoded
 
@@ -22,15 +21,13 @@ MAX_SECONDS = 3600.0  # seconds to simulate a scene: the user can interrupt it e
 
 
 def energy_balance(motion: Motion) -> str:
-    """Return the energy balance in one line, relative to the largest kinetic energy, at least a thousandth of the total."""
+    """Return the energy balance in one line."""
     energy = motion.energy
-    scale = max(motion.kinetic.max(), 1e-3 * np.abs(energy).max(), np.finfo(float).tiny)
-    shares = (energy[-1] - energy[0]) / scale, np.diff(energy, prepend=energy[0]).max() / scale
-    end, rise = (rough_percent(abs(share)) for share in shares)
+    end, rise = energy[-1] - energy[0], np.diff(energy, prepend=energy[0]).max()
     worst = motion.residual.max(initial=0.0, where=np.isfinite(motion.residual))
-    most = f"the largest rise in a step is {rise}" if shares[1] > 0 else "never rises in a step"
-    text = f"energy, kinetic and potential, in per cent of the largest kinetic energy ({motion.kinetic.max():.3g} J)"
-    return f"{text}: {'rises' if shares[0] > 0 else 'falls'} by {end} in all, {most}; worst residual {worst:.0g}"
+    most = f"the largest rise in a step is {rise:.2g} J" if rise > 0 else "never rises in a step"
+    text = f"energy, kinetic (at most {motion.kinetic.max():.3g} J) and potential"
+    return f"{text}: {'rises' if end > 0 else 'falls'} by {abs(end):.2g} J in all, {most}; worst residual {worst:.0g}"
 
 
 def page_name(scene: str, solver: str | None, scheme: str) -> str:

@@ -207,7 +207,7 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
         if row.get("reason"):
             remarks.append(printable(f"{label} {row['variant']}: {row['reason']}"))
     header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")
-    spare = ("work", "status", "model residual", "form", "setup", "solve")
+    spare = ("work", "status", "model residual", "setup", "form", "solve")
     say(title)
     print(*columns(header, lines, spare), sep="\n")
     for remark in remarks:

@@ -84,6 +84,7 @@ FORCES = Chart(
     panels=forces,
     section="solvability",
     title="Force per contact on redundant supports",
-    caption="The normal impulses of answers that solve the exact problem. On more supports than a body needs, many "
-    "distributions of the load give the same motion. Each solver returns one of them; all are correct, and none is preferred.",
+    caption="The normal impulses of answers that solve the exact problem, for the solvers of the chart of convergence. On more "
+    "supports than a body needs, many distributions of the load give the same motion. Each solver returns one of them; all are "
+    "correct, and none is preferred.",
 )

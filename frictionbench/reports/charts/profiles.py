@@ -5,10 +5,9 @@ instead of time, which do not depend on the machine.
 
 The work of a solver on a problem is the counter at the least time within the tightest target (reports.accuracy), plus one, so
 that ratios are defined if a solver needs no work. Counters of different units are not compared: each unit has a panel with the
-solvers that count it on every problem. The counters of a portfolio's members are summed.
+solvers that count it on every problem. The members of a portfolio count different units, so that it has no place.
 """
 
-from collections import Counter
 from functools import partial
 
 import numpy as np
@@ -48,7 +47,7 @@ def work(run: Run) -> list[Panel]:
     """Return a panel per dimension and unit that two or more labels count."""
     panels = []
     for where, times in overall(run.times[run.outer_targets[-1]]).items():
-        units = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
+        units = pd.DataFrame(map(counts, times["work"]), index=times.index, columns=list(UNITS))
         for unit in UNITS:
             counting = (units[unit].notna() | ~times["reached"]).groupby(times["label"]).transform("all")
             own = times.assign(work=units[unit].fillna(0.0) + 1.0)[counting]
@@ -56,16 +55,6 @@ def work(run: Run) -> list[Panel]:
                 draw = partial(_draw, costs=profiles(own, "work"), looks=run.looks)
                 panels.append(Panel(f"{where}, {unit}", partial(draw, across=f"{unit} over the fewest")))
     return panels
-
-
-def counted(text: object) -> dict[str, int]:
-    """Return the work in a row by unit: the counter "lemke pivots" of a portfolio has the unit pivots."""
-    total: Counter[str] = Counter()
-    for name, count in counts(text).items():
-        unit = name.rsplit(" ", 1)[-1]
-        if unit in UNITS:
-            total[unit] += count
-    return dict(total)
 
 
 def _draw(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], across: str = "time over the fastest") -> None:
@@ -112,7 +101,7 @@ WORK = Chart(
     title="Performance profiles on work, within the tightest target",
     caption="Performance profiles on deterministic counters in place of time, which do not depend on the machine. A unit is "
     "the same work only for similar methods; an iteration of one may cost as much as ten of another. Each panel shows the "
-    "solvers that count its unit on every problem.",
+    "solvers that count its unit on every problem; portfolios, whose members count different units, are left out.",
 )
 WITHIN = Chart(
     name="budget",
