@@ -73,6 +73,7 @@ def test_chosen_solvers(run) -> None:
     few = restricted(run, "solvers", ["lemke", "ccp"])
     assert set(few.looks) == {"lemke", "ccp[backend=osqp]"}
     assert few.looks["lemke"][:3] == run.looks["lemke"][:3]
+    assert looks(["lemke", "interior_point*"])["lemke"] == looks(["lemke", "nsgs"])["lemke"]
     every = looks([*available(), *(f"nsgs[relaxation=1.{i}]" for i in range(30))]).values()
     assert len({look[:2] for look in every}) == len(every)
     for solver in ("osqp", "nsgs", "interior_point"):

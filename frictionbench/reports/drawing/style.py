@@ -104,7 +104,7 @@ def _place(label: str) -> tuple[int, int]:
     """Return the solver's position, which determines its colour, and the variant's shift in the cycles of marks and dashes."""
     solver = _solver(label)
     place = _PLACES.index(solver) if solver in _PLACES else len(_PLACES) + _number(solver)
-    return place, _number(label) if label != solver else 0
+    return place, _number(label) if label.rstrip("*") != solver else 0
 
 
 def _mark(place: int, shift: int) -> tuple[str, Any]:
