@@ -158,13 +158,16 @@ def show_rerun(folder: Path, key: str, named: list[str]) -> None:
         store.read_manifest(folder)
         rows = [row for table in TABLES for row in store.rows(folder, table).values()]
         failed = [row for row in rows if row["verdict"] not in (*ACCEPTED, Verdict.SKIPPED)]
-        labels = [f"{row['key']} {scene_title(row['scene'], row['parameters'])} to {number(row['tol'])}" for row in failed]
         how = "; add a key to run it again, and --shrink to reduce its problem" if failed else ""
-        _show(f"{count(len(failed), 'row')} failed{how}", dict(zip(labels, failed, strict=True)))
+        _show(f"{count(len(failed), 'row')} failed{how}", {_cell_name(row): row for row in failed})
         return
     row, again = rerun_row(folder, key, named)
-    title = printable(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {number(row['tol'])}")
-    _show(title, {"stored": row, "rerun": again})
+    _show(printable(_cell_name(row)), {"stored": row, "rerun": again})
+
+
+def _cell_name(row: Row) -> str:
+    step = "" if row.get("step") is None else f" step {row['step']:.0f}"
+    return f"{row['key']} {scene_title(row['scene'], row['parameters'])}{step} to {number(row['tol'])}"
 
 
 def _source(problem: str) -> Source:

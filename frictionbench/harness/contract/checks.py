@@ -43,15 +43,16 @@ def first_calls(subject: Subject) -> Violations:
 
 
 @check(
-    "Return Answer(impulse, status, work), or write an executable's answer file: impulses of the step, N s, (contacts, "
-    "dimension), normal first; whole numbers of work; a status, solved only where the residual is within the tolerance."
+    "A solver returns Answer(impulse, status, work), an executable writes an answer file: impulses of the step, N s, "
+    "(contacts, dimension), normal first; whole numbers of work; a status, solved only where the residual is within the "
+    "tolerance."
 )
 def ordinary_problems(subject: Subject) -> Violations:
     faults: dict[str, list[str]] = {}
     for problem in subject.takes(*ordinary()):
         subject.fault(problem)  # a fault of the first call alone is reported by first_calls
         faults.setdefault(subject.fault(problem), []).append(problem.summary)
-    yield from (f"{'; '.join(met)}: {fault}" for fault, met in faults.items() if fault)
+    yield from (f"{fault}, on {'; '.join(met)}" for fault, met in faults.items() if fault)
 
 
 @check("Copy arrays before changing them: those of the problem belong to the caller.")

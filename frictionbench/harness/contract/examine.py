@@ -66,15 +66,15 @@ def _examined(variant: str, plugins: tuple[Plugin, ...], jobs: int, progress: Pr
 
 
 def format_findings(results: Iterable[CheckResult]) -> str:
-    """Format the findings by variant: a line for each check, advice and violations if it failed, then how many passed."""
+    """Format the findings by variant: a line for each check, violations and advice if it failed, then how many passed."""
     lines, names = [], {check: check.replace("_", " ") for check in CHECKS}
     for variant, of_variant in groupby(results, key=lambda one: one.variant):
         checked = list(of_variant)
         lines.append(variant)
         for one in checked:
             advice = {None: CHECKS[one.check].advice, Verdict.TIMEOUT: HANGS}.get(one.failure, CRASHES)
-            lines.append(f"  failed  {names[one.check]}: {advice}" if one.violations else f"  passed  {names[one.check]}")
-            lines += [f"            {violation}" for violation in one.violations]
+            lines.append(f"  {'failed' if one.violations else 'passed'}  {names[one.check]}")
+            lines += [f"            {text}" for text in (*one.violations, advice) if one.violations]
         rest = [name for check, name in names.items() if check not in {one.check for one in checked}]
         lines += [f"  not tested before the above is mended  {', '.join(rest)}"] if rest else []
         failed = sum(bool(one.violations) for one in checked)
