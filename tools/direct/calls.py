@@ -199,34 +199,35 @@ def pinocchio(problem: Arrays, tol: float, **chosen: float) -> Called:
 
 def mujoco(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("mujoco")
-    nc, nv, d = len(problem.mu), len(problem.v), problem.d
-    model, data = _soft_contacts(nv, nc)
-    L, rows, offset = np.linalg.cholesky(dense(problem.M)), np.zeros((nc, 3, nv)), np.zeros((nc, 3))
-    rows[:, :d] = np.linalg.solve(L, dense(problem.J).T).T.reshape(nc, d, nv)
-    offset[:, :d] = problem.b.reshape(nc, d)
-    scale = np.square(rows).sum(axis=(1, 2)) / d
-    model.opt.iterations, softness = 1000, np.repeat(max(tol, 1e-7) * scale, 3)
-    data.efc_J[:], data.efc_aref[:] = rows.ravel(), -offset.ravel()
-    data.efc_R[:], data.efc_D[:] = softness, 1 / softness
+    (nc, nv, d), L = (len(problem.mu), len(problem.v), problem.d), np.linalg.cholesky(dense(problem.M))
+    _, _, G, h = program(problem)
+    J, b, directions = (dense(problem.J), problem.b, 3) if d == 3 else (-dense(G), h, 1)  # pyramids, as frictionless contacts
+    scale = np.square(np.linalg.solve(L, dense(problem.J).T)).sum(axis=0).reshape(nc, d).mean(axis=1)
+    soft = max(tol, 1e-7) * np.ones((nc, 3)) if d == 3 else max(tol, 1e-6) * np.minimum(1, problem.mu[:, None] ** [2, -2])
+    model, data = _soft_contacts(nv, len(b) // directions, directions)
+    model.opt.iterations, model.opt.tolerance = 1000, 0.0 if d == 3 else 1e-30
+    data.efc_J[:], data.efc_aref[:] = np.linalg.solve(L, J.T).T.ravel(), -b
+    data.efc_R[:] = (scale[:, None] * (soft if d == 3 else 2 * soft[:, [0, 0]])).ravel()
+    data.efc_D[:] = 1 / data.efc_R
     data.efc_margin[:] = data.efc_pos[:] = 0
-    mu = np.maximum(problem.mu, 1e-8)  # a contact whose elliptic cone has none is left out
-    data.contact.mu[:], data.contact.friction[:, :2] = mu, mu[:, None]
+    if d == 3:  # a contact whose elliptic cone has no friction is left out
+        data.contact.mu[:] = data.contact.friction[:, 0] = data.contact.friction[:, 1] = np.maximum(problem.mu, 1e-8)
     data.qacc_smooth[:] = data.qfrc_smooth[:] = L.T @ problem.v
     library.mj_fwdConstraint(model, data)
-    solved, soft = data.solver_niter[0] < 1000, softness.reshape(nc, 3)[:, :d]
-    return Called(data.efc_force.reshape(nc, 3)[:, :d].copy(), solved, softness=soft)
+    impulse = data.efc_force.reshape(nc, 3).copy() if d == 3 else of_multipliers(problem, data.efc_force)
+    return Called(impulse, data.solver_niter[0] < 1000, softness=scale[:, None] * soft)
 
 
 @cache
-def _soft_contacts(nv: int, nc: int) -> tuple[Any, Any]:
+def _soft_contacts(nv: int, nc: int, directions: int) -> tuple[Any, Any]:
     """Make a MuJoCo model of nv bodies of unit mass on slides and nc contacts, whose rows are then overwritten."""
     library: Any = import_module("mujoco")
     spheres = "".join(f'<geom type="sphere" size=".1" pos="{j} 0 .0999" contype="1" conaffinity="0"/>' for j in range(nc))
     slide = '<joint type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
     bodies = "".join(f"<body>{slide}{'' if i else spheres}</body>" for i in range(nv))
     model = library.MjModel.from_xml_string(
-        '<mujoco><option gravity="0 0 0" cone="elliptic" impratio="1" jacobian="dense" tolerance="0" solver="Newton">'
-        '<flag warmstart="disable" island="disable"/></option><default><geom condim="3"/></default><worldbody>'
+        '<mujoco><option gravity="0 0 0" cone="elliptic" impratio="1" jacobian="dense" solver="Newton">'
+        f'<flag warmstart="disable" island="disable"/></option><default><geom condim="{directions}"/></default><worldbody>'
         f'<geom type="plane" size="9999 9999 .1" contype="0" conaffinity="1"/>{bodies}</worldbody></mujoco>'
     )
     data = library.MjData(model)

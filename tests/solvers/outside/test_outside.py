@@ -169,17 +169,33 @@ def test_a_claim_for_a_perturbed_q_holds_of_the_given_one() -> None:
     assert ends == [Status.SOLVED, Status.SOLVED, Status.SOLVED, Status.STALLED]
 
 
-def test_whitened_rows_make_the_scaled_delassus_form() -> None:
-    for problem in (spatial(5), scene("stack", blocks=2, push=1.0).problem()):
-        (_, J, v, b, (counts, begins, columns, values)), dense = MuJoCo().form(problem), scaled_delassus(problem, (0, 1, 2))
-        d, own = problem.dimension, np.arange(3 * problem.contacts) % 3 < problem.dimension
-        assert (J @ J.T)[np.ix_(own, own)] == pytest.approx(dense.W[np.ix_(own, own)], abs=1e-12), d
-        assert J @ v + b == pytest.approx(dense.q, abs=1e-12)
-        compressed = np.zeros_like(J)
-        compressed[np.repeat(np.arange(len(J)), counts), columns] = values
-        assert np.array_equal(compressed, J)
-        assert np.array_equal(begins, np.cumsum(counts) - counts)
-        assert np.array_equal(counts, np.repeat(counts[::3], 3))
+@pytest.mark.parametrize(("friction", "m"), [(None, 3), (0.05, 3), (0.4, 2)])
+def test_whitened_rows_make_the_scaled_delassus_form(friction, m) -> None:
+    """In space, in the plane with elliptic cones, and with pyramids, whose rows are n +- mu t."""
+    problem = scene("stack", blocks=2, push=1.0, friction=friction).problem() if friction else spatial(5)
+    (_, J, v, b, _, (counts, begins, columns, values)), dense = MuJoCo().form(problem), scaled_delassus(problem)
+    if m == 2:
+        edges = np.kron(np.eye(problem.contacts), [[1, friction], [1, -friction]])
+    else:
+        edges = np.eye(3 * problem.contacts)[:, np.arange(3 * problem.contacts) % 3 < problem.dimension]
+    assert np.allclose(J @ J.T, edges @ dense.W @ edges.T, rtol=0, atol=1e-12)
+    assert J @ v + b == pytest.approx(edges @ dense.q, abs=1e-12)
+    compressed = np.zeros_like(J)
+    compressed[np.repeat(np.arange(len(J)), counts), columns] = values
+    assert np.array_equal(compressed, J)
+    assert np.array_equal(begins, np.cumsum(counts) - counts)
+    assert np.array_equal(counts, np.repeat(counts[::m], m))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.05, 0.1, 0.4, 3.0])
+def test_mujoco_states_the_softness_of_its_contacts(friction) -> None:
+    """Of pyramids what verification allows; with little friction, with which pyramids stall, of elliptic cones."""
+    installed("mujoco")
+    for legs in (2, 6):
+        answer = solve(problem := problem_of("redundant_table", speed=1.0, legs=legs, friction=friction), "mujoco", tol=1e-8)
+        least = 1e-7 * np.ones(2) if friction == 0.05 else 1e-6 * np.minimum(1, (friction or 1.0) ** np.array([2, -2]))
+        assert answer.softness == pytest.approx(problem.scale[:, None] * least)
+        assert verify(problem, answer, "regularised", 1e-8).model_residual <= 1e-8
 
 
 @pytest.mark.parametrize("spec", ["daqp", "osqp", "mujoco", "mujoco_boxqp", "nsgs"])
