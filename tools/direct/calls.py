@@ -117,15 +117,6 @@ def _dual(problem: Arrays, definite: float) -> tuple[np.ndarray, np.ndarray]:
     return H, g
 
 
-def mujoco_boxqp(problem: Arrays, tol: float) -> Called:
-    library: Any = import_module("mujoco")
-    H, g = _dual(problem, 1e-13)
-    n = len(g)
-    z, factor, index = np.zeros((n, 1)), np.zeros((n, n + 7)), np.zeros((n, 1), dtype=np.int32)
-    rank = library.mju_boxQP(z, factor, index, H, g[:, None], np.zeros((n, 1)), None)
-    return Called(of_multipliers(problem, z.ravel()), rank >= 0)
-
-
 def highs(problem: Arrays, tol: float, **settings: Any) -> Called:
     feasible = dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(tol / 10, 1e-10))
     library: Any = import_module("qpsolvers")
@@ -275,7 +266,6 @@ CALLS: dict[str, Call] = {
     "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0), joints=False),
     "ccp[backend=hipo]": Call(partial(highs, solver="hipo", ipm_optimality_tolerance=1e-12)),
     "casadi[method=qrqp]": Call(casadi_qrqp, most=20, joints=False),
-    "mujoco_boxqp[settings=default]": Call(mujoco_boxqp, most=100),
     "quantecon[settings=default]": Call(quantecon, most=100, by_matrix=True),
     "drake[method=unrevised]": Call(drake, most=20, by_matrix=True),
     "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100, by_matrix=True),

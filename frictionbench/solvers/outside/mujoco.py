@@ -1,6 +1,6 @@
-"""MuJoCo's constraint solvers on a given friction problem, and mju_boxQP, its only solver that takes matrices directly.
+"""MuJoCo's constraint solvers on a given friction problem.
 
-The contacts of the former are soft: Newton and CG minimise the relaxation with u = W r + q + R r, and R determines the distance
+The contacts are soft: Newton and CG minimise the relaxation with u = W r + q + R r, and R determines the distance
 from hard contacts, so that a ladder of tolerances is a sweep of R. Cones are elliptic, with R = max(tol, 1e-7) s at every
 contact. In the plane Newton's are pyramidal if no mu is between 0 and 0.1: two frictionless rows u_n +- mu u_t a contact, with
 multipliers z >= 0, r_n = z_1 + z_2 and r_t = mu (z_1 - z_2). An R_z on both rows is an R of R_z / 2 along n and R_z / (2 mu^2)
@@ -44,14 +44,12 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.scaled_delassus import SPACE, DualProgram, ScaledDelassus, dual_program, scaled_delassus
+from frictionbench.solvers.outside.scaled_delassus import SPACE, ScaledDelassus, scaled_delassus
 
 _ITERATIONS = {"newton": 1000, "cg": 2000}  # by default
 _CONES, _PYRAMIDS = (1e-7, 0.0), (1e-6, 1e-30)  # the least value of max(tol, ...), and MuJoCo's tolerance
 _LEAST_FRICTION = 0.1  # of pyramids, but for none
 _SEARCH = {"default": (0.01, 50), "tuned": (1e-8, 100)}  # ls_tolerance and ls_iterations
-_DEFINITE = 1e-13  # on a diagonal of about 1: the least with which mju_boxQP factorises redundant contacts
-_CALLS = 20
 
 # The scaling; rows J^ (m nc, nv), m = 3 a contact, normal first, or a pyramid's 2; w* (nv,) and b^ (m nc,); R of the rows, as a
 # multiple of the larger of tol and its least value (m nc,); J^ compressed.
@@ -138,52 +136,6 @@ def _template(nv: int, nc: int, directions: int, moving: int) -> tuple[Any, ...]
     names = "J_rownnz", "J_rowadr", "J_rowsuper", "aref", "R", "D", "margin", "pos"
     rows = (getattr(data, f"efc_{name}") for name in names)
     return model, data, (*rows, data.contact.mu, data.contact.friction[:, :2], data.qacc_smooth, data.qfrc_smooth)
-
-
-@solver(
-    "mujoco_boxqp",
-    family="outside",
-    model="relaxation",
-    needs=("mujoco",),
-    lacks=("friction_bias", "asymmetry"),
-    variants=("settings=default", "settings=tuned"),
-)
-class BoxQP:
-    """MuJoCo's mju_boxQP on the relaxation's dual. (outside)
-
-    settings: default or tuned. Work: calls.
-
-    Licence: Apache-2.0.
-    Form: that program, dense and dimensionless. Setup: none. Solve: mju_boxQP from z = 0.
-    Clock: around mju_boxQP.
-    Charged: some 4 µs more than a call by hand at 2 contacts, 10 at 20, .1 ms with the joints of 40: nearly all for the units
-        in which claims are judged, W with joints and what they lock, of which a call by hand computes less or nothing.
-    Settings: mju_boxQP stops after 100 iterations without saying so. default is one call; tuned calls it again from its own
-        answer until that no longer changes, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
-        'mujoco_boxqp' --solver 'mujoco_boxqp[settings=tuned]'`.
-    Tolerance: it takes none. Success is claimed where the 1e-13 changes H z by less than tol.
-    Flaws: it returns a rank and no measure of accuracy, so that an answer after 100 iterations looks like any other, as above.
-        The diagonal is felt with large mass ratios: `frictionbench solve 'stack[blocks=5,mass_ratio=1e8,push=1]' --solver
-        mujoco_boxqp`.
-    Reference: Tassa, Mansard and Todorov 2014, "Control-limited differential dynamic programming".
-    """
-
-    settings: str = "default"
-
-    def form(self, problem: FrictionProblem) -> DualProgram:
-        return dual_program(problem, _DEFINITE)
-
-    def solve(self, program: DualProgram, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        mujoco: Any = import_module("mujoco")
-        n, most = len(program.g), _CALLS if self.settings == "tuned" else 1
-        z, least, factor, g = np.zeros((n, 1)), np.zeros((n, 1)), np.zeros((n, n + 7)), program.g[:, None]
-        last, calls, rank = b"", 0, 0
-        begun = perf_counter()
-        while rank >= 0 and calls < most and z.tobytes() != last:
-            last, calls = z.tobytes(), calls + 1
-            rank = int(mujoco.mju_boxQP(z, factor, None, program.H, g, least, None))
-        clock = perf_counter() - begun
-        return program.answer(z.ravel(), rank >= 0, tol, f"rank {rank}", clock, calls=calls)
 
 
 @kernel

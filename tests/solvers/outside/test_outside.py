@@ -198,7 +198,7 @@ def test_mujoco_states_the_softness_of_its_contacts(friction) -> None:
         assert verify(problem, answer, "regularised", 1e-8).model_residual <= 1e-8
 
 
-@pytest.mark.parametrize("spec", ["daqp", "osqp", "mujoco", "mujoco_boxqp", "nsgs"])
+@pytest.mark.parametrize("spec", ["daqp", "osqp", "mujoco", "nsgs"])
 def test_a_problem_is_measured_for_one_law_only(spec) -> None:
     """The units of both laws would be a third of the time charged at 2 contacts."""
     _, solver = installed(spec)
