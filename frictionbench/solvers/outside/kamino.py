@@ -6,7 +6,8 @@ overwritten, and the problem is preconditioned as Kamino does.
 
 Licence: Apache-2.0 (Newton and Warp).
 Form: the dimensionless Delassus matrix, dense, with three rows a contact, (t1, t2, n); the second tangent of a planar one is
-    decoupled. Setup: the template, once per size. Solve: the transfer into it, the solver's solve, and reading the
+    decoupled. Setup: the template, once per size; up to 80 contacts it is factorised without blocks (LLTSequentialSolver),
+    above in blocks, as by default (LLTBlockedSolver). Solve: the transfer into it, the solver's solve, and reading the
     impulses. What Warp compiles and records for a size, some ten seconds, is not timed.
 Clock: none.
 Charged: both are made for many worlds at once on a graphics card. Their kernels are recorded once per size as a graph
@@ -39,6 +40,7 @@ from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, Scaled
 
 _KAMINO = "newton._src.solvers.kamino._src."
 _LEAST = 1e-7  # of residuals: a unit of rounding of impulses and velocities of size 1
+_SEQUENTIAL = 80  # contacts up to which the factorisation without blocks is the faster one on a processor
 _LIMITS = {"padmm": 2000, "apgd": 200}  # PADMM's iterations, and APGD's corrections of the shift, of 64 iterations each
 
 
@@ -117,7 +119,7 @@ def _template(nc: int, method: str) -> tuple[Any, ...]:
         parts["jacobians"] = import_module(kinematics + "jacobians").DenseSystemJacobians(
             model=model, limits=limits, contacts=contacts
         )
-        factor = import_module(_KAMINO + "linalg").LLTBlockedSolver
+        factor = getattr(import_module(_KAMINO + "linalg"), "LLTSequentialSolver" if nc <= _SEQUENTIAL else "LLTBlockedSolver")
         dual = import_module(_KAMINO + "dynamics.dual").DualProblem(**parts, solver=factor, sparse=False)
         if method == "padmm":
             padmm = import_module(solvers + "padmm")

@@ -3,7 +3,8 @@
 Licence: BSD-2-Clause by the text that it ships.
 Form: the dimensionless Delassus matrix, of which it reads a triangle, with three rows a contact, (t1, t2, n); the second
     tangent of a planar one is decoupled. Its diagonal is 1, for ADMM 4. It is dense, and sparse for ADMM above 60 contacts if
-    less than half full. Setup: the operator, a point contact model a contact. Solve: its solve, and reading the impulses.
+    less than half full. Setup: the operator, and the coefficients of friction in point contact models that are kept for each
+    number of contacts. Solve: its solve, and reading the impulses.
 Clock: the solver's getElapsedTime, with measure_timings on.
 Charged: on some problems it takes several times the iterations of a call by hand, which gives it W in units of kg and asks
     tol/10 of impulses and velocities as they are, and on others a fraction.
@@ -22,6 +23,7 @@ Flaws: ADMM without acceleration does not converge in 20 000 iterations with lar
 Reference: Carpentier, Le Lidec and Montaut 2024, "From compliant to rigid contact simulation"; Le Lidec and others 2024.
 """
 
+from functools import lru_cache
 from importlib import import_module
 from typing import Any
 
@@ -45,6 +47,20 @@ _TUNED: dict[str, dict[str, float]] = {
     "pgs": {"over_relaxation": 1.3},
 }
 Prepared = tuple[ScaledDelassus, Any, Any, Any]  # the operator, the contact models and their data
+
+
+@lru_cache(maxsize=8)
+def _contacts(nc: int) -> tuple[Any, Any, Any]:
+    """A point contact, and nc models of it with their data, whose coefficients of friction are overwritten."""
+    pin: Any = import_module("pinocchio")
+    body = pin.Model()
+    body.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
+    point = pin.PointContactConstraintModel(body, 0, pin.SE3.Identity(), 1, pin.SE3.Identity())
+    models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+    for _ in range(nc):
+        models.append(pin.ConstraintModel(point))
+        datas.append(models[-1].createData())
+    return point, models, datas
 
 
 @solver(
@@ -85,14 +101,10 @@ class Pinocchio:
         pin: Any = import_module("pinocchio")
         scaled, W = formed
         operator = (pin.DelassusOperatorSparse if sparse.issparse(W) else pin.DelassusOperatorDense)(W)
-        body = pin.Model()
-        body.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
-        models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-        for mu in scaled.friction:
-            point = pin.PointContactConstraintModel(body, 0, pin.SE3.Identity(), 1, pin.SE3.Identity())
+        point, models, datas = _contacts(len(scaled.friction))
+        for k, mu in enumerate(scaled.friction.tolist()):
             point.setFriction(mu)
-            models.append(pin.ConstraintModel(point))
-            datas.append(models[-1].createData())
+            models[k] = pin.ConstraintModel(point)
         return scaled, operator, models, datas
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:

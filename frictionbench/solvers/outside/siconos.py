@@ -30,10 +30,10 @@ Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy
     'siconos[method=lcp_lemke]' --solver 'siconos[method=lcp_lemke,settings=tuned]'`. lcp_pivot follows Lemke's rule by
     default; lcp_pivot_least_index is the same driver with LEAST_INDEX, `frictionbench solve redundant_table --solver
     'siconos[method=lcp_pivot]' --solver 'siconos[method=lcp_pivot_least_index]'`.
-Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus
-    and, for lcp_, solvers.pivots.dense_lcp. Where |r^| is larger it divides by that, and is called again from its own answer
-    with a smaller tolerance, unless that answer's error is small enough. The drivers of friction_2d_ begin at 0 whatever their
-    guess is: they are asked at once for eps over 2 sqrt(contacts), as impulses add up in piles.
+Tolerance: eps/2, for friction_3d_admm tuned eps/4, over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in
+    solvers.outside.scaled_delassus and, for lcp_, solvers.pivots.dense_lcp. Where |r^| is larger it divides by that, and is
+    called again from its own answer with a smaller tolerance, unless that answer's error is small enough. The drivers of
+    friction_2d_ begin at 0 whatever their guess is: they are asked at once for eps over 2 sqrt(contacts), as impulses add up.
 Flaws: friction_2d_lemke returns 0 for wrong answers, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
     'siconos[method=friction_2d_lemke]'`; so at times do friction_2d_cpg and global_friction_3d_ipm. ipm and nsn_fb end in
     failed assertions, and fixed points (aclmfp, tfp) reach the time limit on difficult problems. ONECONTACT_NSN fails where the
@@ -147,7 +147,7 @@ class Siconos:
             "integers": {"SICONOS_LCP_IPARAM_PIVOTING_METHOD_TYPE": 2} if self.method.endswith("_least_index") else integers,
             "reals": reals,
             "local": "FRICTION_3D_ONECONTACT_NSN" if self.settings == "newton" and (message["mu"] > 0).all() else "",
-            "eps": tol * given.share / 2,
+            "eps": tol * given.share / (4 if (self.method, self.settings) == _LARGER[1] else 2),
             "size": size * (2 * np.sqrt(len(message["mu"])) if kind == "friction_2d" else 1.0),
             "limit": limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000),
             "start": np.zeros(len(given.q)) if start is None or isinstance(given, DenseLCP) else given.guess(start),
