@@ -219,7 +219,7 @@ def compare(
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits, accept as accept_run, compare as compare_runs
 
-    only = "--history, --accept and --confirm with --out exclude each other"
+    only = "neither --history nor --accept can be combined with the other, with --confirm or with --out"
     require(history + accept + (confirm or out is not None) < 2, "history" if history else "accept", only)
     if history:
         typer.echo(over_time(lines(runs)))
@@ -234,6 +234,7 @@ def compare(
         typer.echo(accepted)
         return
     require(confirm or not (code or solver), "confirm", "--code and --solver say what --confirm runs; give it as well")
+    require(slowdown < float("inf"), "slowdown", "must be finite")
     limits = Limits(slowdown, times=not no_times, rank_by=rank_by)
     comparison = compare_runs(baseline, folder, limits)
     if confirm:
