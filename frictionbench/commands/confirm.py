@@ -22,6 +22,7 @@ import pandas as pd
 
 from frictionbench.commands.stored_cell import trusted
 from frictionbench.harness import machine, process
+from frictionbench.harness.dependencies import unquoted
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import scratch_folder
@@ -93,7 +94,7 @@ def confirmed(
         others, untimed = dict[str, list[str]](), ""
         for *base, ran in _alternating([before, now] if before else [now], options, scratch, limits.rank_by, most, tell):
             for other in chain(*other_loads(current, ran, alone=False).values()):
-                raise InputError(f"DIR: {DIFFERS.format(current.path, other)}")
+                raise InputError(f"DIR: {DIFFERS.format(current.path, f'{other}, or it cannot be read')}")
             pairs.append(((base or [stored])[0].table, ran.table))
             for again in base:
                 others |= other_loads(stored, again)
@@ -144,11 +145,12 @@ def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Ce
     for variant, names in other_loads(stored, before).items():
         known, then = (side.loaded.get(variant, {}) for side in (stored, before))
         for name in names:
-            path = Path(before.places.get(variant, {}).get(name, ""))
+            place = before.places.get(variant, {}).get(name, "")
+            path = Path(unquoted(place))
             is_tested = any(map(path.resolve().is_relative_to, tested)) and not path.resolve().is_relative_to(ENVIRONMENT)
             if name not in then:
                 return f"{variant} loads no {name} there, as for the baseline; {GIVE_BASELINE}"
-            if name in known and str(path) in after.places.get(variant, {}).values() and path.is_absolute() and is_tested:
+            if name in known and place in after.places.get(variant, {}).values() and path.is_absolute() and is_tested:
                 return f"both versions run the current {name}, not the baseline's; {GIVE_BASELINE}, or --no-times"
     return ""
 

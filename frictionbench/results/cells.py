@@ -21,14 +21,16 @@ from frictionbench.problems.verdicts import RANK, Verdict, measured
 from frictionbench.results import baseline
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import RankBy, json_object, scene_title
-from frictionbench.results.files import ResultsError, printable
+from frictionbench.results.files import ResultsError
 from frictionbench.results.store import read_manifest, read_table
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
 FAILURES = ("steps_not_done", "unsolved_problems")  # counters of failures within a simulation or a batch
 LARGEST_COUNT = 10**18  # largest number accepted as a count
+COUNTS = r"(?:(?:[^,]* )?\d{1,18}(?:, (?!$)|$))*"  # texts made by format_counts
 RESIDUAL_ROUNDING = 1.1  # allowance for a baseline's residuals, which have two digits
+UNKNOWN = "-"  # in place of a hash: the content could not be read
 SHORT_HASH = 12  # characters of a hash in a baseline
 ENOUGH_REPEATS = 5  # repeats among which there is usually an undisturbed one
 
@@ -64,8 +66,10 @@ def read(path: Path, rank_by: RankBy = RankBy.BODIES) -> Cells:
 
     Errors: ResultsError naming the file and what is wrong with it."""
     cells = _of_baseline(path) if path.is_file() else _of_folder(path, rank_by)
-    if unknown := set(cells.table["verdict"]) - RANK.keys():
-        raise ResultsError(f"{path}: unknown verdict {min(unknown)!r}")
+    limits, works = cells.table["limit"].between(0, np.inf, "neither"), cells.table["work"].str.fullmatch(COUNTS)
+    for column, known in ("verdict", cells.table["verdict"].isin(RANK)), ("limit", limits), ("work", works):
+        for value in cells.table.loc[~known, column].head(1):
+            raise ResultsError(f"{path}: unknown {column} {str(value)!r}")
     if cells.table.index.has_duplicates:
         twice = cells.table.index[cells.table.index.duplicated()][0]
         raise ResultsError(f"{path}: duplicate key {twice!r}")
@@ -100,7 +104,7 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
         code=manifest.get("versions", {}).get("frictionbench", ""),
         made=str(manifest.get("finished") or manifest.get("started") or ""),
         sources=sources(settings),
-        loaded={name: {part: hashes.get(place, "-") for part, place in paths.items()} for name, paths in places.items()},
+        loaded={name: {part: hashes.get(place, UNKNOWN) for part, place in paths.items()} for name, paths in places.items()},
         finished=bool(manifest.get("finished")),
         places=places,
     )
@@ -165,8 +169,7 @@ def _places(manifest: dict[str, Any]) -> dict[str, dict[str, str]]:
     which is the same on other machines."""
     places = {}
     for variant, source in sources(manifest["settings"]).items():
-        named, ends = manifest.get("loaded", {}).get(source, {}), dict[str, list[str]]()
-        loaded = {printable(name).replace(";", ","): place for name, place in named.items()}  # as a baseline can state them
+        loaded, ends = manifest.get("loaded", {}).get(source, {}), dict[str, list[str]]()
         for name in loaded:
             parts = Path(name).parts
             ends[name] = ["/".join(parts[k:]) for k in reversed(range(len(parts)))] if name.startswith("/") else [name]
@@ -215,8 +218,8 @@ def format_counts(work: dict[str, int]) -> str:
 
 def parse_counts(line: str) -> dict[str, int]:
     """Return the counters in a text made by format_counts."""
-    parts = (part.rpartition(" ") for part in line.split(", "))
-    return {name: int(count) for name, _, count in parts if count.isdecimal() and int(count[:20]) < LARGEST_COUNT}
+    parts = (part.rpartition(" ") for part in line.split(", ") if part)
+    return {name: int(count) for name, _, count in parts}
 
 
 def rounded(value: float, digits: int) -> str:

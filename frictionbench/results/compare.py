@@ -15,7 +15,7 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.results import baseline as baselines, changes
-from frictionbench.results.cells import Cells, read, rounded
+from frictionbench.results.cells import UNKNOWN, Cells, read, rounded
 from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import ResultsError
@@ -124,7 +124,7 @@ def _unusable(old: Cells, new: Cells) -> str:
     limits = pd.concat([side.measured["limit"] for side in (old, new)], axis=1, join="inner", keys=["before", "after"])
     if limits.empty:
         return "no cell was measured in both runs"
-    longer = limits[limits["after"] > limits["before"] + LIMIT_ROUNDING * limits["before"].abs()]
+    longer = limits[limits["after"] > (1 + LIMIT_ROUNDING) * limits["before"]]
     for _, (before, after) in longer.head(1).iterrows():
         return f"{new.path}: has a longer time limit, {after:g} s in place of {before:g} s, which a slower solver needs"
     return ""
@@ -157,12 +157,13 @@ def other_loads(recorded: Cells, before: Cells, alone: bool = True) -> dict[str,
     """Return by variant the names of files that the baseline's code now loads with another content than when the baseline was
     made or, if `alone`, that only one of the two loaded. Its results then do not show what the baseline's version does here.
 
-    The suite's own libraries, whose versions are recorded, may be loaded in one run and not in the other.
+    The suite's own libraries, whose versions are recorded, may be loaded in one run and not in the other. An unknown content is
+    another one.
     """
     names_by_variant: dict[str, list[str]] = {}
     for variant in before.table["variant"].unique():
         known, then = recorded.loaded.get(variant, {}), before.loaded.get(variant, {})
-        other = {name for name in known.keys() | then.keys() if known.get(name) != then.get(name)}
+        other = {name for name in known.keys() | then.keys() if known.get(name) != then.get(name) or known[name] == UNKNOWN}
         both = known.keys() & then.keys()
         names = [name for name in other if name in both or (alone and "." not in (known | then)[name])]
         names_by_variant |= {variant: sorted(names)} if names else {}

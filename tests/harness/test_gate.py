@@ -4,6 +4,7 @@ import json
 import os
 import py_compile
 import re
+import shutil
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -14,13 +15,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from numba.core import config
+from scipy._lib import _ccallback_c
 
 from frictionbench.commands.confirm import of_another_version, require_whole, run_options
 from frictionbench.harness import dependencies
 from frictionbench.harness.cells import batch, timing, worker
 from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.plans.choose import RunOptions, choose
-from frictionbench.harness.plans.plan import BatchCell, Source
+from frictionbench.harness.plans.plan import BatchCell, Plugin, Source
 from frictionbench.harness.workers import supervisor
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem
@@ -153,7 +155,7 @@ def test_what_both_versions_load_dismisses_nothing(tmp_path: Path) -> None:
     solved, worse = [solve_row("a", "p")], [unanswered_row("a", "p", "crashed")]
     before, after = loaded_by(tmp_path / "before", "2", solved), loaded_by(tmp_path / "after", "3", worse)
     accept(before, tmp_path / "made.tsv")
-    limits = Limits(times=False)
+    unread, limits = cells.read(loaded_by(tmp_path / "unread", "", solved)), Limits(times=False)
     for old in (before, tmp_path / "made.tsv"):
         first, now, recorded = compare(old, after, limits), cells.read(after), cells.read(old)
         equal = other_loads(recorded, now)
@@ -161,6 +163,7 @@ def test_what_both_versions_load_dismisses_nothing(tmp_path: Path) -> None:
         stands = confirm(first, [(now.table, now.table)], True, limits, equal)
         assert stands.exit_code == 1
         assert "the version of --code loads wrapped with another content than the baseline was made with" in markdown(stands)
+        assert other_loads(unread, unread) == {"a": ["wrapped"]}
         assert other_loads(recorded, recorded) == {}  # in an environment with the package as it was
 
 
@@ -198,26 +201,32 @@ sys.path[:0] = [{home!r} + '/one', {home!r} + '/two', {home!r}]
 import wrapped, spread.first, spread.second
 """
 READS = (
-    "import sched, numpy, runpy; runpy.run_path({home!r} + '/run.py'); "
+    "import ctypes, sched, numpy, runpy; runpy.run_path({home!r} + '/run.py'); "
     "[numpy.load({home!r} + place) for place in ('/a.npy', '/two/a.npy')]; "
     "open({home!r}.encode() + b'/named.txt').close(); open({home!r} + '/both.txt', 'r+').close(); import os, subprocess; "
     "subprocess.run(['./run.sh'], cwd={home!r}); subprocess.run('sh.sh', shell=True, env={{'PATH': {home!r}}}); "
     "os.system({home!r} + '/by_os.sh 1'); import multiprocessing; fork = multiprocessing.get_context('fork'); "
-    "opened = (numpy.load, 'child.npy'), (open, 'made.txt', 'w'), (open, 'made.txt'); "
+    "opened = (numpy.load, 'child.npy'), (open, 'made.txt', 'w'), (open, 'made.txt'), (ctypes.CDLL, 'child.so'); "
     "children = [fork.Process(target=call, args=({home!r} + '/' + name, *mode)) for call, name, *mode in opened]; "
-    "[child.start() or child.join() for child in children]"
+    "[child.start() or child.join() for child in children]; [open({home!r} + '/' + name).close() for name in {odd!r}]; "
+    "import contextlib, _ctypes; _ctypes.dlclose(ctypes.CDLL({home!r} + '/closed.so')._handle)\n"
+    "        for name in ({home!r} + '/loop', '/proc/1/ns/mnt'):\n            with contextlib.suppress(OSError): open(name)"
 )
 ARRAYS = ("a.npy", "two/a.npy", "child.npy")
-READ = (*ARRAYS, "wrapped/to/one.py", "run.py", "named.txt", "both.txt", "run.sh", "sh.sh", "by_os.sh", "sched.py")
+ODD = ("x.nbi", "x.pyc", "Gr\udcfc\u200d; ..dat", "1\x01.dat", "1\x02.dat", "1% .dat", "1;.dat", "1,.dat")
+LIBRARIES = ("closed.so", "child.so")
+TEXTS = ("wrapped/to/one.py", "run.py", "named.txt", "both.txt", "run.sh", "sh.sh", "by_os.sh", "sched.py")
+READ = (*ARRAYS, *LIBRARIES, *ODD, *TEXTS)
 OTHERS = ("two/spread/second.py", *READ[1:], "problem.npz")
-SPREAD = {"spread": "one/spread", "spread 2": "two/spread"}  # a package of two folders
+SPREAD = {"spread": "one/spread", "spread:2": "two/spread"}  # a package of two folders
 
 
 @pytest.mark.parametrize(
     "changed", ["wrapped/core.py", "a.npy", *(pytest.param(name, marks=pytest.mark.slow) for name in OTHERS)]
 )
 def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: Path) -> None:
-    """A module of the wrapped packages, files that the solver reads and programs that it starts, the file of a problem."""
+    """A module of the wrapped packages, files that the solver reads and programs that it starts, libraries that it closes or
+    that its child loads, the file of a problem. A path that cannot be resolved is no error."""
     for folder, module in ("one", "first"), ("two", "second"):
         (tmp_path / folder / "spread").mkdir(parents=True)
         (tmp_path / folder / "spread" / f"{module}.py").write_text("GAIN = 1.0", encoding="utf-8")
@@ -227,26 +236,31 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     (tmp_path / "wrapped" / "core.py").write_text("GAIN = 1.0", encoding="utf-8")
     for name in ARRAYS:
         np.save(tmp_path / name, np.ones(3))
-    for name in READ[len(ARRAYS) :]:
+    for name in (*ODD, *TEXTS):
         (tmp_path / name).write_text("#!/bin/sh" if name.endswith(".sh") else "1", encoding="utf-8")
         (tmp_path / name).chmod(0o755)
+    for name in LIBRARIES:
+        shutil.copy(_ccallback_c.__file__, tmp_path / name)
+    (tmp_path / "loop").symlink_to("loop")
     save(block(), tmp_path / "problem.npz")
     home = str(tmp_path)
-    plugin = write(tmp_path / "guest.py", first=WRAPPER.format(home=home), body=READS.format(home=home))
+    plugin = write(tmp_path / "guest.py", first=WRAPPER.format(home=home), body=READS.format(home=home, odd=ODD))
     source = Source("mine", {"file": "problem.npz"}, file=str(tmp_path / "problem.npz"))
 
     def again() -> None:
-        run_of(tmp_path / "run", plugin, sources=(source,))
+        assert set(run_of(tmp_path / "run", plugin, sources=(source,))["verdict"]) == {"unsolved"}
 
     again()
     loaded = store.read_manifest(tmp_path / "run")["loaded"][str(plugin)]
+    read = [str(tmp_path / place) for place in READ]
+    assert [dependencies.unquoted(dependencies.quoted(path)) for path in read] == read
     found = {name: place for name, place in loaded.items() if not place.startswith(dependencies.VERSION)}
     named = {name: str(tmp_path / place) for name, place in SPREAD.items()} | {"wrapped": str(tmp_path / "wrapped")}
-    assert found == {"guest.py": str(plugin)} | named | {str(tmp_path / place): str(tmp_path / place) for place in READ}
+    assert found == {"guest.py": str(plugin)} | named | {path: path for path in map(dependencies.quoted, read)}
     again()
     (tmp_path / changed).write_bytes((tmp_path / changed).read_bytes() + b" ")
     place = changed if changed in (*READ, "problem.npz") else changed.rpartition("/")[0]
-    with pytest.raises(ResultsError, match=f"{tmp_path / place}: has another content"):
+    with pytest.raises(ResultsError, match=f"{dependencies.quoted(str(tmp_path / place))}: has another content"):
         again()
 
 
@@ -288,9 +302,7 @@ def test_command_of_an_executable_is_recorded(tmp_path: Path) -> None:
     program = tmp_path / "solve.sh"
     program.write_text("#!/bin/sh\n", encoding="utf-8")
     program.chmod(0o755)
-    plugins = [
-        dependencies.Plugin(f"exec:{program} {words} {{problem}} {{answer}}", "content", {}) for words in ("--exact", "--fast")
-    ]
+    plugins = [Plugin(f"exec:{program} {words} {{problem}} {{answer}}", "content", {}) for words in ("--exact", "--fast")]
     exact, fast = (dependencies.initial_content(small_plan(plugins=(plugin,)))["loaded"][plugin.source] for plugin in plugins)
     assert exact["solve.sh"] == fast["solve.sh"] == str(program)
     assert exact["command"] != fast["command"]

@@ -34,7 +34,7 @@ def unanswered_row(variant: str, problem: str, verdict: str, tol: float = 1e-8, 
 
 def simulation_row(variant: str, **given: Any) -> dict[str, Any]:
     """A simulation of three steps that loses half of its energy."""
-    row: dict[str, Any] = {"key": f"simulation-{variant}", "scene": "bar", "parameters": "{}"}
+    row: dict[str, Any] = {"key": f"simulation-{variant}", "scene": "bar", "parameters": "{}", "time_limit": 10.0}
     row |= dict.fromkeys(("solver", "variant"), variant)
     row |= {"tol": 1e-8, "verdict": "solved", "host": "here", "scheme": "stepping", "energy_scale": 2.0, "energy_drift": -0.5}
     return row | {"times": [0.0, 0.1, 0.2], "energies": [2.0, 1.5, 1.0], "penetrations": [0.0] * 3} | given

@@ -4,8 +4,9 @@ import json
 
 import pytest
 
+from frictionbench.harness.dependencies import quoted
 from frictionbench.reports.comparison import history as runs_over_time
-from frictionbench.results import cells
+from frictionbench.results import baseline as baselines, cells
 from frictionbench.results.compare import accept, compare
 from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import SCHEMA_VERSION
@@ -70,6 +71,21 @@ def test_other_files_are_not_overwritten(tmp_path):
         accept(run(tmp_path / "broken", finished=""), tmp_path / "other.tsv")
 
 
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [("verdict", "great"), *(("limit", limit) for limit in ("", "nan", "inf", "-1")), ("work", "pivots nan")]
+    + [("work", f"pivots {count}") for count in (-5, 10**30)],
+)
+def test_unknown_values_are_refused(column, value, tmp_path):
+    """Also where the hash is that of the changed lines: they would turn a check off."""
+    made, path = run(tmp_path / "run"), tmp_path / "made.tsv"
+    accept(made, path)
+    facts, rows = baselines.read(path)
+    rows[0][1 + baselines.COLUMNS.index(column)] = value
+    baselines.write(path, facts, [(*row[1:], row[0]) for row in rows])
+    assert f"unknown {column} " in compare(path, made).unusable
+
+
 def test_incomparable_runs_are_not_accepted(tmp_path):
     accept(run(tmp_path / "run"), path := tmp_path / "made.tsv")
     text = path.read_bytes()
@@ -103,9 +119,9 @@ def test_history_uses_common_cells(tmp_path):
 def test_names_with_the_separators_of_a_baseline(tmp_path):
     """Else what a plug-in loaded would be unknown, and a version of --code that lacks it would not be refused."""
     settings = SETTINGS | {"plugins": [{"source": "a.py", "solvers": {"a": {}, "a[file=c:x]": {}}}]}
-    loaded = {"a.py": "/x/a.py", "/x/t; 2.txt": "/x/t; 2.txt", "/x/t\n3: 4.txt": "/x/t 3: 4.txt"}
+    loaded = {quoted(name): quoted(name) for name in ("/x/a.py", "/x/t; 2.txt", "/x/t\n3: 4.txt")}
     content = {place: str(i) * 64 for i, place in enumerate(loaded.values())}
     accept(run(tmp_path / "run", settings=settings, loaded={"a.py": loaded}, content=content), tmp_path / "made.tsv")
     for path in "made.tsv", "run":
         known = cells.read(tmp_path / path).loaded["a[file=c:x]"]
-        assert known == {"a.py": "0" * 12, "t, 2.txt": "1" * 12, "t 3: 4.txt": "2" * 12}
+        assert known == {"a.py": "0" * 12, "t%3B%202.txt": "1" * 12, "t%0A3:%204.txt": "2" * 12}

@@ -221,15 +221,16 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
         os.setsid()
         process.close_all_but(tasks.fileno(), replies)
         folder, plugin_files, _ = settings
+        loaded: Callable[[], dependencies.Loaded] = dict
         sandbox.tolerate_unusable_caches()
+        os.environ["TMPDIR"] = tempfile.tempdir = str(child.scratch)
         if child.owner:
             kernels = child.scratch.with_name(sha256(f"{folder}\0{child.owner}".encode()).hexdigest())
             kernels.mkdir(exist_ok=True)
             sandbox.confine(sandbox_kind, folder, plugin_files, kernels, child.scratch)
             sandbox.use_scratch(child.scratch, kernels)
-            dependencies.watch(folder)
-        os.environ["TMPDIR"] = tempfile.tempdir = str(child.scratch)
-        worker.start(child.deadline, core, settings, lambda: _write(replies, loaded=dependencies.loaded()))
+            loaded = dependencies.LoadWatch(folder).loaded
+        worker.start(child.deadline, core, settings, lambda: _write(replies, loaded=loaded()))
     except (OSError, ValueError) as error:
         _write(replies, reason=str(error) if isinstance(error, InputError) else f"workers: {error}")
         return
@@ -253,7 +254,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
             os._exit(0)
         os.chdir(home)
         signal.pthread_sigmask(signal.SIG_SETMASK, ())
-        _write(replies, **reply, helpers=living(), loaded=dependencies.loaded())
+        _write(replies, **reply, helpers=living(), loaded=loaded())
 
 
 class _Compilation(event.Listener):
