@@ -104,19 +104,6 @@ def quadprog(problem: Arrays, tol: float) -> Called:
     return Called(of_multipliers(problem, library.solve_qp(dense(P), -q, -dense(C).T, -c, joints)[4][joints:]), True)
 
 
-def _dual(problem: Arrays, definite: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return H and g of the relaxation's dual min z'Hz/2 + g'z, z >= 0, with an increased diagonal."""
-    _, _, G, h = program(problem)
-    inverse, v = problem.inverse, problem.v
-    if len(problem.f):  # on the velocities that the joints leave
-        response = dense(inverse @ problem.F.T)
-        held = np.linalg.solve(problem.F @ response, np.column_stack([response.T, problem.F @ v - problem.f]))
-        inverse, v = inverse - response @ held[:, :-1], v - response @ held[:, -1]
-    H, g = dense(G @ inverse @ G.T), h - G @ v
-    H[np.diag_indices(len(g))] *= 1 + definite
-    return H, g
-
-
 def highs(problem: Arrays, tol: float, **settings: Any) -> Called:
     feasible = dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(tol / 10, 1e-10))
     library: Any = import_module("qpsolvers")
@@ -126,21 +113,6 @@ def highs(problem: Arrays, tol: float, **settings: Any) -> Called:
     # as solve_problem, whose own argument `solver` would hide HiGHS' option
     found = import_module("qpsolvers.solvers").solve_function["highs"](asked, **feasible, **settings)
     return Called(of_multipliers(problem, np.zeros(len(h)) if found.z is None else found.z), found.found)
-
-
-def casadi_qrqp(problem: Arrays, tol: float) -> Called:
-    H, g = _dual(problem, 1e-12)
-    made = _qrqp(len(g))
-    found = made(h=H, g=g, lbx=0.0, ubx=np.inf)
-    return Called(of_multipliers(problem, np.array(found["x"]).ravel()), made.stats()["success"])
-
-
-@cache
-def _qrqp(n: int) -> Any:
-    """Return CasADi's solver object, which is made for one sparsity pattern."""
-    library: Any = import_module("casadi")
-    silent = {"print_iter": False, "print_header": False, "print_info": False, "error_on_fail": False}
-    return library.conic("solver", "qrqp", {"h": library.Sparsity.dense(n, n), "a": library.Sparsity(0, n)}, silent)
 
 
 def quantecon(problem: Arrays, tol: float) -> Called:
@@ -265,7 +237,6 @@ CALLS: dict[str, Call] = {
     "ccp[backend=highs]": Call(highs, joints=False),
     "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0), joints=False),
     "ccp[backend=hipo]": Call(partial(highs, solver="hipo", ipm_optimality_tolerance=1e-12)),
-    "casadi[method=qrqp]": Call(casadi_qrqp, most=20, joints=False),
     "quantecon[settings=default]": Call(quantecon, most=100, by_matrix=True),
     "drake[method=unrevised]": Call(drake, most=20, by_matrix=True),
     "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100, by_matrix=True),

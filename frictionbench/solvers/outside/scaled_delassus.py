@@ -26,8 +26,6 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.forms.delassus import largest
-from frictionbench.problems.forms.relaxation import EDGES, multiplied
 from frictionbench.solvers.interface import Answer, Status, impulses
 
 PLANE, SPACE, TANGENTS_FIRST = (0, 1), (0, 1, 2), (2, 0, 1)
@@ -151,50 +149,3 @@ def entries(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
                     triplets[at, 2] = E[i] * block[k, min(a, d - 1), min(b, d - 1)] * E[j]
                     at += 1
     return triplets
-
-
-class DualProgram(NamedTuple):
-    """The relaxation's dual in the plane: min ½ z'H z + g'z over z >= 0 (2 nc,).
-
-    The cone's two edges generate every impulse, r^ = G z with G_i = [1 1; mu -mu]: H = G'W^ G with `definite` on the diagonal,
-    g = G'q^.
-    """
-
-    scaled: ScaledDelassus
-    H: Array
-    g: Array
-    definite: float
-
-    def answer(self, z: Array, solved: bool, tol: float, detail: str = "", clock: float | None = None, **work: int) -> Answer:
-        """The answer of z: a claim if `definite`, which makes H z wrong by as many times z, leaves errors within tol."""
-        exact = self.definite * largest(z, 1) <= tol * self.scaled.share
-        status = (Status.SOLVED if exact else Status.STALLED) if solved else Status.FAILED
-        r = multiplied(EDGES, self.scaled.friction, np.zeros(len(z) // 2), z).ravel()
-        return self.scaled.answer(r, status, detail, clock, **work)
-
-
-def dual_program(problem: FrictionProblem, definite: float) -> DualProgram:
-    """The relaxation's dual in the plane, with `definite` added to the diagonal."""
-    units = problem.relaxation_units  # with them, the scale and q are computed, which are the same for both laws
-    scale, mu = problem.scale, problem.friction
-    (E, q, theta, share), H, g = _dual(*problem.blocks, scale, mu, problem.q, units, definite)
-    return DualProgram(ScaledDelassus(_NOT_WRITTEN, q, mu, E, theta, share, scale, (len(mu), 2), PLANE), H, g, definite)
-
-
-@kernel
-def _dual(first, neighbours, block, scale, mu, q, units, definite):  # type: ignore[no-untyped-def]
-    """E, q^, theta and share; H and g."""
-    scaled = _scaled_vector(scale, mu, q, units, 2, PLANE, 1.0)
-    W, q, nc = _dense(first, neighbours, block, scaled[0], PLANE), scaled[1], len(mu)
-    H, g = np.empty((2 * nc, 2 * nc)), np.empty(2 * nc)
-    for i in range(nc):
-        for s in range(2):
-            a = mu[i] if s == 0 else -mu[i]
-            row = 2 * i + s
-            g[row] = q[2 * i] + a * q[2 * i + 1]
-            for j in range(nc):
-                n = W[2 * i, 2 * j] + a * W[2 * i + 1, 2 * j]
-                t = mu[j] * (W[2 * i, 2 * j + 1] + a * W[2 * i + 1, 2 * j + 1])
-                H[row, 2 * j], H[row, 2 * j + 1] = n + t, n - t
-            H[row, row] += definite
-    return scaled, H, g
