@@ -122,6 +122,22 @@ def quantecon(problem: Arrays, tol: float) -> Called:
     return Called(of_lcp(problem, found.z), found.success)
 
 
+def casadi(problem: Arrays, tol: float) -> Called:
+    M, q = lcp(problem)
+    made = _ipopt(len(q), tol)
+    found = made(x0=0.0, lbx=0.0, lbg=0.0, ubg=0.0, p=np.concatenate([M.ravel("F"), q]))
+    return Called(of_lcp(problem, np.array(found["x"]).ravel()[: len(q)]), made.stats()["success"])
+
+
+@cache
+def _ipopt(n: int, tol: float) -> Any:
+    library: Any = import_module("casadi")
+    z, w, M, q = (library.MX.sym(name, *size) for name, *size in (("z", n), ("w", n), ("M", n, n), ("q", n)))
+    options = {"print_level": 0, "sb": "yes", "tol": max(tol**2, 1e-15), "bound_relax_factor": 0.0}
+    program = {"x": library.veccat(z, w), "p": library.veccat(M, q), "f": library.dot(z, w), "g": M @ z + q - w}
+    return library.nlpsol("made", "ipopt", program, {"ipopt": options, "print_time": False})
+
+
 def drake(problem: Arrays, tol: float) -> Called:
     library: Any = import_module("pydrake.solvers")
     M, q = lcp(problem)
@@ -238,6 +254,7 @@ CALLS: dict[str, Call] = {
     "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0), joints=False),
     "ccp[backend=hipo]": Call(partial(highs, solver="hipo", ipm_optimality_tolerance=1e-12)),
     "quantecon[settings=default]": Call(quantecon, most=100, by_matrix=True),
+    "casadi[settings=tuned]": Call(casadi, most=20, by_matrix=True),
     "drake[method=unrevised]": Call(drake, most=20, by_matrix=True),
     "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100, by_matrix=True),
     "pinocchio[method=admm,settings=tuned]": Call(

@@ -37,6 +37,7 @@ class CasADi:
     Licence: CasADi LGPL-3.0; it bundles Ipopt (EPL-2.0).
     Form: the friction LCP's M, scaled, and q. Setup: M's compressed columns. Solve: the call, from 0, of CasADi's solver
         object, which is made once for each tolerance and sparsity.
+    Clock: none.
     Settings: their defaults, without output, and that derivatives are constant. Ipopt relaxes bounds by bound_relax_factor =
         1e-8; tuned is 0, `frictionbench solve 'stack[blocks=5,push=1]' --solver casadi --solver 'casadi[settings=tuned]'`.
     Tolerance: tol = (eps/10)^2, not less than 1e-15, as z'w is a product, eps as in solvers.pivots.dense_lcp, and success is

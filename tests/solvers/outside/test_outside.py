@@ -40,13 +40,13 @@ EASY = {
 }
 # Where these end without a solution, or without knowing that they have it: see docs/fairness.md.
 UNABLE = {
-    *(("casadi", name) for name in ("sliding", "two boxes", "jointed", "in space")),
+    *(("casadi[settings=default]", name) for name in ("sliding", "two boxes", "jointed", "in space")),
     *((f"siconos[method=lcp_pivot{r}]", name) for r in ("", "_least_index") for name in ("two boxes", "jointed", "in space")),
     *(("siconos[method=friction_2d_cpg]", name) for name in ("sliding", "frictionless")),
     *((f"pinocchio[method=pgs{tuned}]", "in space") for tuned in ("", ",settings=tuned")),
     *((f"mujoco[method=cg{tuned}]", "two boxes") for tuned in ("", ",settings=tuned")),
     *((f"siconos[method={method}]", "frictionless") for method in ("lcp_pivot", "friction_3d_nsn_fb")),
-    ("casadi", "frictionless"),
+    ("casadi[settings=default]", "frictionless"),
     ("siconos[method=lcp_lemke]", "in space"),
     ("siconos[method=lcp_newton_fb_fblsa]", "two boxes"),
     ("siconos[method=friction_3d_dsfp]", "two boxes"),
