@@ -24,12 +24,12 @@ def summary(folder: Path) -> str:
     judged = read_judged(folder)
     touching, beside = len(judged.touching), judged.beside
     without, idle = len(judged.steps) - touching, touching - min((other["steps"] for other in beside), default=touching)
-    lines = [f"{count(touching, 'step')} with contacts judged by Coulomb's law, {without} without contact"]
+    name = printable(str(judged.rows["scene"].iloc[0]))
+    lines = [f"{name}: {count(touching, 'step')} with contacts judged by Coulomb's law, {without} without contact"]
     lines += [f"left out of the solvers' rows, as no impulse is needed: {count(idle, 'step')}"] if idle else []
     for answer in filter(None, (judged.doubts, judged.creep, judged.forces, judged.impossible)):
         lines += paragraph(printable(answer))
-    most = ", ".join(f"{law} in {count}" for law, count in judged.laws.items())
-    lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")
+    lines.append(f"law violated most: {', '.join(f'{law} in {count}' for law, count in judged.laws.items())}")
     for one in judged.worst(1):
         lines += [f"worst step: {printable(one.file)}, residual {residual(one.residual, 1)}, {one.law}"]
     if noted := judged.notes:

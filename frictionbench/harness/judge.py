@@ -53,6 +53,11 @@ def judge_file(folder: Path, path: Path) -> Judgement:
     by_contact, laws = contact_residuals(problem, impulse), violations(problem, impulse)
     largest = dict(zip(LAWS, (float(one.max(initial=0.0)) for one in laws), strict=True))
     law = LAWS[int(np.argmax([one[by_contact.argmax()] for one in laws]))] if problem.contacts else ""
+    size, floor = float(by_contact.max(initial=0.0)), residual_floor(problem, impulse)
+    small = np.abs(problem.scale[:, None] * impulse).max(initial=0.0) <= RANK_TOL * problem.velocity_size(impulse).max(
+        initial=0.0
+    )
+    unloaded = problem.mechanical and not len(problem.joint_bias) and small and size <= floor
     limit = problem.friction * impulse[:, 0] + problem.friction_bias
     exact = reference_answer(problem)
     bodies = {} if exact is None or problem.contacts > MOST_FORCES else _net_impulses(problem, impulse, exact)
@@ -61,8 +66,8 @@ def judge_file(folder: Path, path: Path) -> Judgement:
         file=path.name,
         problem=problem.hash,
         contacts=problem.contacts,
-        residual=float(by_contact.max(initial=0.0)),
-        floor=residual_floor(problem, impulse),
+        residual=size,
+        floor=floor,
         law=law,
         **largest,
         creep=None if exact is None else _creep(problem, impulse, exact),
@@ -72,6 +77,7 @@ def judge_file(folder: Path, path: Path) -> Judgement:
         energy_defect=ledger_defect(problem, impulse),
         notes=dict(step.notes),
         forces=forces[:MOST_FORCES].tolist(),
+        unloaded=bool(unloaded),
         contradiction="" if exact is not None else str(contradiction(problem) or ""),
     )
 
@@ -88,23 +94,26 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
     """Return the net impulse of the contacts between each two bodies, by their velocities' indices, as described at Judgement;
     dry friction of joints has none.
 
-    The motion determines the impulses z of closed contacts and of joints up to the null space of A, whose columns are J' for a
-    sticking contact, J'(1, -mu u_t/|u_t|) for a sliding one, and F' for joints.
+    The motion determines the impulses z of closed contacts and of joints up to the null space of A', where A has rows J for a
+    sticking contact, (1, -mu u_t/|u_t|)'J for a sliding one, and F for joints. The impulse that stops the creep is the
+    least z with B M^-1 A' z = -w, where B has rows J for sticking contacts, J_n for sliding ones, and F, and w is the engine's
+    slip at sticking contacts and 0 in the other rows.
     """
     if not problem.mechanical or not problem.contacts:
         return {}
     nc, d = problem.contacts, problem.dimension
     J = problem.jacobian.toarray().reshape(nc, d, -1)
-    u = problem.contact_velocity(exact)
+    u, creep = problem.contact_velocity(exact), problem.contact_velocity(impulse) * ([0.0] + [1.0] * (d - 1))
     slip = np.linalg.norm(u[:, 1:], axis=1)
-    owners, columns = [-1] * problem.joints.shape[0], [problem.joints.toarray()]
+    F = problem.joints.toarray()
+    parts = [(F, F, np.zeros(len(F)), np.full(len(F), -1))]
     for i in np.flatnonzero(u[:, 0] <= STICKING_SLIP * problem.units):
         slides = slip[i] > STICKING_SLIP * problem.units[i]
-        along = np.concatenate([[1.0], -problem.friction[i] * u[i, 1:] / slip[i]]) @ J[i] if slides else J[i]
-        columns.append(np.atleast_2d(along))
-        owners += [int(i)] * len(columns[-1])
-    A = np.concatenate(columns).T
-    free, between = null_space(A, rcond=RANK_TOL), [tuple(np.flatnonzero(rows.any(axis=0)).tolist()) for rows in J]
+        along = np.concatenate([[1.0], -problem.friction[i] * u[i, 1:] / slip[i]])[None] @ J[i] if slides else J[i]
+        parts.append((along, J[i][: len(along)], creep[i][: len(along)], np.full(len(along), i)))
+    A, B, w, owners = (np.concatenate(each) for each in zip(*parts, strict=True))
+    stop = -np.linalg.lstsq(B @ (problem.inverse_mass @ A.T), w, rcond=RANK_TOL)[0]
+    free, between = null_space(A.T, rcond=RANK_TOL), [tuple(np.flatnonzero(rows.any(axis=0)).tolist()) for rows in J]
     change = np.einsum("cdv,cd->v", J, exact)
     rounding = RANK_TOL * np.sqrt(change @ (problem.inverse_mass @ change))  # differences of smaller net impulses mean nothing
     nets_by_velocities = {}
@@ -113,10 +122,12 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
         between_them = [i for i in pressing if between[i] == velocities]
         bears = np.isin(owners, between_them)
         nets = [np.einsum("cdv,cd->v", J[between_them], r[between_them]) for r in (impulse, exact)]
-        size = [float(np.sqrt(max(net @ (problem.inverse_mass @ net), 0.0))) for net in (nets[0] - nets[1], *nets)]
+        vectors = (nets[0] - nets[1], nets[0] + stop[bears] @ A[bears] - nets[1], *nets)
+        size = [float(np.sqrt(max(net @ (problem.inverse_mass @ net), 0.0))) for net in vectors]
         alone = not (np.abs(free[bears]) > RANK_TOL).any()
-        net_known = alone or not (np.abs(A[:, bears] @ free[bears]) > RANK_TOL * np.abs(A).max(initial=0.0)).any()
-        facts = [len(between_them), float(net_known), float(alone), size[0] / (max(*size[1:], rounding) or 1.0)]
+        net_known = alone or not (np.abs(A[bears].T @ free[bears]) > RANK_TOL * np.abs(A).max(initial=0.0)).any()
+        whole = max(*size[2:], rounding) or 1.0
+        facts = [len(between_them), float(net_known), float(alone), size[0] / whole, size[1] / whole]
         nets_by_velocities[_ranges(velocities)] = [*facts, *(float(net[v]) for net in nets for v in velocities)]
     return nets_by_velocities
 

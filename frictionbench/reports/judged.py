@@ -14,20 +14,20 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.drawing.text import rough_percent
-from frictionbench.results.conventions import RankBy, count
+from frictionbench.results.conventions import RankBy, count, number
 from frictionbench.results.judgement import LAWS, Judgement, read_judgements
 from frictionbench.results.store import read_table
 
 # The quantities whose percentiles are shown, with their units.
 QUANTITIES = {"residual": "", **dict.fromkeys((*LAWS, "creep"), "m/s"), "penetration": "m"}
 ENERGIES = {"energy_added": 1.0, "energy_lost": -1.0}  # J, by the sign of their energy defects
-NO_CREEP = 1e-6  # relative to the free velocity: less is rounding
+CREEP = 1e-4  # relative to the free velocity: contacts that slip less stick. Of g h in steps of 5 ms it is 0.005 mm/s
 # Softness is the likely cause of creep if the ratio of its share of the impulse to the creep's share of the free velocity is
 # larger. MuJoCo's boxes on a slope have 0.2 or more with a converged solver, 0.01 to 0.03 after 3 iterations of PGS or 2 of CG.
 SOFT = 0.1
 CHOSEN_FROM = 2  # a table's steps are chosen from this many times as many with the largest residuals
 SAME_NET_IMPULSE = 0.01  # relative difference of net impulses below which they count as the same
-SYMPTOM = "See 'An object at rest creeps' on the documentation's page 'What users of engines ask'."
+SYMPTOM = "See 'An object at rest creeps' in docs/symptoms.md (What users of engines ask)."
 HARDER = (
     "It is the likely cause: make contacts harder, in MuJoCo by solimp nearer 1, a larger impratio or, with "
     f"elliptic cones, noslip_iterations, in Drake by a smaller penetration allowance and stiction tolerance. {SYMPTOM}"
@@ -63,13 +63,15 @@ class Judged:
 
     @property
     def laws(self) -> dict[str, int]:
-        """The number of steps in which each law is violated most, the most frequent first."""
-        return dict(Counter(one.law for one in self.touching if one.residual > one.floor).most_common())
+        """The number of steps with contacts in which each law, the most frequent first, or none is violated most."""
+        violated = Counter(one.law for one in self.touching if one.residual > one.floor)
+        none = len(self.touching) - violated.total()
+        return dict(violated.most_common()) | ({"none beyond rounding": none} if none else {})
 
     @property
     def notes(self) -> dict[str, tuple[float, int]]:
-        """For each note the mean share over the steps that have it, and their number; the largest share first."""
-        shares = pd.DataFrame([one.notes for one in self.steps])
+        """For each note the mean share over the loaded steps that have it, and their number; the largest share first."""
+        shares = pd.DataFrame([one.notes for one in self.steps if not one.unloaded])
         means = shares.mean().sort_values(ascending=False, kind="stable")
         return {str(name): (float(mean), int(shares[name].count())) for name, mean in means.items()}
 
@@ -86,8 +88,7 @@ class Judged:
     def impossible(self) -> str:
         """A sentence on the steps that are proved to have no solution, with the first of them; empty if there are none."""
         proved = [one for one in self.steps if one.contradiction]
-        have = "has" if len(proved) == 1 else "have"
-        text = f"{len(proved)} of {len(self.steps)} steps {have} no solution, with proof; "
+        text = f"{len(proved)} of {len(self.steps)} steps {'has' if len(proved) == 1 else 'have'} no solution, with proof; "
         return text + f"{proved[0].file}: {proved[0].contradiction}" if proved else ""
 
     @property
@@ -101,39 +102,49 @@ class Judged:
     def creep(self) -> str:
         """Sentences on whether and how fast sticking contacts creep, and the likely cause; empty if none should stick.
 
-        The cause is that of the median step among those that creep: the fastest may be an impact, whose cause is another.
+        Speed and cause are those of the median step: the fastest may be an impact, whose cause is another.
         """
-        held = [(one.creep, one.free_velocity, one) for one in self.steps if one.creep is not None]
-        creeping = sorted([each for each in held if each[0] > NO_CREEP * each[1]], key=lambda each: each[0])
-        if not creeping:
-            return f"Contacts that should stick do not creep, in {count(len(held), 'step')}." if held else ""
-        (most, apart, fastest), (speed, free, middle) = creeping[-1], creeping[len(creeping) // 2]
-        highest, usual = (f"{float(f'{1e3 * each:.2g}'):g} mm/s" for each in (most, speed))
-        text = f"Contacts that should stick creep at up to {highest} ({fastest.file}), "
-        text += f"{rough_percent(most / apart if apart else math.inf)} of the velocity that they would have without impulses"
-        text += f"; in the median of {len(creeping)} steps at {usual}. " if creeping[1:] else ". "
+        held = sorted((one for one in self.steps if one.creep is not None), key=lambda one: one.known("creep") or 0.0)
+        if not held:
+            return ""
+        shown = middle, fastest = held[len(held) // 2], held[-1]
+        speed, most = (one.known("creep") or 0.0 for one in shown)
+        share, largest = (
+            rough_percent((one.creep or 0.0) / one.free_velocity if one.free_velocity else math.inf) for one in shown
+        )
+        creeps = speed > CREEP * middle.free_velocity
+        text = (
+            f"Contacts that should stick {'creep' if creeps else 'do: they slip'} at {number(1e3 * speed, 2)} mm/s, {share} of "
+        )
+        text += f"the velocity that they would have without impulses, in the median of {count(len(held), 'step')}; "
+        text += f"at up to {number(1e3 * most, 2)} mm/s, {largest}, in {fastest.file}."
+        if not creeps:
+            return text
         soft = middle.notes.get("softness of contacts", 0.0)
-        if soft * free > SOFT * speed:
-            return text + f"The softness of the engine's contacts takes {rough_percent(soft)} of the impulse. {HARDER}"
-        return text + TIGHTER
+        if soft * middle.free_velocity > SOFT * speed:
+            return f"{text} In the median step the softness of contacts takes {rough_percent(soft)} of the impulse. {HARDER}"
+        return f"{text} {TIGHTER}"
 
     @property
     def forces(self) -> str:
         """Sentences on the distances of net impulses from the exact answer's, and on which single forces are comparable."""
-        nets = [(one.file, velocities, facts) for one in self.steps for velocities, facts in one.bodies.items()]
-        determined = [(distance, velocities, file) for file, velocities, (_, known, _, distance, *_) in nets if known]
-        if not nets:
-            return ""
-        text = f"{len(nets) - len(determined)} of {len(nets)} net impulses between bodies are not determined by the motion. "
-        text = text if len(determined) < len(nets) else ""
+        nets = [(name, one.file, facts) for one in self.steps if not one.unloaded for name, facts in one.bodies.items()]
+        determined = [(facts[3], facts[4], name, file) for name, file, facts in nets if facts[1]]
+        unloaded, of = sum(one.unloaded for one in self.touching), len(determined)
+        text = f"Left out: {count(unloaded, 'step')} without impulses beyond rounding. " if unloaded else ""
+        if of < len(nets):
+            text += f"{len(nets) - of} of {len(nets)} net impulses between bodies are not determined by the motion. "
         if determined:
-            near, half = sum(net[0] <= SAME_NET_IMPULSE for net in determined), sorted(determined)[len(determined) // 2][0]
-            farthest, velocities, file = max(determined, key=lambda net: net[0])
-            text += f"Net impulses between bodies within {rough_percent(SAME_NET_IMPULSE)} of the exact answer's: "
-            text += f"{near} of {len(determined)}. The difference"
-            text += f" is {rough_percent(half)} in the median; the largest, " if determined[1:] else ", "
-            text += f"{rough_percent(farthest)}, is on velocit{'y' if velocities.isdigit() else 'ies'} {velocities} in {file}. "
-        if hyperstatic := sum(not each_known for _, _, (_, _, each_known, *_) in nets):
+            near, same = sum(net[0] <= SAME_NET_IMPULSE for net in determined), rough_percent(SAME_NET_IMPULSE)
+            creep = sum(net[0] > SAME_NET_IMPULSE >= net[1] for net in determined)
+            half, rest = (rough_percent(sorted(each)[of // 2]) for each in list(zip(*determined, strict=True))[:2])
+            farthest, name, file = max((left if creep else apart, name, file) for apart, left, name, file in determined)
+            text += f"Net impulses between bodies within {same} of the exact answer's: {near} of {of}. The "
+            text += f"difference is {half} in the median"
+            if creep:
+                text += f". Without the impulse that stops the creep it is {rest}, within {same} for {creep} more"
+            text += f"; the largest, {rough_percent(farthest)}, is in {file} (velocities: {name}). "
+        if hyperstatic := sum(not facts[2] for *_, facts in nets):
             text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
         return text.strip()
 

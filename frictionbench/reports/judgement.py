@@ -37,7 +37,7 @@ def write_judgement(folder: Path) -> Path:
     return write_page(
         folder / "judgement.html",
         "judgement.html",
-        name=folder.resolve().name,
+        name=judged.rows["scene"].iloc[0],
         judged=judged,
         heads=list(PERCENTILES),
         among=CHOSEN_FROM * MOST_STEPS,
@@ -56,12 +56,13 @@ def write_judgement(folder: Path) -> Path:
 
 def _shown(net: list[float]) -> dict[str, object]:
     """Return what the page shows of a net impulse, for the first MOST_VELOCITIES velocities."""
-    contacts, known, alone, difference, *values = net
+    contacts, known, alone, difference, left, *values = net
     engine, exact = (values[k : k + len(values) // 2][:MOST_VELOCITIES] for k in (0, len(values) // 2))
     which = "single contacts too" if alone else "the sum alone (hyperstatic)" if known else "no"
     rounding = SHOWN_AS_ZERO * max(map(abs, values), default=0.0)
     numbers = [", ".join(number(value if abs(value) > rounding else 0.0) for value in part) for part in (engine, exact)]
-    return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], "difference": difference, "determined": which}
+    shares = {"difference": difference, "left": left, "determined": which}
+    return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], **shares}
 
 
 def _residuals(ax: Axes, judgements: list[Judgement], solved: dict[str, pd.DataFrame]) -> None:

@@ -27,11 +27,12 @@ class Judgement(NamedTuple):
     exact answer is known. free_velocity: the largest velocity of a contact without impulses, m/s.
     bodies: facts about the contacts between two bodies, by the indices of the bodies' velocities: their number; 1 if the motion
     determines their net impulse, else 0; 1 if it determines each contact's, else 0 (hyperstatic); the difference of the
-    engine's and the exact net impulse over the larger of the two, in the norm of the inverse mass; then both net impulses, a
-    number per velocity, which for a free body are force and moment times the step.
+    engine's and the exact net impulse over the larger of the two, in the norm of the inverse mass; the same with the impulse
+    added that stops the creep; then both net impulses, a number per velocity, of a free body force and moment times the step.
     penetration: at the beginning of the step, m; None if the step's length is unknown. energy_defect: J, by which the energy is
     above the balance of an exact answer. notes: effects that the problem does not express, with their shares of the impulse.
-    forces: per contact |r_n|, |r_t| and mu r_n, N s. contradiction: text, if the step is proved to have no solution.
+    forces: per contact |r_n|, |r_t| and mu r_n, N s. unloaded: there are no joints, and the engine's impulses are rounding
+    and exact. contradiction: text, if the step is proved to have no solution.
     """
 
     file: str
@@ -46,11 +47,12 @@ class Judgement(NamedTuple):
     dissipation: Number
     creep: Number | None
     free_velocity: Number
-    bodies: dict[str, Annotated[list[Number], Field(min_length=4)]]
+    bodies: dict[str, Annotated[list[Number], Field(min_length=5)]]
     penetration: Number | None
     energy_defect: Number
     notes: dict[str, Number]
     forces: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
+    unloaded: bool
     contradiction: str
 
     def known(self, name: str) -> float | None:

@@ -14,7 +14,7 @@ from frictionbench.commands.judge import summary
 from frictionbench.harness.judge import _net_impulses, judge_file, prepared
 from frictionbench.harness.run import run
 from frictionbench.problems.measures import judged, violations
-from frictionbench.reports.judged import Judged, percentiles
+from frictionbench.reports.judged import Judged
 from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
 from frictionbench.results.judgement import FILE, read_judgements
@@ -41,6 +41,9 @@ def write_steps(folder: Path) -> None:
     folder.mkdir()
     fb.save(box(), folder / "exact.npz", impulse=[[weight, -0.05]], step=STEP)
     fb.save(box(), folder / "creeping.npz", impulse=[[weight, -0.046]], step=STEP, notes={"limits": 0.2, SCRIPT: 0.1})
+    fb.save(box(), folder / "loaded.npz", impulse=[[1.1 * weight, -0.042]], step=STEP, notes={"limits": 0.2})
+    falls = box().replace(free_velocity=[0.1, -1e-15])
+    fb.save(falls, folder / "falling.npz", impulse=[[2e-15, -1e-15]], step=STEP, notes={"limits": 0.9})
     fb.save(box(-0.1), folder / "deep.npz", impulse=[[weight + 2 * 0.03, -0.05]], step=STEP)
     fb.save(box(contacts=0), folder / "apart.npz", impulse=np.zeros((0, 2)), step=STEP)
     (folder / ".deep-1.npz").write_bytes(b"half-written when its program was killed")
@@ -66,16 +69,13 @@ def test_judgements(folder) -> None:
     assert creeping.residual == fb.residual(judged(step), step.impulse)
     assert violations(judged(step), step.impulse).dissipation == pytest.approx([0.002])
     assert (found["apart.npz"].contacts, found["apart.npz"].residual) == (0, 0.0)
-    creep = {"exact.npz": 0, "creeping.npz": pytest.approx(0.002), "deep.npz": 0, "apart.npz": None}  # rounding is 0
-    assert {name: one.known("creep") for name, one in found.items()} == creep
-    for soft, cause in ((0.01, "make contacts harder"), (0.001, "tighten its tolerance")):  # creep: 2 %
-        assert cause in Judged([creeping._replace(notes={"softness of contacts": soft})], pd.DataFrame()).creep
+    creep = {"exact.npz": 0, "creeping.npz": pytest.approx(0.002), "deep.npz": 0, "apart.npz": None, "falling.npz": None}
+    assert {name: one.known("creep") for name, one in found.items()} == creep | {"loaded.npz": pytest.approx(0.004)}
+    causes = {(2e-3, 0.01): "make contacts harder", (2e-3, 0.001): "tighten its tolerance", (2e-6, 0.1): "stick do:"}
+    for (speed, soft), cause in causes.items():
+        told = Judged([creeping._replace(creep=speed, notes={"softness of contacts": soft})], pd.DataFrame()).creep
+        assert (cause in told, "docs/symptoms.md" in told) == (True, speed > 1e-4 * creeping.free_velocity)
     assert "inf %" in Judged([creeping._replace(free_velocity=0.0)], pd.DataFrame()).creep  # in a file of others
-    impact, rest = (creeping._replace(creep=speed, notes={"softness of contacts": 0.01}) for speed in (0.05, 0.001))
-    told = "median of 3 steps at 1 mm/s. The softness of the engine's contacts takes 1 % of the impulse. It is the likely cause"
-    assert told in Judged([impact, rest, rest], pd.DataFrame()).creep
-    creeps = percentiles(one.creep for one in found.values() if one.creep is not None)
-    assert creeps == pytest.approx({"p50": 0, "p90": 0.002, "p99": 0.002, "worst": 0.002}, abs=1e-12)
     steps = [creeping._replace(energy_defect=joule) for joule in (-3.0, 1.0, -2.0)]
     added, lost = (Judged(steps, pd.DataFrame()).percentiles[name] for name in ("energy_added", "energy_lost"))
     assert (added["p50"], added["worst"], lost["p50"], lost["worst"]) == (0.0, 1.0, 2.0, 3.0)
@@ -93,7 +93,7 @@ def test_solvers_beside_answer_the_same_problems(folder) -> None:
     rows = read_table(folder, "solves")
     assert {*rows["problem"]} == {one.problem for one in read_judgements(folder) if one.contacts}
     assert [*rows["variant"].unique()] == ["hybrid", "nsgs"]
-    assert (rows["verdict"] == "solved").all()
+    assert rows["verdict"].value_counts().to_dict() == {"solved": 4, "unjudgeable": 2}  # falling.npz
 
 
 def test_worst_steps_are_peaks_then_the_next_and_equal_steps_count(folder, monkeypatch) -> None:
@@ -115,12 +115,16 @@ def test_summary_and_page(folder, monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.commands.table.screen", lambda: 60)
     text = summary(folder)
     assert "residual worst  time p50  time worst" in text  # heads are whole words on a narrow terminal
-    assert "3 steps with contacts judged by Coulomb's law, 1 without contact" in text
-    assert "law violated most: dissipation in 1" in text
-    assert "creep at up to 2 mm/s (creeping.npz), " in " ".join(text.split())
+    assert text.startswith("steps: 5 steps with contacts judged by Coulomb's law, 1 without contact")
+    assert "law violated most: dissipation in 1, signorini in 1, none beyond rounding in 3" in text
+    words = " ".join(text.split())
+    told = ("creep at 2 mm/s, 2 % of", "median of 4 steps; at up to 4 mm/s, 4 %, in loaded", "limits 20 % in 2 steps")
+    assert all(each in words for each in told)
+    assert "Left out: 1 step without impulses beyond rounding. Net impulses between bodies within 1 % of the" in words
+    assert "Without the impulse that stops the creep it is <0.01 %, within 1 % for 1 more; the largest, 8.9 %, is in" in words
     page = write_judgement(folder).read_text(encoding="utf-8")
     assert not any(word in page for word in (SCRIPT, "mathdefault"))  # ticks are text
-    words = ("creeping.npz", "hybrid", "nsgs", "dissipation in 1 step.", "Dissipation: co", "energy lost, J", "<svg")
+    words = ("nsgs", "none beyond rounding in 3 steps.", "Dissipation: co", "Judged: steps, 5", "energy lost, J", "<svg")
     assert all(word in page for word in words)
 
 
@@ -193,9 +197,9 @@ def test_hyperstatic_contacts_are_marked(tmp_path) -> None:
     each = np.array([[2 * 9.81 * STEP, -0.05]]) / 3
     fb.save(box(contacts=3), tmp_path / "feet.npz", impulse=np.repeat(each, 3, axis=0) * [[1.0], [1.2], [0.8]], step=STEP)
     one = judge_file(tmp_path, tmp_path / "feet.npz")
-    contacts, net_known, alone, difference, *nets = one.bodies["0 to 1"]
+    contacts, net_known, alone, difference, left, *nets = one.bodies["0 to 1"]
     assert (contacts, net_known, alone) == (3, 1, 0)
-    assert difference < 1e-6
+    assert max(difference, left) < 1e-6
     assert nets == pytest.approx([-0.05, 2 * 9.81 * STEP] * 2)
     idle = box(contacts=2).replace(tangent=[[1.0, 0.0], [0.0, 0.0]])  # the second contact bears only what rounding leaves
     assert _net_impulses(idle, np.array([[1.0, 0.0], [0.0, 0.0]]), np.array([[1.0, 0.0], [1e-39, 0.0]]))["1"][3] < 1e-12
