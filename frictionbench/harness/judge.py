@@ -54,9 +54,8 @@ def judge_file(folder: Path, path: Path) -> Judgement:
     largest = dict(zip(LAWS, (float(one.max(initial=0.0)) for one in laws), strict=True))
     law = LAWS[int(np.argmax([one[by_contact.argmax()] for one in laws]))] if problem.contacts else ""
     size, floor = float(by_contact.max(initial=0.0)), residual_floor(problem, impulse)
-    small = np.abs(problem.scale[:, None] * impulse).max(initial=0.0) <= RANK_TOL * problem.velocity_size(impulse).max(
-        initial=0.0
-    )
+    reach = problem.velocity_size(impulse).max(initial=0.0)
+    small = np.abs(problem.scale[:, None] * impulse).max(initial=0.0) <= RANK_TOL * reach
     unloaded = problem.mechanical and not len(problem.joint_bias) and small and size <= floor
     limit = problem.friction * impulse[:, 0] + problem.friction_bias
     exact = reference_answer(problem)

@@ -113,10 +113,9 @@ class Judged:
             rough_percent((one.creep or 0.0) / one.free_velocity if one.free_velocity else math.inf) for one in shown
         )
         creeps = speed > CREEP * middle.free_velocity
-        text = (
-            f"Contacts that should stick {'creep' if creeps else 'do: they slip'} at {number(1e3 * speed, 2)} mm/s, {share} of "
-        )
-        text += f"the velocity that they would have without impulses, in the median of {count(len(held), 'step')}; "
+        how = "creep" if creeps else "do: they slip"
+        text = f"Contacts that should stick {how} at {number(1e3 * speed, 2)} mm/s, {share} of the "
+        text += f"velocity that they would have without impulses, in the median of {count(len(held), 'step')}; "
         text += f"at up to {number(1e3 * most, 2)} mm/s, {largest}, in {fastest.file}."
         if not creeps:
             return text

@@ -18,8 +18,6 @@ from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
-_OPTIONS = {"print_level": 0, "sb": "yes", "hessian_constant": "yes", "jac_c_constant": "yes"}
-
 
 @solver(
     "casadi",
@@ -72,7 +70,8 @@ def _complementarity(n: int, starts: bytes, rows: bytes, tol: float, limit: int,
     casadi: Any = import_module("casadi")
     pattern = casadi.Sparsity(n, n, *(np.frombuffer(each, np.int32).tolist() for each in (starts, rows)))
     z, w, entries, q = (casadi.MX.sym(name, size) for name, size in (("z", n), ("w", n), ("M", pattern.nnz()), ("q", n)))
-    ipopt = _OPTIONS | {"tol": tol, "max_iter": limit} | ({"bound_relax_factor": 0.0} if tuned else {})
+    constant = {"print_level": 0, "sb": "yes", "hessian_constant": "yes", "jac_c_constant": "yes"}
+    ipopt = constant | {"tol": tol, "max_iter": limit} | ({"bound_relax_factor": 0.0} if tuned else {})
     program = {
         "x": casadi.veccat(z, w),
         "p": casadi.veccat(entries, q),

@@ -42,8 +42,6 @@ _KAMINO = "newton._src.solvers.kamino._src."
 _LEAST = 1e-7  # of residuals: a unit of rounding of impulses and velocities of size 1
 _SEQUENTIAL = 80  # contacts up to which the factorisation without blocks is the faster one on a processor
 _LIMITS = {"padmm": 2000, "apgd": 200}  # PADMM's iterations, and APGD's corrections of the shift, of 64 iterations each
-
-
 Prepared = tuple[ScaledDelassus, tuple[Any, ...]]  # and Kamino's template
 
 
