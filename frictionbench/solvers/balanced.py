@@ -2,9 +2,9 @@
 
 Our methods and outside libraries scale a problem and its tolerance by the fastest contact, so that an island that is much
 slower would be left unsolved. If the units of the islands differ by more than a factor UNLIKE, a solver receives the problem
-with its islands in like units (FrictionProblem.balanced), and its impulses are converted back, unless it is `exact`: no
-tolerance changes its answers. Outside libraries are not called for problems without contacts: the form step returns the answer,
-and the other steps pass it on.
+with its islands in like units (FrictionProblem.balanced), and its impulses are converted back. Active sets, which are `exact`
+as no tolerance changes their answers, receive problems of bodies as they are: only islands unlike by 1e12 change these. Outside
+libraries are not called for problems without contacts: the form step returns the answer, and the other steps pass it on.
 With joints W may have lost digits: a claim of a method of this package counts only if the residual confirms it.
 """
 
@@ -51,7 +51,8 @@ def _form(form: Any) -> Any:
             return form(self, problem)
         relaxed, polygon = self.has_relaxed_units, self.usual_model == "lcp" and problem.dimension == 3  # W defines its LCP
         jointed = problem if problem.contacts and len(problem.joint_bias) and not (self.is_outside or polygon) else None
-        alike = getattr(self, "exact", False) or (problem.relaxation_spread if relaxed else problem.spread) <= UNLIKE
+        alike = problem.mechanical and getattr(self, "exact", False)
+        alike = alike or (problem.relaxation_spread if relaxed else problem.spread) <= UNLIKE
         if alike and jointed is None:
             return form(self, problem)
         same, factor = (problem, np.ones(problem.contacts)) if alike else problem.balanced(relaxed)

@@ -228,7 +228,7 @@ def siconos(problem: Arrays, tol: float, method: str) -> Called:
 
 
 class Call(NamedTuple):
-    """A call by hand. d: the dimensions that it accepts; most: the number of contacts above which it takes minutes; by_matrix:
+    """A call by hand. d: the dimensions that it accepts; most: the number of contacts above which it takes seconds; by_matrix:
     whether it accepts problems given only by W and q; joints: whether it ends on problems with joint equations."""
 
     function: Callable[[Arrays, float], Called]
@@ -247,14 +247,14 @@ CALLS: dict[str, Call] = {
     "scs[settings=tuned]": Call(partial(scs, scale=1.0, acceleration_lookback=6), (2, 3)),
     "proxsuite[matrices=sparse]": Call(proxsuite),
     "piqp[matrices=sparse]": Call(piqp),
-    "piqp[matrices=dense]": Call(partial(piqp, matrices="dense"), most=100),
-    "daqp": Call(daqp, most=100),
-    "quadprog": Call(quadprog, most=100),
+    "piqp[matrices=dense]": Call(partial(piqp, matrices="dense")),
+    "daqp": Call(daqp),
+    "quadprog": Call(quadprog),
     "ccp[backend=highs]": Call(highs, joints=False),
     "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0), joints=False),
     "ccp[backend=hipo]": Call(partial(highs, solver="hipo", ipm_optimality_tolerance=1e-12)),
-    "quantecon[settings=default]": Call(quantecon, most=100, by_matrix=True),
-    "casadi[settings=tuned]": Call(casadi, most=20, by_matrix=True),
+    "quantecon[settings=default]": Call(quantecon, by_matrix=True),
+    "casadi[settings=tuned]": Call(casadi, most=100, by_matrix=True),
     "drake[method=unrevised]": Call(drake, most=20, by_matrix=True),
     "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100, by_matrix=True),
     "pinocchio[method=admm,settings=tuned]": Call(

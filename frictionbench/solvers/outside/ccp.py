@@ -35,7 +35,10 @@ BACKENDS = {
     "hipo": Backend(("highspy", "highspy-extras"), "ipm_iteration_limit", 500),
     "qpalm": Backend(("qpalm",), "max_iter", 10_000),
 }
-_TUNED: dict[str, dict[str, float]] = {"highs": {"qp_regularization_value": 0.0}}
+_TUNED: dict[str, dict[str, float]] = {
+    "highs": {"qp_regularization_value": 0.0},
+    "qpalm": {"sigma_init": 200.0, "factorization_method": 1},
+}
 _VARIANTS = (*(f"backend={name}" for name in BACKENDS), *(f"backend={name},settings=tuned" for name in _TUNED))
 
 
@@ -51,6 +54,9 @@ class CCP:
         one. Setup: qpsolvers' problem. Solve: qpsolvers' call.
     Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
     Settings: for highs, HiGHS' active sets, qp_regularization_value is 1e-7 by default; tuned is 0. hipo is its interior point.
+        qpalm tuned is sigma_init 200, by default 20, and factorization_method 1, the Schur complement,
+        `frictionbench solve 'stack[blocks=150,push=1]' --solver 'ccp[backend=qpalm]' --solver
+        'ccp[backend=qpalm,settings=tuned]'`.
     Tolerance: eps is tol in the units of the scaled program. highs and hipo both feasibilities eps/10, no less than 1e-10, and
         hipo a gap of eps^2, no less than 1e-12, its least. qpalm eps_abs = eps/10. Relative tolerances are 0.
     Flaws: HiGHS' least feasibility of 1e-10 leaves the residual of some answers at a few times 1e-8, and HiPO's least gap some

@@ -16,16 +16,15 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside import STOPPING_MARGIN
+from frictionbench.solvers.outside.mixed_lcp import Mixed, mixed_lcp
 from frictionbench.solvers.outside.planar_lcp import smallest_lcp
-from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
+from frictionbench.solvers.pivots.dense_lcp import DenseLCP
 
 lcp_library = partial(solver, family="pivoting", model="lcp", dimension=(2, 3))  # registers an adapter
 _DRAKE = {"moby": "MobyLcpSolver", "unrevised": "UnrevisedLemkeSolver"}
 _SILENT = ("crash_iterations", "major_iterations", "minor_iterations", "initial_point_statistics", "final_point_statistics")
 _PATH = "default", "tuned", "velocities"
 
-# An LCP of n unknowns, and M (N, N) and q (N,) of w = M z + q with N - n further unknowns, which are free and have w = 0.
-Mixed = tuple[DenseLCP, Array, Array]
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 
@@ -111,10 +110,7 @@ class Path:
     settings: str = "default"
 
     def form(self, problem: FrictionProblem | LCP) -> Mixed:
-        lcp = dense_lcp(problem)
-        if self.settings == "velocities" and isinstance(problem, FrictionProblem) and problem.mechanical:
-            return _with_velocities(problem, lcp)
-        return lcp, lcp.M, lcp.q
+        return mixed_lcp(problem, velocities=self.settings == "velocities")
 
     def setup(self, mixed: Mixed) -> Mixed:
         M, q, _, _ = _model(len(mixed[2]))
@@ -145,33 +141,6 @@ class Path:
         work = {"pivots": int(minor[1])} if minor else {}
         y = z.records["level"].to_numpy()[: len(lcp.q)]
         return lcp.scaled.answer(y, status, model.status.name, float(total[1]) if total else None, **work)
-
-
-def _with_velocities(problem: FrictionProblem, lcp: DenseLCP) -> Mixed:
-    """The scaled LCP with velocities v^ = v root(M_ii) / theta and the multipliers l of the joint equations as free unknowns.
-
-    w = C v^ + R y + b,      0 = M^ (v^ - v*^) - C'y - F'l,      0 = F v^ + b_F,
-
-    where R are the rows and columns of the sliding speeds in the LCP, M^ has a unit diagonal, and the rows of F have length 1.
-    """
-    (nc, d), n, nv = lcp.scaled.contacts, len(lcp.q), len(problem.free_velocity)
-    basis: Any = lcp.scaled.basis
-    root, law, free, held = np.sqrt(problem.mass.diagonal()), slice(n - nc), slice(n, n + nv), slice(n + nv, None)
-    rows = np.column_stack([problem.jacobian.toarray() / root, problem.offset.ravel(), problem.q])
-    rows = np.einsum("as,iaj->sij", basis, rows.reshape(nc, d, -1))
-    rows = np.vstack([rows[0], *rows[1:].swapaxes(0, 1)])  # as problems.forms.lcp orders them
-    sizes = lcp.scaled.stretch * np.abs(np.concatenate([rows[:, -1], problem.friction_bias]))
-    theta = np.sqrt(sizes.max(initial=0.0)) or 1.0  # that of solvers.pivots.scaled_lcp
-    C, F = rows * (lcp.scaled.stretch[law] / theta)[:, None], problem.joints.toarray() / root
-    length = np.linalg.norm(F, axis=1)
-    M, q = np.zeros((n + nv + len(F),) * 2), np.zeros(n + nv + len(F))
-    M[:n, :n], M[law, law] = lcp.M, 0.0
-    M[law, free], M[free, law] = C[:, :nv], -C[:, :nv].T
-    M[free, free] = problem.mass.toarray() / np.outer(root, root)
-    M[held, free], M[free, held] = F / length[:, None], -F.T / length
-    q[law], q[n - nc : n] = C[:, nv] / theta, lcp.q[n - nc :]
-    q[free], q[held] = -M[free, free] @ (problem.free_velocity * root) / theta, problem.joint_bias / length / theta
-    return lcp, M, q
 
 
 @lru_cache(maxsize=8)

@@ -31,6 +31,7 @@ _CLARABEL_TUNED = {
     "static_regularization_constant": 1e-12,
     "iterative_refinement_enable": False,
 }
+_OSQP_TUNED = {"rho": 1.0, "adaptive_rho_interval": 25, "check_termination": 10, "eps_prim_inf": 1e-15, "eps_dual_inf": 1e-15}
 
 
 @relaxation_library("clarabel", dimension=(2, 3), needs=("clarabel",), variants=("settings=default", "settings=tuned"))
@@ -103,7 +104,8 @@ class OSQP:
     Clock: OSQP's own solve_time.
     Settings: rho, the weight of the constraints that it begins with, is 0.1 by default and may change every 50 iterations, and
         it tests its residuals every 25; tuned are 1, of the size of P and A here, 25 and 10, `frictionbench solve
-        'pyramid[push=1]' --solver osqp --solver 'osqp[settings=tuned]'`.
+        'pyramid[push=1]' --solver osqp --solver 'osqp[settings=tuned]'`. eps_prim_inf = eps_dual_inf, 1e-4 by default, are
+        1e-15 if tuned, as it calls some solvable problems infeasible.
     Tolerance: eps_abs = eps/10 for both residuals and the gap, eps_rel = 0, not polished; eps stands for tol.
     Reference: Stellato, Banjac, Goulart, Bemporad and Boyd 2020.
     """
@@ -117,8 +119,7 @@ class OSQP:
     def setup(self, formed: Prepared) -> Prepared:
         scaled, arguments = formed
         workspace = import_module("osqp").OSQP()
-        tuned = {"rho": 1.0, "adaptive_rho_interval": 25, "check_termination": 10} if self.settings == "tuned" else {}
-        workspace.setup(*arguments, verbose=False, eps_rel=0.0, **tuned)
+        workspace.setup(*arguments, verbose=False, eps_rel=0.0, **(_OSQP_TUNED if self.settings == "tuned" else {}))
         return scaled, workspace
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:

@@ -30,23 +30,27 @@ from tools.direct.page import BEGIN, FIELDS, WIDTH, facts, outcomes, page
 
 FAKE_LIBRARIES = HELPERS / "fake_libraries.py"
 SPECS = [spec for name, info in sorted(available().items()) if info.needs and name != "path" for spec in info.specs]
+STACK = scene("stack", blocks=2, push=1.0).problem()
 EASY = {
     "nothing": nothing(),
     "sliding": block(speed=1.0),
-    "two boxes": scene("stack", blocks=2, push=1.0).problem(),
+    "two boxes": STACK,
     "frictionless": block(friction=0.0),
     "jointed": with_joints(spatial(3, contacts=3), np.eye(1, 18)),
     "in space": spatial(1, contacts=3),
+    "unlike islands given by W": FrictionProblem.from_delassus(
+        np.kron(np.eye(2), STACK.W.toarray()), np.kron([1e-6, 1e-18], STACK.q), np.tile(STACK.friction, 2), 2
+    ),
 }
 # Where these end without a solution, or without knowing that they have it: see docs/fairness.md.
 UNABLE = {
-    *(("casadi[settings=default]", name) for name in ("sliding", "two boxes", "jointed", "in space")),
+    *(("casadi[settings=default]", name) for name in EASY),
+    *(("casadi[settings=velocities]", name) for name in ("jointed", "frictionless")),
     *((f"siconos[method=lcp_pivot{r}]", name) for r in ("", "_least_index") for name in ("two boxes", "jointed", "in space")),
     *(("siconos[method=friction_2d_cpg]", name) for name in ("sliding", "frictionless")),
     *((f"pinocchio[method=pgs{tuned}]", "in space") for tuned in ("", ",settings=tuned")),
     *((f"mujoco[method=cg{tuned}]", "two boxes") for tuned in ("", ",settings=tuned")),
     *((f"siconos[method={method}]", "frictionless") for method in ("lcp_pivot", "friction_3d_nsn_fb")),
-    ("casadi[settings=default]", "frictionless"),
     ("siconos[method=lcp_lemke]", "in space"),
     ("siconos[method=lcp_newton_fb_fblsa]", "two boxes"),
     ("siconos[method=friction_3d_dsfp]", "two boxes"),
