@@ -1,7 +1,7 @@
 """The convergence histories of a run (results.histories): residual against work on a few problems, after all cells are done.
 
-The problems are the largest with up to MOST_CONTACTS contacts, one per scene, and small ones with the most redundant contacts.
-Trivial and idle ones are left out. The solvers are single methods that solved the problem at the tightest tolerance.
+The problems are the largest with up to MOST_CONTACTS contacts, one per scene. Trivial and idle ones are left out. The solvers
+are single methods that solved the problem at the tightest tolerance.
 
 A history holds the residual of the answer for work limits of 1, 2, 3, 4, 6, ... units, which are the solver's own: sweeps,
 iterations or pivots. Every answer comes from a new call on a copy of the problem, and its residual is computed on the original,
@@ -24,7 +24,6 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.answer import checked_copy
-from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.residual import residual
 from frictionbench.problems.verdicts import ACCEPTED
@@ -34,30 +33,27 @@ from frictionbench.results.store import Row
 from frictionbench.solvers import Solver, Status
 
 HISTORY_BUDGET = 2.0  # seconds after which no larger limit is tried: a history shows early convergence
-LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which is legible with few panels
+MOST_PROBLEMS = 6  # each is a panel of the report's figure, which is legible with few panels
 MOST_CONTACTS = 64  # contacts: a history takes some twenty-five solves, too long for larger problems
-MOST_FORCES = 12  # contacts of a problem whose impulses are stored: the report draws each as a bar
 HISTORY_LIMIT = 10.0  # seconds for one history: five times HISTORY_BUDGET
 LARGEST_LIMIT = 20_000  # units of work: a bound for methods that stall; methods that converge well need fewer
 
 
-def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[int], list[float], Array]:
-    """Return the limits, the verified residuals and the last answer's impulses (nc, d), up to the first status SOLVED.
+def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[int], list[float]]:
+    """Return the limits and the verified residuals, up to the first status SOLVED.
 
     Errors: AnswerError, and whatever the solver raises.
     """
     start_time, units, residuals = perf_counter(), [], []
-    impulse = np.zeros((problem.contacts, problem.dimension))
     for limit in _limits():
         answer = checked_copy(solver.solve(solver.prepare(duplicate(problem)), tol, limit))
-        impulses = usable(problem, answer.impulse)
-        if impulses is not None and np.isfinite(reached := residual(problem, impulses)):
-            impulse = impulses
+        impulse = usable(problem, answer.impulse)
+        if impulse is not None and np.isfinite(reached := residual(problem, impulse)):
             units.append(limit)
             residuals.append(reached)
         if answer.status is Status.SOLVED or perf_counter() - start_time > HISTORY_BUDGET:
             break
-    return units, residuals, impulse
+    return units, residuals
 
 
 def _limits() -> list[int]:
@@ -69,9 +65,9 @@ def _limits() -> list[int]:
 
 
 def run_history(name: str, variant: str, tol: float) -> dict[str, Any]:
-    """In a worker, compute a solver's history on a stored problem: units of work, verified residuals and the last impulses."""
-    units, residuals, impulse = history(*worker.prepared(name, variant, HISTORY_LIMIT), tol)
-    return {"units": units, "residuals": residuals, "impulse": impulse.tolist()}
+    """In a worker, compute a solver's history on a stored problem: units of work and verified residuals."""
+    units, residuals = history(*worker.prepared(name, variant, HISTORY_LIMIT), tol)
+    return {"units": units, "residuals": residuals}
 
 
 def record_histories(
@@ -110,24 +106,14 @@ def chosen(records: Iterable[Record]) -> list[Record]:
         for record in records
         if record["problem"] and not record["trivial"] and not record["idle"] and 0 < (record["contacts"] or 0) <= MOST_CONTACTS
     ]
-    large = sorted(real, key=lambda record: -record["contacts"])
-    redundant = [record for record in large if record["redundancy"] and record["contacts"] <= MOST_FORCES]
-    redundant.sort(key=lambda record: -record["redundancy"] / record["contacts"])
-    return [*_one_a_scene(large)[:LARGE], *_one_a_scene(redundant)[:REDUNDANT]]
-
-
-def _one_a_scene(records: list[Record]) -> list[Record]:
     by_scene: dict[str, Record] = {}
-    for record in records:
+    for record in sorted(real, key=lambda record: -record["contacts"]):
         by_scene.setdefault(record["scene"], record)
-    return list(by_scene.values())
+    return list(by_scene.values())[:MOST_PROBLEMS]
 
 
 def _history(record: Record, variant: str, reply: Any) -> ConvergenceHistory:
     """Check a worker's reply, which may be anything from a plug-in. Errors: LookupError, TypeError or ValueError."""
-    redundant = bool(record["redundancy"])
     facts = {name: record[name] for name in ("scene", "parameters", "step", "contacts")}
     curve = {name: reply[name] for name in ("units", "residuals")}
-    impulse = reply["impulse"] if redundant and record["contacts"] <= MOST_FORCES else []
-    made = facts | curve | {"variant": variant, "redundant": redundant, "impulse": impulse}
-    return parsed(made, ConvergenceHistory, CONVERGENCE)
+    return parsed(facts | curve | {"variant": variant}, ConvergenceHistory, CONVERGENCE)

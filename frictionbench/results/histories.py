@@ -19,8 +19,7 @@ class ConvergenceHistory:
     """One solver on one problem, stopped after increasing amounts of its own work (sweeps, iterations or pivots).
 
     parameters: of the scene, JSON. units: the limits on work, ascending. residuals: the verified residual of the answer at
-    each limit. impulse: the last answer's impulses per contact (normal, tangential, ...), N s; empty if not stored.
-    redundant: whether the Delassus matrix W is rank deficient, so that impulses are not unique.
+    each limit.
     """
 
     scene: str
@@ -28,13 +27,11 @@ class ConvergenceHistory:
     step: int | None
     variant: str
     contacts: Count
-    redundant: bool
     units: list[Count]
     residuals: list[FiniteFloat]
-    impulse: list[list[FiniteFloat]]
 
     def __post_init__(self) -> None:
-        if len(self.units) != len(self.residuals) or len({*map(len, self.impulse)}) > 1:
+        if len(self.units) != len(self.residuals):
             raise ValueError(f"the history of {self.variant} on {self.scene} is incomplete")
 
 

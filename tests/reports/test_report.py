@@ -229,7 +229,7 @@ def test_charts_on_page_and_in_paper(tmp_path):
     given = {"contacts": 20, "size": 80, "rank": 40, "work": '{"iterations": 3}'}
     larger = [solve_row("nsgs", f"larger {i}", tol, **given) for i in range(2) for tol in (1e-4, 1e-8)]
     folder = write_folder(tmp_path, [*RUN, *larger], [simulation_row("nsgs")])
-    history = ConvergenceHistory("bar", "{}", 0, "nsgs", 2, True, [1, 2], [1.0, 1e-9], [[1.0, 0.0], [2.0, 0.0]])
+    history = ConvergenceHistory("bar", "{}", 0, "nsgs", 2, [1, 2], [1.0, 1e-9])
     write_histories(folder, [history])
     page, paper = Page(write_report(folder)), write_paper(folder, read_run(folder))
     run = read_run(folder)

@@ -13,6 +13,6 @@ from frictionbench.reports.charts import (
 )
 
 MAPS = (failure_maps.VERDICTS, failure_maps.TYPES, failure_maps.TIMES)
-_ABOVE = (stability.CHART, convergence.FORCES, *MAPS, pareto.CHART, speed_accuracy.CHART, convergence.CHART)
+_ABOVE = (stability.CHART, *MAPS, pareto.CHART, speed_accuracy.CHART, convergence.CHART)
 _BELOW = (profiles.CHART, profiles.WORK, profiles.WITHIN, growth.CHART, steps.CHART, energy.CHART)
 CHARTS = {chart.name: chart for chart in (*_ABOVE, *_BELOW)}

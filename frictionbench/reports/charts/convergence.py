@@ -1,11 +1,10 @@
-"""Charts of convergence histories (results.histories): the verified residual of a solver that is stopped after a number of its
-iterations, and the impulses of its last answer, which a simulator that uses contact forces would obtain.
+"""Chart of convergence histories (results.histories): the verified residual of a solver that is stopped after a number of its
+iterations.
 """
 
 from collections.abc import Iterable
 from functools import partial
 
-import numpy as np
 from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
@@ -16,7 +15,6 @@ from frictionbench.results.conventions import count, scene_title
 from frictionbench.results.histories import ConvergenceHistory
 
 WORST = 1e3  # larger residuals, of iterations that diverge, are drawn here
-DRAWN_BELOW = 1e-4  # residual below which an answer's impulses are drawn: their errors are then far below visibility
 
 
 def panels(run: Run) -> list[Panel]:
@@ -25,13 +23,6 @@ def panels(run: Run) -> list[Panel]:
     most = max((history.units[-1] for history in drawn), default=1)
     draw = partial(_draw, looks=run.looks, most=most)
     return [Panel(title, partial(draw, histories=same)) for title, same in by_problem(drawn).items()]
-
-
-def forces(run: Run) -> list[Panel]:
-    """Return a panel per redundant problem of few contacts, with the answers that solve the exact problem."""
-    known = (history for history in run.histories if history.variant in run.looks and history.residuals)
-    drawn = [history for history in known if history.redundant and history.impulse and history.residuals[-1] <= DRAWN_BELOW]
-    return [Panel(title, partial(_draw_forces, histories=same, looks=run.looks)) for title, same in by_problem(drawn).items()]
 
 
 def by_problem(histories: Iterable[ConvergenceHistory]) -> dict[str, list[ConvergenceHistory]]:
@@ -56,19 +47,6 @@ def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look],
     name_axes(ax, "sweeps, iterations or pivots", "verified residual")
 
 
-def _draw_forces(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look]) -> None:
-    for k, history in enumerate(histories):
-        impulse = np.array(history.impulse)
-        shift = 0.5 * ((k + 0.5) / len(histories) - 0.5)
-        contacts = np.arange(1, len(impulse) + 1)
-        ax.plot(contacts + shift, impulse[:, 0], **looks[history.variant].line | {"ls": "none"})
-    most = max(len(history.impulse) for history in histories)
-    ax.set_xticks(range(1, most + 1))
-    ax.set_xlim(0.5, most + 0.5)
-    ax.set_ylim(bottom=0)
-    name_axes(ax, "contact", "normal impulse in N s", grid="y")
-
-
 CHART = Chart(
     name="convergence",
     panels=panels,
@@ -78,13 +56,4 @@ CHART = Chart(
     "answer of a separate, untimed call. A unit is what the method counts, so that curves of different methods show their rate "
     "of convergence and not which one is faster. Portfolios and solvers that solve neither the problem nor their own model are "
     "left out; the curve of a relaxation levels off at its model error.",
-)
-FORCES = Chart(
-    name="forces",
-    panels=forces,
-    section="solvability",
-    title="Force per contact on redundant supports",
-    caption="The normal impulses of answers that solve the exact problem, for the solvers of the chart of convergence. On more "
-    "supports than a body needs, many distributions of the load give the same motion. Each solver returns one of them; all are "
-    "correct, and none is preferred.",
 )
