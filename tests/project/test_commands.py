@@ -47,7 +47,7 @@ STANDS_FOR = {
     "FILE|NAME": "mine.py",
     "SCENE[...]": "stack[blocks=2]",
     "SCENE": "stack",
-    "[--solvers A,B] [--scenes A,B]": "",
+    "[--paper [--solvers A,B] [--scenes A,B]]": "--paper",
     "DIR": "runs/now",
     "--solver NAME": "--solver lemke",
     "FILE": "problem.npz",
