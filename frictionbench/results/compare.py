@@ -204,7 +204,7 @@ def confirm(
     names = set(map(_name, known))
     fresh = [change for name, change in seen.items() if both and name not in names and _is_loss(change) and recurs(change)]
     remaining = [*(change for change in known if change not in dismissed), *fresh]
-    why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
+    why = "in most repeats both versions give the same result" if both else "most repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(set(map(_name, dismissed)))]
     for variant, files in others.items():
         notes.append(f"{variant}: nothing is dismissed: {OTHER_CONTENT.format(', '.join(files[:MOST_NAMES]))}")

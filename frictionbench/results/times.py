@@ -29,7 +29,7 @@ def times(pairs: Sequence[Pair], limit: float) -> list[Time]:
     """Return the times of each solver over the cells that both processes of a pair solved with the same verdict. Disturbed
     cells are used only for solvers that have no others."""
     compared = []
-    logs = _logs(pairs)
+    logs = _logs(pairs, len(pairs))
     for variant in sorted({name for log in logs for name in log["variant"]}):
         of_variant = [log[log["variant"] == variant] for log in logs]
         of_variant = [log for log in of_variant if len(log)]
@@ -41,7 +41,7 @@ def times(pairs: Sequence[Pair], limit: float) -> list[Time]:
 
 def may_be_slower(pairs: Sequence[Pair], most: int, limit: float) -> bool:
     """Return whether some solver's interval over `most` pairs can still lie above the limit, however slow the pairs to come."""
-    logs = pd.concat([log.assign(pair=k) for k, log in enumerate(_logs(pairs))])
+    logs = pd.concat([log.assign(pair=k) for k, log in enumerate(_logs(pairs, most))])
     shifts = (logs["after"] - logs["before"]).groupby([logs["variant"], logs["pair"]]).mean()
     for _, of_variant in shifts.groupby("variant"):
         to_come = np.full(most - len(of_variant), np.inf)
@@ -50,12 +50,12 @@ def may_be_slower(pairs: Sequence[Pair], most: int, limit: float) -> bool:
     return False
 
 
-def _logs(pairs: Sequence[Pair]) -> list[pd.DataFrame]:
-    """Return for each pair the variants and the logarithms of both times of the cells that count."""
-    earlier, later = (
-        pd.concat([pair[side]["disturbed"].astype(float) for pair in pairs], axis=1).mean(axis=1) for side in (0, 1)
-    )
-    self_disturbed = later.index[(later == 1) & (earlier.reindex(later.index) <= FEW_DISTURBED)]
+def _logs(pairs: Sequence[Pair], most: int) -> list[pd.DataFrame]:
+    """Return for each pair the variants and the logarithms of both times of the cells that count if, in the pairs up to `most`
+    that are still to come, the earlier version is disturbed nowhere."""
+    earlier, later = (pd.concat([pair[side]["disturbed"].astype(float) for pair in pairs], axis=1) for side in (0, 1))
+    seldom = earlier.sum(axis=1).reindex(later.index) <= FEW_DISTURBED * most
+    self_disturbed = later.index[(later.mean(axis=1) == 1) & seldom]
     ratios = pd.concat([after["seconds"] / before["seconds"] for before, after in pairs], axis=1)
     kept = self_disturbed.union(ratios.index[ratios.min(axis=1, skipna=False) > MUCH_SLOWER])
     tables = []

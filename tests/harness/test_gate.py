@@ -254,6 +254,7 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
     loaded = store.read_manifest(tmp_path / "run")["loaded"][str(plugin)]
     read = [str(tmp_path / place) for place in READ]
     assert [dependencies.unquoted(dependencies.quoted(path)) for path in read] == read
+    assert dependencies.place_hash(dependencies.quoted(f"{dependencies.VERSION}1.0+a")) == "1.0+a"
     found = {name: place for name, place in loaded.items() if not place.startswith(dependencies.VERSION)}
     named = {name: str(tmp_path / place) for name, place in SPREAD.items()} | {"wrapped": str(tmp_path / "wrapped")}
     assert found == {"guest.py": str(plugin)} | named | {path: path for path in map(dependencies.quoted, read)}

@@ -260,6 +260,8 @@ def test_slowness_by_own_processes_is_detected(runs, tmp_path):
     half = [(before, after.assign(seconds=after["seconds"] / (1 + 4 * after["disturbed"]))) for before, after in busy]
     once = [*busy[:7], half[7]]  # in one pair twice as slow
     assert confirm(seen, once, both=True, limits=Limits()).exit_code == 0
+    mild = [(before, after.assign(seconds=after["seconds"] / (1 + 4.5 * after["disturbed"]))) for before, after in pairs]
+    assert may_be_slower([mild[4], *mild[:2]], 8, 1.1)  # the earlier code may be undisturbed in the pairs to come
 
 
 def test_unconfirmed_alert_is_dropped(runs):
@@ -269,7 +271,7 @@ def test_unconfirmed_alert_is_dropped(runs):
     assert confirm(seen, [(before, after)] * 3, both=False, limits=Limits()).worse == seen.worse
     fallen = confirm(seen, [(before, after), (before, before), (before, before)], both=False, limits=Limits())
     assert (fallen.exit_code, fallen.of("flips"), fallen.of("work")) == (0, [], [])
-    assert "Not confirmed, the repeats give the result of the baseline: a, pivots." in markdown(fallen)
+    assert "Not confirmed, most repeats give the result of the baseline: a, pivots." in markdown(fallen)
 
 
 @pytest.mark.parametrize("shown", [True, False])

@@ -45,13 +45,12 @@ def test_every_way_is_timed_and_verified(way: str) -> None:
     assert float(rate_of(row)[3].replace(",", "")) > 0
 
 
-@pytest.mark.parametrize("when", [0, 1, 3])
+@pytest.mark.parametrize("when", range(4))
 def test_what_is_not_solved_has_the_worst_verdict(when: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A loop that at first, in a round drawn at random or in the last solves all problems but one, and claims that one too."""
+    """A loop that at first or in one round solves all problems but one, and claims that one too."""
     problems, call = batch_of("stack", '{"blocks": 1}', 4), count()
     answers = solve_many(problems.problems, "lemke")
     solved, given = ([Answer(answers[k] * (k != left), answers.status[k]) for k in range(4)] for left in (None, 2))
-    monkeypatch.setattr("secrets.randbelow", lambda most: 0)
     monkeypatch.setattr(batch, "_way", lambda *_: lambda: given if next(call) == when else solved)
     row = time_batch(BatchCell("stack", {"blocks": 1}, 4, "lemke", "calls", 1e-8), problems, find("lemke")[0])
     assert (row["verdict"], row["verified"], row["reason"]) == ("wrong", 0.75, "1 of 4 wrong")
