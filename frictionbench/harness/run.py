@@ -58,41 +58,44 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
             if plan.expects:
                 progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores, without compiling kernels")
         with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
-            store.write_manifest(folder, known | {"workers": None if cluster else jobs, "walls": pool.sandbox})
+            store.write_manifest(folder, known | {"workers": None if cluster else jobs, "isolation": pool.sandbox})
             for table in filter(rows.get, TABLES):  # merged at an earlier end; reports read the shards until the next
                 (folder / f"{table}.parquet").unlink(missing_ok=True)
             records = _collect(plan, pool, progress)
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
-            left = [cell for cell in cells if cell.key not in rows[cell.table]]
+            left = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
+            done = len(cells) - len(left)
             if left and not plan.expects:
-                progress.tell(_announced(plan, left, records))
+                progress.tell(_announced(plan, left, len(records)))
+            if done and not left:
+                progress.tell(f"{count(done, 'cell')} had been run before, and none is left")
             if not distant:
-                _run(cells, records, plan, folder, pool, progress, rows)
+                _run(left, done, records, plan, folder, pool, progress, rows)
                 record_histories(plan, folder, records.values(), rows["solves"].values(), pool, progress)
         if distant:  # after the pool has released its cores, which workers on this machine need
-            _run(cells, records, plan, folder, distant, progress, rows)
+            _run(left, done, records, plan, folder, distant, progress, rows)
     if changed := dependencies.changed_content(plan, store.read_manifest(folder).get("content", {})):
         raise ResultsError(f"{folder}: {changed[0]}: has another content than when the run began; begin another run")
     for table, table_rows in rows.items():
         store.write_table(folder, table, [table_rows[cell.key] for cell in cells if cell.table == table])
-    names = sorted({record["problem"] for record in records.values()} - {""})
-    finished = {} if plan.maps else {"finished": now()}  # harness.maps may add points
-    store.write_manifest(folder, store.read_manifest(folder) | {"problems": names} | finished)
+    if not plan.maps:  # harness.maps may add points
+        store.write_manifest(folder, store.read_manifest(folder) | {"finished": now()})
 
 
-def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str:
+def _announced(plan: Plan, cells: list[Cell], problems: int) -> str:
     """Return the line that announces a plan of unknown duration: its number of cells, its solvers, bounds of its duration."""
     solvers = dict.fromkeys(cell.variant for cell in cells)
     named = ", ".join(solvers) if len(solvers) <= 12 else f"{len(solvers)} solvers"
-    least, most = (max(round(each * len(cells)), 1) for each in (SMALL_CELL, plan.time_limit))  # s
-    takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in (least, most))
-    cells_of = f"{count(len(cells), 'cell')} of {count(len(records), 'problem')}"
+    bounds = (max(round(each), 1) for each in (SMALL_CELL * len(cells), sum(plan.limits[cell.table] for cell in cells)))  # s
+    takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in bounds)
+    cells_of = f"{count(len(cells), 'cell')} of {count(problems, 'problem')}"
     text = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
-    return f"{text}, about {longest} where all take their {plan.time_limit:g} s"
+    return f"{text}, about {longest} where all reach their time limits"
 
 
 def _run(
     cells: list[Cell],
+    done: int,
     records: dict[str, Record],
     plan: Plan,
     folder: Path,
@@ -100,21 +103,13 @@ def _run(
     progress: Progress,
     rows: Rows,
 ) -> None:
-    """Run the cells that have no row yet, and add their rows.
-
-    Cells of plug-ins come last, because a worker that has run a plug-in is used for nothing else. Cells of one library come
-    together, so that each worker loads it once.
-    """
-    remaining = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
-    if cells and not remaining:
-        progress.tell(f"{count(len(cells), 'cell')} had been run before, and none is left")
-    limits = {"solves": plan.time_limit, "simulations": plan.simulation_limit, "batches": plan.time_limit}
-    solved = {cell.key: records[cell.origin] for cell in remaining if isinstance(cell, SolveCell)}
-    tasks = [cell_task(cell, limits[cell.table], plan.plugins, solved.get(cell.key)) for cell in remaining]
+    """Run the cells, which have no row yet, in this order, and add their rows. done: the number of cells that have one."""
+    solved = {cell.key: records[cell.origin] for cell in cells if isinstance(cell, SolveCell)}
+    tasks = [cell_task(cell, plan.limits[cell.table], plan.plugins, solved.get(cell.key)) for cell in cells]
     writer, record = f"{os.getpid()}-{secrets.token_hex(4)}", dependencies.LoadRecord(folder)
     with ExitStack() as opened:
         shards = {table: opened.enter_context(new_shard(folder, table, writer)) for table in TABLES}
-        for outcome in progress.follow("cells", engine, tasks, len(cells) - len(tasks)):
+        for outcome in progress.follow("cells", engine, tasks, done):
             cell, row = outcome.task.arguments[0], row_of(outcome, plan.plugins)
             if plugin := plugin_of(cell.variant, plan.plugins):
                 record.add(plugin.source, outcome.loaded)
@@ -203,7 +198,11 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
 
 
 def _loaded_by(plan: Plan, cell: Cell) -> tuple[str, str]:
-    """Return the names of the plug-in and of the outside library that a cell loads, empty if none."""
+    """Return the names of the plug-in and of the outside library that a cell loads, empty if none: the order of the cells.
+
+    Cells of plug-ins come last, because a worker that has run a plug-in is used for nothing else. Cells of one library come
+    together, so that each worker loads it once.
+    """
     if name := owner(cell.variant, plan.plugins):
         return name, ""
     info, _ = find(cell.variant)

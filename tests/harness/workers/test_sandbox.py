@@ -153,7 +153,7 @@ def test_hostile_plugin_in_a_run(tmp_path) -> None:
     runs = run_of(tmp_path / "without", "lemke", jobs=2), run_of(tmp_path / "with", plugin, "lemke", jobs=2)
     alone, together = (rows.set_index("solver").loc[["lemke"], ["verdict", "residual", "work"]] for rows in runs)
     assert together.equals(alone)
-    assert store.read_manifest(tmp_path / "with")["walls"] == usable()[0]
+    assert store.read_manifest(tmp_path / "with")["isolation"] == usable()[0]
     assert os.path.exists(tmp_path / "with" / "solves.parquet")
 
 
@@ -171,7 +171,7 @@ def test_server_ends_what_a_killed_supervisor_leaves(monkeypatch, tmp_path) -> N
     plugin = write(tmp_path / "guest.py", body=LEAVES_A_STRAY.replace("\n", "\n        "))
     (row,) = run_of(tmp_path / "run", plugin).to_dict("records")
     assert (row["verdict"], row["reason"]) == ("crashed", "its processes were killed 3 times")
-    assert store.read_manifest(tmp_path / "run")["walls"] == sandbox.GROUPS
+    assert store.read_manifest(tmp_path / "run")["isolation"] == sandbox.GROUPS
     server = pool._server
     assert soon(lambda: not process.descendants(server._process.pid))
     with pool.scratch_pool() as other:
