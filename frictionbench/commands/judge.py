@@ -11,12 +11,14 @@ from frictionbench.reports.judged import read_judged
 from frictionbench.results.conventions import count
 from frictionbench.results.files import printable
 
+SENTENCES = ("doubts", "creep", "forces", "impossible")  # properties of Judged
+
 
 def as_data(folder: Path) -> dict[str, Any]:
     """Return the judgement as plain values for JSON: the page's sentences and tables, and every step."""
     judged = read_judged(folder)
-    values = {name: getattr(judged, name) for name in ("doubts", "creep", "forces", "laws", "notes", "percentiles", "beside")}
-    return {"folder": str(folder), **values, "steps": [one._asdict() for one in judged.steps]}
+    values = {name: getattr(judged, name) for name in (*SENTENCES, "laws", "notes", "percentiles", "beside")}
+    return {"folder": str(folder), **values, "steps": [one.as_data() for one in judged.steps]}
 
 
 def summary(folder: Path) -> str:
@@ -27,9 +29,9 @@ def summary(folder: Path) -> str:
     name = printable(str(judged.rows["scene"].iloc[0]))
     lines = [f"{name}: {count(touching, 'step')} with contacts judged by Coulomb's law, {without} without contact"]
     lines += [f"left out of the solvers' rows, as no impulse is needed: {count(idle, 'step')}"] if idle else []
-    for answer in filter(None, (judged.doubts, judged.creep, judged.forces, judged.impossible)):
+    for answer in filter(None, (getattr(judged, name) for name in SENTENCES)):
         lines += paragraph(printable(answer))
-    lines.append(f"law violated most: {', '.join(f'{law} in {count}' for law, count in judged.laws.items())}")
+    lines.append(f"law violated most: {', '.join(f'{law} in {steps}' for law, steps in judged.laws.items())}")
     for one in judged.worst(1):
         lines += [f"worst step: {printable(one.file)}, residual {residual(one.residual, 1)}, {one.law}"]
     if noted := judged.notes:

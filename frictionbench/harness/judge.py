@@ -28,8 +28,8 @@ from frictionbench.problems.measures import judged, penetration, violations
 from frictionbench.problems.recorded import native
 from frictionbench.problems.residual import contact_residuals, residual_floor
 from frictionbench.problems.verify import ledger_defect
-from frictionbench.results.files import replaced, subfolder
-from frictionbench.results.judgement import LAWS, Judgement, write_judgements
+from frictionbench.results.files import parsed, replaced, subfolder
+from frictionbench.results.judgement import FILE, LAWS, Judgement, NetImpulse, write_judgements
 from frictionbench.solvers import find
 
 FOLDER = "judged"
@@ -59,7 +59,7 @@ def judge_file(folder: Path, path: Path) -> Judgement:
     unloaded = problem.mechanical and not len(problem.joint_bias) and small and size <= floor
     limit = problem.friction * impulse[:, 0] + problem.friction_bias
     exact = reference_answer(problem)
-    bodies = {} if exact is None or problem.contacts > MOST_FORCES else _net_impulses(problem, impulse, exact)
+    nets = {} if exact is None or problem.contacts > MOST_FORCES else _net_impulses(problem, impulse, exact)
     forces = np.column_stack([impulse[:, 0], np.linalg.norm(impulse[:, 1:], axis=1), limit])
     return Judgement(
         file=path.name,
@@ -71,7 +71,7 @@ def judge_file(folder: Path, path: Path) -> Judgement:
         **largest,
         creep=None if exact is None else _creep(problem, impulse, exact),
         free_velocity=float(problem.velocity_scale),
-        bodies=bodies,
+        net_impulses=nets,
         penetration=penetration(step),
         energy_defect=ledger_defect(problem, impulse),
         notes=dict(step.notes),
@@ -89,9 +89,9 @@ def _creep(problem: FrictionProblem, impulse: Array, exact: Array) -> float | No
     return float(own_slip[sticking].max()) if sticking.any() else None
 
 
-def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dict[str, list[float]]:
-    """Return the net impulse of the contacts between each two bodies, by their velocities' indices, as described at Judgement;
-    dry friction of joints has none.
+def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dict[str, NetImpulse]:
+    """Return the net impulse of the contacts between each two bodies, by their velocities' indices; dry friction of joints has
+    none.
 
     The motion determines the impulses z of closed contacts and of joints up to the null space of A', where A has rows J for a
     sticking contact, (1, -mu u_t/|u_t|)'J for a sliding one, and F for joints. The impulse that stops the creep is the
@@ -126,8 +126,9 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
         alone = not (np.abs(free[bears]) > RANK_TOL).any()
         net_known = alone or not (np.abs(A[bears].T @ free[bears]) > RANK_TOL * np.abs(A).max(initial=0.0)).any()
         whole = max(*size[2:], rounding) or 1.0
-        facts = [len(between_them), float(net_known), float(alone), size[0] / whole, size[1] / whole]
-        nets_by_velocities[_ranges(velocities)] = [*facts, *(float(net[v]) for net in nets for v in velocities)]
+        shown = ([float(net[v]) for v in velocities] for net in nets)
+        found = NetImpulse(len(between_them), net_known, alone, size[0] / whole, size[1] / whole, *shown)
+        nets_by_velocities[_ranges(velocities)] = found
     return nets_by_velocities
 
 
@@ -139,7 +140,7 @@ def _ranges(numbers: tuple[int, ...]) -> str:
 
 def judge_step(path: str) -> dict[str, Any]:
     """In a worker, return the fields of the judgement on the step in a file."""
-    return judge_file(worker.folder(), Path(path))._asdict()
+    return judge_file(worker.folder(), Path(path)).as_data()
 
 
 def prepared(
@@ -183,7 +184,7 @@ def _judgements(paths: list[Path], pool: Pool, progress: Progress) -> list[Judge
     """Return the judgements in the order of the paths. Errors: InputError naming the first file that cannot be judged."""
     tasks = [Task(judge_step, (str(path.absolute()),), COLLECT_SECONDS) for path in paths]
     judgements = {
-        outcome.task.arguments: Judgement(**outcome.result(f"{outcome.task.arguments[0]}: cannot be judged"))
+        outcome.task.arguments: parsed(outcome.result(f"{outcome.task.arguments[0]}: cannot be judged"), Judgement, FILE)
         for outcome in progress.follow("steps", pool, tasks)
     }
     return [judgements[task.arguments] for task in tasks]

@@ -127,23 +127,24 @@ class Judged:
     @property
     def forces(self) -> str:
         """Sentences on the distances of net impulses from the exact answer's, and on which single forces are comparable."""
-        nets = [(name, one.file, facts) for one in self.steps if not one.unloaded for name, facts in one.bodies.items()]
-        determined = [(facts[3], facts[4], name, file) for name, file, facts in nets if facts[1]]
+        nets = [(net, name, one.file) for one in self.steps if not one.unloaded for name, net in one.net_impulses.items()]
+        determined = [each for each in nets if each[0].determined]
         unloaded, of = sum(one.unloaded for one in self.touching), len(determined)
         text = f"Left out: {count(unloaded, 'step')} without impulses beyond rounding. " if unloaded else ""
         if of < len(nets):
             text += f"{len(nets) - of} of {len(nets)} net impulses between bodies are not determined by the motion. "
         if determined:
-            near, same = sum(net[0] <= SAME_NET_IMPULSE for net in determined), rough_percent(SAME_NET_IMPULSE)
-            creep = sum(net[0] > SAME_NET_IMPULSE >= net[1] for net in determined)
-            half, rest = (rough_percent(sorted(each)[of // 2]) for each in list(zip(*determined, strict=True))[:2])
-            farthest, name, file = max((left if creep else apart, name, file) for apart, left, name, file in determined)
+            differences, without_creep = zip(*((net.difference, net.without_creep) for net, *_ in determined), strict=True)
+            near, same = sum(each <= SAME_NET_IMPULSE for each in differences), rough_percent(SAME_NET_IMPULSE)
+            creep = sum(net.difference > SAME_NET_IMPULSE >= net.without_creep for net, *_ in determined)
+            farthest, name, file = max((net.without_creep if creep else net.difference, *where) for net, *where in determined)
             text += f"Net impulses between bodies within {same} of the exact answer's: {near} of {of}. The "
-            text += f"difference is {half} in the median"
+            text += f"difference is {rough_percent(sorted(differences)[of // 2])} in the median"
             if creep:
+                rest = rough_percent(sorted(without_creep)[of // 2])
                 text += f". Without the impulse that stops the creep it is {rest}, within {same} for {creep} more"
             text += f"; the largest, {rough_percent(farthest)}, is in {file} (velocities: {name}). "
-        if hyperstatic := sum(not facts[2] for *_, facts in nets):
+        if hyperstatic := sum(not net.each_determined for net, *_ in nets):
             text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
         return text.strip()
 

@@ -19,7 +19,7 @@ from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.judged import CHOSEN_FROM, ENERGIES, PERCENTILES, QUANTITIES, read_judged
 from frictionbench.reports.templates import write_page
 from frictionbench.results.conventions import number
-from frictionbench.results.judgement import LAWS, Judgement
+from frictionbench.results.judgement import LAWS, Judgement, NetImpulse
 
 MOST_STEPS = 12  # worst steps in the table
 SHOWN_AS_ZERO = 1e-9  # relative to the largest component of a net impulse: smaller ones are shown as 0
@@ -42,7 +42,7 @@ def write_judgement(folder: Path) -> Path:
         heads=list(PERCENTILES),
         among=CHOSEN_FROM * MOST_STEPS,
         units=QUANTITIES | dict.fromkeys(ENERGIES, "J"),
-        nets=[(one, name, _shown(net)) for one in bad[:MOST_DRAWN] for name, net in one.bodies.items()],
+        nets=[(one, name, _shown(net)) for one in bad[:MOST_DRAWN] for name, net in one.net_impulses.items()],
         worst=[
             (one, {variant: rows.reindex([one.problem]).iloc[0].to_dict() for variant, rows in solved.items()}) for one in bad
         ],
@@ -54,15 +54,13 @@ def write_judgement(folder: Path) -> Path:
     )
 
 
-def _shown(net: list[float]) -> dict[str, object]:
+def _shown(net: NetImpulse) -> dict[str, object]:
     """Return what the page shows of a net impulse, for the first MOST_VELOCITIES velocities."""
-    contacts, known, alone, difference, left, *values = net
-    engine, exact = (values[k : k + len(values) // 2][:MOST_VELOCITIES] for k in (0, len(values) // 2))
-    which = "single contacts too" if alone else "the sum alone (hyperstatic)" if known else "no"
-    rounding = SHOWN_AS_ZERO * max(map(abs, values), default=0.0)
-    numbers = [", ".join(number(value if abs(value) > rounding else 0.0) for value in part) for part in (engine, exact)]
-    shares = {"difference": difference, "left": left, "determined": which}
-    return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], **shares}
+    which = "single contacts too" if net.each_determined else "the sum alone (hyperstatic)" if net.determined else "no"
+    rounding = SHOWN_AS_ZERO * max(map(abs, net.engine + net.exact), default=0.0)
+    shown = {"engine": net.engine[:MOST_VELOCITIES], "exact": net.exact[:MOST_VELOCITIES]}
+    words = {name: ", ".join(number(value * (abs(value) > rounding)) for value in own) for name, own in shown.items()}
+    return net._asdict() | words | {"determined": which}
 
 
 def _residuals(ax: Axes, judgements: list[Judgement], solved: dict[str, pd.DataFrame]) -> None:

@@ -6,7 +6,7 @@ The exact solvers' answers to the same problems are rows of the table `solves`, 
 import json
 import math
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, FiniteFloat
 
@@ -17,6 +17,24 @@ LAWS = ("signorini", "cone", "direction", "dissipation")
 Number = Annotated[float, Field(ge=-math.inf)]  # any but NaN
 
 
+class NetImpulse(NamedTuple):
+    """The net impulse of the contacts between two bodies.
+
+    contacts: their number. determined: whether the motion determines their net impulse; each_determined: whether it determines
+    that of each contact, which is not so if they are hyperstatic. difference: that of the engine's and the exact net impulse
+    over the larger of the two, in the norm of the inverse mass; without_creep: the same with the impulse added that stops the
+    creep. engine, exact: the net impulses, a number per velocity, of a free body force and moment times the step.
+    """
+
+    contacts: int
+    determined: bool
+    each_determined: bool
+    difference: Number
+    without_creep: Number
+    engine: list[Number]
+    exact: list[Number]
+
+
 class Judgement(NamedTuple):
     """The judgement on one step of an engine.
 
@@ -25,10 +43,7 @@ class Judgement(NamedTuple):
     law: the law violated most at the contact with the largest residual. signorini, cone, direction, dissipation: the largest
     violation of each, m/s. creep: the largest slip at contacts that stick in the exact answer, m/s; None if none sticks or no
     exact answer is known. free_velocity: the largest velocity of a contact without impulses, m/s.
-    bodies: facts about the contacts between two bodies, by the indices of the bodies' velocities: their number; 1 if the motion
-    determines their net impulse, else 0; 1 if it determines each contact's, else 0 (hyperstatic); the difference of the
-    engine's and the exact net impulse over the larger of the two, in the norm of the inverse mass; the same with the impulse
-    added that stops the creep; then both net impulses, a number per velocity, of a free body force and moment times the step.
+    net_impulses: between each two bodies in contact, by the indices of the bodies' velocities.
     penetration: at the beginning of the step, m; None if the step's length is unknown. energy_defect: J, by which the energy is
     above the balance of an exact answer. notes: effects that the problem does not express, with their shares of the impulse.
     forces: per contact |r_n|, |r_t| and mu r_n, N s. unloaded: there are no joints, and the engine's impulses are rounding
@@ -47,13 +62,17 @@ class Judgement(NamedTuple):
     dissipation: Number
     creep: Number | None
     free_velocity: Number
-    bodies: dict[str, Annotated[list[Number], Field(min_length=5)]]
+    net_impulses: dict[str, NetImpulse]
     penetration: Number | None
     energy_defect: Number
     notes: dict[str, Number]
     forces: list[tuple[FiniteFloat, FiniteFloat, FiniteFloat]]
     unloaded: bool
     contradiction: str
+
+    def as_data(self) -> dict[str, Any]:
+        """Return the judgement as plain values for JSON."""
+        return self._asdict() | {"net_impulses": {name: net._asdict() for name, net in self.net_impulses.items()}}
 
     def known(self, name: str) -> float | None:
         """Return the quantity of this name, or 0 if it may be due to rounding."""
@@ -64,7 +83,7 @@ class Judgement(NamedTuple):
 
 
 def write_judgements(folder: Path, judgements: list[Judgement]) -> None:
-    write_text(folder / FILE, json.dumps([one._asdict() for one in judgements]))
+    write_text(folder / FILE, json.dumps([one.as_data() for one in judgements]))
 
 
 def read_judgements(folder: Path) -> list[Judgement]:

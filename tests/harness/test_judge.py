@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import frictionbench as fb
-from frictionbench.commands.judge import summary
+from frictionbench.commands.judge import as_data, summary
 from frictionbench.harness.judge import _net_impulses, judge_file, prepared
 from frictionbench.harness.run import run
 from frictionbench.problems.measures import judged, violations
@@ -105,10 +105,11 @@ def test_worst_steps_are_peaks_then_the_next_and_equal_steps_count(folder, monke
     assert [(each["variant"], each["solved"], each["steps"]) for each in found.beside] == [("hybrid", 40, 40), ("nsgs", 40, 40)]
     needless = found.rows["variant"].eq("nsgs") & found.rows["problem"].eq(one.problem)  # the zero impulse is as exact
     rows = found.rows.assign(trivial=needless, verdict=found.rows["verdict"].mask(needless, "unjudgeable"))
-    steps = [one, *(each for each in read_judgements(folder) if each.file == "deep.npz")]
+    steps = [one._replace(contradiction="..."), *(each for each in read_judgements(folder) if each.file == "deep.npz")]
     assert [(each["solved"], each["steps"]) for each in Judged(steps, rows).beside] == [(2, 2), (1, 1)]
     monkeypatch.setattr("frictionbench.commands.judge.read_judged", lambda _: Judged(steps, rows))
     assert "\nleft out of the solvers' rows, as no impulse is needed: 1 step\n" in summary(folder)
+    assert as_data(folder)["impossible"].startswith("1 of 2 steps has no solution")
 
 
 def test_summary_and_page(folder, monkeypatch) -> None:
@@ -130,7 +131,7 @@ def test_summary_and_page(folder, monkeypatch) -> None:
 
 def test_edited_judgements_are_refused(folder, tmp_path) -> None:
     row = next(row for row in json.loads((folder / FILE).read_text()) if row["contacts"])
-    for change in ({"law": "__class__"}, {"residual": float("nan")}, {"forces": [[1.0, 2.0]]}, {"contacts": "x"}):
+    for change in ({"law": "__class__"}, {"residual": float("nan")}, {"net_impulses": {"0": [1.0] * 7}}, {"contacts": "x"}):
         (tmp_path / FILE).write_text(json.dumps([row | change]))
         with pytest.raises(ResultsError, match=FILE):
             read_judgements(tmp_path)
@@ -197,12 +198,12 @@ def test_hyperstatic_contacts_are_marked(tmp_path) -> None:
     each = np.array([[2 * 9.81 * STEP, -0.05]]) / 3
     fb.save(box(contacts=3), tmp_path / "feet.npz", impulse=np.repeat(each, 3, axis=0) * [[1.0], [1.2], [0.8]], step=STEP)
     one = judge_file(tmp_path, tmp_path / "feet.npz")
-    contacts, net_known, alone, difference, left, *nets = one.bodies["0 to 1"]
-    assert (contacts, net_known, alone) == (3, 1, 0)
-    assert max(difference, left) < 1e-6
-    assert nets == pytest.approx([-0.05, 2 * 9.81 * STEP] * 2)
+    net = one.net_impulses["0 to 1"]
+    assert (net.contacts, net.determined, net.each_determined) == (3, True, False)
+    assert max(net.difference, net.without_creep) < 1e-6
+    assert net.engine + net.exact == pytest.approx([-0.05, 2 * 9.81 * STEP] * 2)
     idle = box(contacts=2).replace(tangent=[[1.0, 0.0], [0.0, 0.0]])  # the second contact bears only what rounding leaves
-    assert _net_impulses(idle, np.array([[1.0, 0.0], [0.0, 0.0]]), np.array([[1.0, 0.0], [1e-39, 0.0]]))["1"][3] < 1e-12
+    assert _net_impulses(idle, np.array([[1.0, 0.0], [0.0, 0.0]]), np.array([[1.0, 0.0], [1e-39, 0.0]]))["1"].difference < 1e-12
     dry = box(contacts=2).replace(normal=[[0.0, 1.0], [0.0, 0.0]])  # the second is dry friction of a joint
     assert [*_net_impulses(dry, np.ones((2, 2)), np.ones((2, 2)))] == ["0 to 1"]
     assert "In 1 of 1 the forces of single contacts are not determined (hyperstatic)" in Judged([one], pd.DataFrame()).forces
