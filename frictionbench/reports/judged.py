@@ -128,22 +128,22 @@ class Judged:
     def forces(self) -> str:
         """Sentences on the distances of net impulses from the exact answer's, and on which single forces are comparable."""
         nets = [(net, name, one.file) for one in self.steps if not one.unloaded for name, net in one.net_impulses.items()]
-        determined = [each for each in nets if each[0].determined]
-        unloaded, of = sum(one.unloaded for one in self.touching), len(determined)
+        known = [each for each in nets if each[0].determined]
+        unloaded, of = sum(one.unloaded for one in self.touching), len(known)
         text = f"Left out: {count(unloaded, 'step')} without impulses beyond rounding. " if unloaded else ""
         if of < len(nets):
             text += f"{len(nets) - of} of {len(nets)} net impulses between bodies are not determined by the motion. "
-        if determined:
-            differences, without_creep = zip(*((net.difference, net.without_creep) for net, *_ in determined), strict=True)
-            near, same = sum(each <= SAME_NET_IMPULSE for each in differences), rough_percent(SAME_NET_IMPULSE)
-            creep = sum(net.difference > SAME_NET_IMPULSE >= net.without_creep for net, *_ in determined)
-            farthest, name, file = max((net.without_creep if creep else net.difference, *where) for net, *where in determined)
+        if known:
+            near, same = sum(net.difference <= SAME_NET_IMPULSE for net, *_ in known), rough_percent(SAME_NET_IMPULSE)
+            creep = sum(net.difference > SAME_NET_IMPULSE >= net.without_creep for net, *_ in known)
+            most, name, file = max((net.without_creep if creep else net.difference, name, file) for net, name, file in known)
             text += f"Net impulses between bodies within {same} of the exact answer's: {near} of {of}. The "
-            text += f"difference is {rough_percent(sorted(differences)[of // 2])} in the median"
+            half = rough_percent(sorted(net.difference for net, *_ in known)[of // 2])
+            text += f"difference is {half} in the median"
             if creep:
-                rest = rough_percent(sorted(without_creep)[of // 2])
+                rest = rough_percent(sorted(net.without_creep for net, *_ in known)[of // 2])
                 text += f". Without the impulse that stops the creep it is {rest}, within {same} for {creep} more"
-            text += f"; the largest, {rough_percent(farthest)}, is in {file} (velocities: {name}). "
+            text += f"; the largest, {rough_percent(most)}, is in {file} (velocities: {name}). "
         if hyperstatic := sum(not net.each_determined for net, *_ in nets):
             text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
         return text.strip()
