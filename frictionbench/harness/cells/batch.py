@@ -21,7 +21,6 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness import process
-from frictionbench.harness.cells.rows import judged
 from frictionbench.harness.cells.timing import drawn_ulps
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.problems import FrictionProblem
@@ -35,6 +34,7 @@ from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.results.conventions import DRAWN, NEARBY, WARM
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, Answers, SolverInfo, solve, solve_many
+from frictionbench.verification import verified
 
 BASE = {2: "lemke", 3: "hybrid"}  # by dimension
 TOL, ROUNDS, SAMPLE, SEED = 1e-8, 5, 20, 1
@@ -115,7 +115,7 @@ def _one_by_one(answers: Answers | list[Answer]) -> list[Answer]:
 
 def _verified(cell: BatchCell, problems: tuple[FrictionProblem, ...], answers: list[Answer], info: SolverInfo) -> Row:
     """Return the worst verdict, the count of each other verdict than solved, and the summed counts of work."""
-    findings = [judged(problem, answer, info, cell.tol) for problem, answer in zip(problems, answers, strict=True)]
+    findings = [verified(problem, answer, info, cell.tol) for problem, answer in zip(problems, answers, strict=True)]
     verdicts = Counter(finding.verdict for finding in findings)
     work: Counter[str] = Counter()
     for answer in answers:

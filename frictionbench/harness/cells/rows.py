@@ -15,11 +15,16 @@ from frictionbench.problems.analysis.outcomes import refined, velocity_distance
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.check import Array
 from frictionbench.problems.verdicts import RANK, Verdict
-from frictionbench.problems.verify import Finding, verify
+from frictionbench.problems.verify import Finding
 from frictionbench.results.conventions import ANOTHER_OUTCOME, COLD
 from frictionbench.results.schema import PROBLEM_FACTS
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, SolverInfo, Status, find
+from frictionbench.verification import verified
+
+MOST_IN_MODE = 24  # contacts up to which a row states the mode, one letter per contact in a column that is read by eye
+REFINED_FROM = 1e-4  # residual below which an answer is refined to determine its outcome: the coarsest tolerance of the suites
+NOTICEABLE = 1e-3  # seconds: a first call longer than this and than SLOW_FIRST times the repeats gets a remark
 
 
 def known_row(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Row | None = None) -> Row:
@@ -58,16 +63,6 @@ def solver_facts(variant: str) -> Row:
     }
 
 
-MOST_IN_MODE = 24  # contacts up to which a row states the mode, one letter per contact in a column that is read by eye
-REFINED_FROM = 1e-4  # residual below which an answer is refined to determine its outcome: the coarsest tolerance of the suites
-NOTICEABLE = 1e-3  # seconds: a first call longer than this and than SLOW_FIRST times the repeats gets a remark
-
-
-def judged(problem: FrictionProblem | LCP, answer: Answer, info: SolverInfo, tol: float) -> Finding:
-    """Verify an answer as a solution of the solver's model."""
-    return verify(problem, answer, info.model, tol, quiet=bool(info.needs))
-
-
 def finding_columns(
     problem: FrictionProblem | LCP,
     timing: Timing,
@@ -84,7 +79,7 @@ def finding_columns(
     disturbed: whether another process ran on the core, which may be why the first call was slow.
     """
     answers = [*((problem, answer) for answer in timing.answers), *timing.new_answers]  # a cache may hold results of other code
-    findings = [(judged(posed, answer, info, tol), answer) for posed, answer in answers]
+    findings = [(verified(posed, answer, info, tol), answer) for posed, answer in answers]
     finding, answer = max(findings, key=lambda pair: (RANK[pair[0].verdict], pair[0].residual))
     row: Row = {
         "status": answer.status.name,

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness.cells.rows import judged
 from frictionbench.harness.cells.timing import Call, Timing, check_reuse, clean_call, timed_call
 from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.problems import FrictionProblem
@@ -25,6 +24,7 @@ from frictionbench.problems.schemes import SCHEMES, NoSolution
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.solvers import Answer, Solver, SolverInfo
+from frictionbench.verification import verified
 
 DIVERGED = 1e6  # relative to the scene's energy: an inaccurate but stable motion gains far less
 
@@ -55,7 +55,7 @@ class _ClosedLoop:
             return malformed(error), None
         answered, self._last = perf_counter(), (handed, call)
         self.solver_time += np.nan if call.loaded else sum(call.times)
-        finding = judged(problem, call.answer, self._info, self._tol)
+        finding = verified(problem, call.answer, self._info, self._tol)
         self.worst_residual = max(self.worst_residual, finding.residual)
         if np.isfinite(finding.residual):
             self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
@@ -69,7 +69,7 @@ class _ClosedLoop:
         return timed_call(self._solver, problem, lambda ready: self._solver.solve(ready, self._tol, None), remote)
 
     def _rank(self, problem: FrictionProblem, answer: Answer) -> int:
-        return RANK[judged(problem, answer, self._info, self._tol).verdict]
+        return RANK[verified(problem, answer, self._info, self._tol).verdict]
 
     def time(self) -> float | None:
         """Return the solver's time in seconds, or None if it cannot be reported. `verdict` uses what this finds computed."""
@@ -80,7 +80,7 @@ class _ClosedLoop:
             problem, call = self._last
             timing.add_sample(call)
             check_reuse(timing, problem, self._timed, self._rank)
-        self.computed = [judged(new, answer, self._info, self._tol).verdict for new, answer in timing.new_answers]
+        self.computed = [verified(new, answer, self._info, self._tol).verdict for new, answer in timing.new_answers]
         return None if timing.new_answers else self.solver_time
 
     def verdict(self) -> tuple[Verdict, str]:
