@@ -24,7 +24,7 @@ class Results:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """Settings, machine, versions, seeds and times of the run."""
+        """Settings, machine, versions and times of the run."""
         return read_manifest(self.folder)
 
     @cached_property

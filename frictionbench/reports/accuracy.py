@@ -82,10 +82,9 @@ def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES)
 
 
 def summary(times: pd.DataFrame) -> pd.DataFrame:
-    """Return a row per class and label, including the classes of OVERALL: problems, reached (the number within the target),
-    solved (the same as text), share and mean (s), both weighted, the medians of form, setup and solve (s) over the problems
-    reached, written (the share of form) and law, which the label solves instead of Coulomb's law. A solver of another law has a
-    mean only if it solves all problems."""
+    """Return a row per class and label, including the classes of OVERALL: problems; reached, unjudgeable and skipped, numbers
+    of them as in `times_to`; solved, the first two as text; share and mean (s), both weighted; the medians of form, setup and
+    solve (s) over the problems reached; written, the share of form; and law, see `laws`."""
     both = pd.concat([*overall(times).values(), times], ignore_index=True)
     both["weight"] = weights(both, ["problem_class", "label"])
     groups = both.groupby(["problem_class", "label"], sort=False)
@@ -103,11 +102,17 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
     table["share"] = (both["weight"] * both["reached"]).groupby([both["problem_class"], both["label"]], sort=False).sum()
     table["written"] = share_of_form(both, ["problem_class", "label"])
     logs = (both["weight"] * np.log(both["charged"] + SHIFT)).groupby([both["problem_class"], both["label"]], sort=False).sum()
-    table["mean"] = np.exp(logs) - SHIFT
-    table["law"] = [law(*what) for what in zip(table["model"], table["dimension"], strict=True)]
-    table["mean"] = table["mean"].where((table["law"] == "") | (table["reached"] == table["problems"]))
+    table["law"], has_mean = laws(table, table["problems"])
+    table["mean"] = (np.exp(logs) - SHIFT).where(has_mean)
     table["solved"] = [*map(solved_words, table["reached"], table["unjudgeable"])]
     return table.drop(columns=["model", "dimension"]).reset_index()
+
+
+def laws(table: pd.DataFrame, problems: "int | pd.Series[int]") -> tuple["pd.Series[str]", "pd.Series[bool]"]:
+    """Return for each row the law that a solver solves instead of Coulomb's law, and whether it has a mean: a solver of another
+    law has one only if it solves all problems. table: with columns model, dimension and reached. problems: their number."""
+    other = table["model"].combine(table["dimension"], law)
+    return other, (other == "") | (table["reached"] == problems)
 
 
 def solved_words(reached: int, unjudgeable: int) -> str:

@@ -18,7 +18,7 @@ import pandas as pd
 from frictionbench.reports import accuracy
 from frictionbench.reports.drawing.text import percent, power, ratio, seconds
 from frictionbench.reports.run import PORTFOLIO, Run
-from frictionbench.results.conventions import COLD, WARM, RankBy, count, law
+from frictionbench.results.conventions import COLD, WARM, RankBy, count
 from frictionbench.results.hardness import HIGH_CONDITION
 
 SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
@@ -148,10 +148,8 @@ def choose(
     problem = own.drop_duplicates("problem_id").set_index("problem_id").reindex(charged.index)
     weight, groups = accuracy.weights(problem), own.groupby("label")
     facts = accuracy.percentiles(own, budget).join(groups[["reached", "unjudgeable", "skipped"]].sum())
-    models = groups[["model", "dimension"]].first().reindex(facts.index)
-    facts["law"] = [law(*what) for what in models.itertuples(index=False)]
+    facts["law"], has_mean = accuracy.laws(facts.join(groups[["model", "dimension"]].first()), len(charged))
     facts["written"] = accuracy.share_of_form(own, ["label"])
-    has_mean = (facts["law"] == "") | (facts["reached"] == len(charged))
     means = {n: charged.where(reached, n * charged).apply(accuracy.shifted_geometric_mean, weight=weight) for n in CHARGES}
     facts["mean"] = means[1].where(has_mean)
     shared = reached[facts.index[has_mean & (facts["reached"] > 0)]].all(axis=1)

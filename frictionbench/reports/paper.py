@@ -31,6 +31,7 @@ NARROWEST, MOST_COLUMNS = 1.6, 3  # least width of a panel, inches; most panels 
 LETTERS = 75  # letters in a row that fit into one column of text; a table with longer rows takes the width of the page
 CITED = 4  # letters of a citation by number
 ON_PAGE_ONLY = ("Hover over", "Below each panel", "One map per scene")  # how sentences begin that apply to the page only
+RESTRICTED = {"scenes": ["scene", "problem_class"], "solvers": ["variant", "solver", "label"]}  # columns with their names
 # Shrinks a table that is wider than the text; \width is graphicx's name for the natural width of the box.
 FIT = r"\smallskip\noindent\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 
@@ -97,9 +98,6 @@ def _caption(chart: Chart, run: Run) -> str:
     return f"{title}. {' '.join(printed_ones)}".removeprefix(". ")
 
 
-RESTRICTED = {"scenes": ["scene", "problem_class"], "solvers": ["variant", "solver", "label"]}  # columns with their names
-
-
 def restricted(run: Run, what: str, names: Collection[str]) -> Run:
     """Return the run with only the named scenes or solvers. what: a key of RESTRICTED. Errors: ResultsError for other names."""
     tables = {name: getattr(run, name) for name in ("rows", "simulations", "map_simulations")}
@@ -115,17 +113,13 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
 
 def booktabs(table: Table) -> str:
     """Return a tabular with columns of words aligned left and of numbers right, for documents with booktabs and graphicx."""
-    cited = [head == REFERENCES for head in table.header]
-    body = [
-        [rf"\cite{{{cell}}}" if c and cell.isascii() else escaped(cell) for c, cell in zip(cited, row, strict=True)]
-        for row in table.rows
-    ]
-    sides = ["r" if any(cell[:1].isdigit() for cell in column) else "l" for column in zip(*table.rows, strict=True)]
-    lines = [" & ".join(row) + r" \\" for row in (map(escaped, table.header), *body)]
-    sizes = [
-        [CITED * (1 + cell.count(",")) if c else len(cell) for c, cell in zip(cited, row, strict=True)] for row in table.rows
-    ]
-    widths = [max(len(head), *cell_lengths) for head, *cell_lengths in zip(table.header, *sizes, strict=True)]
+    sides, widths, body = [], [], []  # by column
+    for head, *cells in zip(table.header, *table.rows, strict=True):
+        cited = head == REFERENCES
+        sides.append("r" if any(cell[:1].isdigit() for cell in cells) else "l")
+        widths.append(max(len(head), *(CITED * (1 + cell.count(",")) if cited else len(cell) for cell in cells)))
+        body.append([rf"\cite{{{cell}}}" if cited and cell.isascii() else escaped(cell) for cell in cells])
+    lines = [" & ".join(row) + r" \\" for row in (map(escaped, table.header), *zip(*body, strict=True))]
     wide = sum(widths) + 2 * len(widths) > LETTERS
     return "\n".join([
         f"% {'both columns, table*' if wide else 'one column, table'}",

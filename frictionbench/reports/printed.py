@@ -17,6 +17,9 @@ from frictionbench.reports.latex import cited
 from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.conventions import ENDINGS
 
+REFERENCES = "references"
+MODELS = {"coulomb": "Coulomb's law", "lcp": "LCP"}  # names of models in print that differ from those in tables
+
 
 class Table(NamedTuple):
     """A table of text. A column with the head REFERENCES has keys of the bibliography, separated by commas."""
@@ -25,10 +28,6 @@ class Table(NamedTuple):
     caption: str
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
-
-
-REFERENCES = "references"
-MODELS = {"coulomb": "Coulomb's law", "lcp": "LCP"}  # names of models in print that differ from those in tables
 
 
 def printed(run: Run) -> list[Table]:

@@ -134,8 +134,8 @@ def sentences(run: Run) -> list[tuple[str, str]]:
     errors = {label: f" ({residual(error)})" for label, error in model_errors(run.tightest).items()}
     counted = {
         name: {
-            label: f" ({count} of {of} problems to {tol})"
-            for label, count, of in reliable[["label", name, "problems"]].itertuples(index=False)
+            label: f" ({found} of {of} problems to {tol})"
+            for label, found, of in reliable[["label", name, "problems"]].itertuples(index=False)
         }
         for name in ("wrong", "crashed")
     }
