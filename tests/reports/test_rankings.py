@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from frictionbench.commands.options import parse_duration
 from frictionbench.commands.single import advice
 from frictionbench.reports import accuracy, choice, tables
-from frictionbench.reports.charts import profiles
+from frictionbench.reports.charts import profiles, steps
 from frictionbench.reports.choice import headline
 from frictionbench.reports.page import write_report
 from frictionbench.reports.recorded import motions
@@ -262,8 +262,8 @@ def test_percentiles_and_budget_by_hand(tmp_path):
     (motion,) = motions(read_run(write_folder(tmp_path / "run", rows), budget=40e-3))
     assert (motion.problems, motion.table.loc["a", "p99"]) == (100, pytest.approx(99e-3))
     page = write_report(tmp_path / "run", read_run(tmp_path / "run", budget=40e-3)).read_text(encoding="utf-8")
-    assert "within 40 ms" in page
-    assert "100 problems of a motion" in page
+    assert all(each in page for each in ("within 40 ms", "100 problems of a motion", "; dashed: the budget of 40 ms</h3>"))
+    assert "budget" not in steps.CHART.caption
     # every step counts the same in a motion, every stratum in a mean over problems
     two = [row | {"contacts": 20} for row in rows[:50]] + rows[50:99]
     times = accuracy.overall(run_of(*two).times[1e-8])[PLANE]

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK, Look, name_axes, time_axis
+from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.recorded import step_times
 from frictionbench.reports.run import Run
 
@@ -15,7 +16,8 @@ from frictionbench.reports.run import Run
 def panels(run: Run) -> list[Panel]:
     """A panel per motion, see reports.recorded."""
     draw = partial(_draw, looks=run.looks, budget=run.budget)
-    return [Panel(title, partial(draw, times=times)) for title, times in step_times(run)]
+    line = "" if run.budget is None else f"; dashed: the budget of {seconds(run.budget)}"
+    return [Panel(title + line, partial(draw, times=times)) for title, times in step_times(run)]
 
 
 def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look], budget: float | None) -> None:
@@ -35,6 +37,5 @@ CHART = Chart(
     section="time",
     title="Time of each step of a motion",
     ranked=True,
-    caption="Crosses: the step was not solved to the tightest target and is charged the time limit. A dashed line is the "
-    "budget.",
+    caption="Crosses: the step was not solved to the tightest target and is charged the time limit.",
 )
