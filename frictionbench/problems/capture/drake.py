@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.problems.capture.parts import Contacts, Step, captured
+from frictionbench.problems.capture.parts import Contacts, Step, captured, share_of_softness
 from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.recorded.native import EngineStep
 from frictionbench.problems.spatial.rotation import frames
@@ -46,13 +46,11 @@ def drake(plant: Any, context: Any) -> EngineStep:
     approach = (contacts.rows @ velocity).reshape(-1, 3)[:, 0] + contacts.gap / h
     soft = float(contacts.impulse[:, 0] @ np.maximum(-approach, 0.0))
     pushed = contacts.rows.T @ contacts.impulse.ravel()
-    rigid = float(pushed @ np.linalg.solve(mass, pushed))
-    shares = {"softness of contacts": soft / (soft + rigid) if soft > 0 else 0.0}
-    others = {"contacts by surfaces": surfaces}
+    shares = {"softness of contacts": share_of_softness(mass, pushed, soft)}
     signs, gaps = _limits(plant, now, free, h)
     left = mass @ (velocity - free) - pushed - surfaces
     contacts = contacts.and_limits(signs, np.maximum(signs @ left, 0.0), gaps)
-    return captured(Step(mass, free, velocity, h, contacts, np.zeros((0, nv)), others, shares))
+    return captured(Step(mass, free, velocity, h, contacts, np.zeros((0, nv)), {"contacts by surfaces": surfaces}, shares))
 
 
 def _limits(plant: Any, now: Any, free: Array, h: float) -> tuple[Array, Array]:

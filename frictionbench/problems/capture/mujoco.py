@@ -62,7 +62,8 @@ def mujoco(model: Any, data: Any) -> EngineStep:
     symmetric = (mass + mass.T) / 2
     touching = ~(kinds.limit | kinds.dry | kinds.equal)
     soft = {"softness of contacts": touching, "softness of equalities": kinds.equal}
-    shares = {name: share_of_softness(symmetric, J[rows], force[rows], after.efc_R[rows]) for name, rows in soft.items()}
+    given = after.efc_R * force  # R f
+    shares = {name: share_of_softness(symmetric, J[on].T @ force[on], force[on] @ given[on]) for name, on in soft.items()}
     return captured(Step(symmetric, free, after.qvel.copy(), h, contacts, J[kinds.equal], others, shares))
 
 

@@ -123,11 +123,9 @@ def require_finite(*arrays: Array) -> None:
     require(finite, "data", "masses, forces or velocities are not finite: the simulation has diverged")
 
 
-def share_of_softness(mass: Array, rows: Array, force: Array, softness: Array) -> float:
-    """f'R f / (f'R f + |J' f|^2), with the norm of M^-1, rows J (n, nv), force f (n,), softness R (n,); 0 without forces."""
-    soft = float(force @ (softness * force))
-    moved = rows.T @ force
-    rigid = float(moved @ np.linalg.solve(mass, moved))
+def share_of_softness(mass: Array, pushed: Array, soft: float) -> float:
+    """f'R f / (f'R f + |J' f|^2), with the norm of M^-1, pushed J' f (nv,) and soft f'R f; 0 without forces."""
+    rigid = float(pushed @ np.linalg.solve(mass, pushed))
     return soft / (soft + rigid) if soft > 0 else 0.0
 
 
