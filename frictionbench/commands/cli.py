@@ -32,6 +32,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+_SIGNALS = [signal.SIGINT, signal.SIGTERM]
+if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # nohup ignores it
+    _SIGNALS.append(signal.SIGHUP)
 
 
 class _Command(TyperCommand):
@@ -378,7 +381,7 @@ def map_(
 
     Every solver runs on a grid that is refined where verdicts differ.
     """
-    from frictionbench.commands.summary import counted, folder_for
+    from frictionbench.commands.summary import folder_for, verdict_counts
     from frictionbench.harness.maps import corners, plan_map, run_maps
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.workers.inputs import load_plugins, require_buildable
@@ -391,7 +394,7 @@ def map_(
     folder, progress = out or folder_for(plan), Progress(quiet=quiet)
     with _resumable(folder):
         run_maps(plan, folder, _jobs(jobs), progress)
-    typer.echo(counted("points of the map", read_table(folder, "simulations" if steps else "solves")))
+    typer.echo(verdict_counts("points of the map", read_table(folder, "simulations" if steps else "solves")))
     typer.echo(f"report: {write_report(folder)}")
 
 
@@ -478,11 +481,6 @@ def _resumable(folder: Path) -> Iterator[None]:
         stopped.add_note("run the same command again to resume")
         stopped.add_note(f"report of the results so far: frictionbench report {shlex.quote(str(folder))}")
         raise
-
-
-_SIGNALS = [signal.SIGINT, signal.SIGTERM]
-if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # nohup ignores it
-    _SIGNALS.append(signal.SIGHUP)
 
 
 def main() -> None:

@@ -104,7 +104,7 @@ def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
     if solved := [row for row in rows if row["verdict"] == Verdict.SOLVED]:
         best, others = solved[0], len(solved) - 1
         text = f"use {best['variant']}: solved {rank_by.words} in {_time(_seconds(best, rank_by))}"
-        text += f"; {others} other{'s' * (others != 1)} solve{'s' * (others == 1)} it as well" if others else ""
+        text += f"; {count(others, 'other')} solve{'s' * (others == 1)} it as well" if others else ""
         other = min(solved, key=lambda row: _seconds(row, rank_by.other))
         if other is not best and _seconds(other, rank_by.other) < _seconds(best, rank_by.other):
             text += f"; {rank_by.other.words} {other['variant']} is faster: {_time(_seconds(other, rank_by.other))}"

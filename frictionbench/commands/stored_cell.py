@@ -23,7 +23,7 @@ from frictionbench.solvers import available, find
 
 # Limits within which a solver can be judged: outside, a fault of the folder would be reported as the solver's.
 LEAST_SECONDS, MOST_SECONDS = 1e-3, 1e6
-LEAST_MEMORY, MOST_STEPS, MOST_PROBLEMS = 2**28, 10**6, 10**5  # bytes, steps, problems of a batch
+LEAST_BYTES, MOST_STEPS, MOST_PROBLEMS = 2**28, 10**6, 10**5  # bytes, steps, problems of a batch
 
 
 def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -> tuple[str, Row, dict[str, Any], int]:
@@ -35,7 +35,7 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
     table, row = store.find_row(folder, key, tables)
     row = dict.fromkeys(column.name for column in TABLES[table]) | row  # shards leave out nulls
     memory = settings.get("memory_limit")
-    require(type(memory) is int and LEAST_MEMORY <= memory < 2**60, "settings.memory_limit", f"cannot be {memory!r:.100}")
+    require(type(memory) is int and LEAST_BYTES <= memory < 2**60, "settings.memory_limit", f"cannot be {memory!r:.100}")
     texts = ("variant", "scene", "verdict", "parameters", *(["scheme"] if table == "simulations" else ["start"]))
     usable = {name: isinstance(row[name], str) for name in texts}
     usable["parameters"] = row["parameters"] == "{}" or bool(json_object(row["parameters"]))

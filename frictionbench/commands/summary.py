@@ -31,18 +31,18 @@ def summary(folder: Path) -> str:
     """Return the verdicts of a finished run, one line per solver, its folder, and the command that makes the report."""
     rows = read_table(folder, "solves")
     easy, bare = rows["trivial"].eq(True) | rows["idle"].eq(True), rows["contacts"].isna()
-    lines = [counted("cells of problems in which friction is at work", rows[~easy & ~bare])]
-    lines += [counted("cells of LCPs and of files that cannot be read, not ranked", rows[~easy & bare])]
+    lines = [verdict_counts("cells of problems in which friction is at work", rows[~easy & ~bare])]
+    lines += [verdict_counts("cells of LCPs and of files that cannot be read, not ranked", rows[~easy & bare])]
     if others := int(easy.sum()):
         lines.append(f"cells of trivial and idle problems (nothing to solve, or friction not needed), not ranked: {others}")
-    lines += [counted("simulations, scenes in closed loop", read_table(folder, "simulations"))]
+    lines += [verdict_counts("simulations, scenes in closed loop", read_table(folder, "simulations"))]
     batches = read_table(folder, "batches")
-    lines += [counted("batches of small problems", batches), _reasons(rows), _reasons(batches)]
+    lines += [verdict_counts("batches of small problems", batches), _reasons(rows), _reasons(batches)]
     lines.append(f"results: {folder}\nreport:  frictionbench report {quote(str(folder))}")
     return "\n\n".join(filter(None, lines))
 
 
-def counted(what: str, rows: pd.DataFrame) -> str:
+def verdict_counts(what: str, rows: pd.DataFrame) -> str:
     """Return the numbers of verdicts, a line per variant; empty without rows."""
     if rows.empty:
         return ""

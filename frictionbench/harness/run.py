@@ -86,7 +86,7 @@ def _announced(plan: Plan, cells: list[Cell], problems: int) -> str:
     """Return the line that announces a plan of unknown duration: its number of cells, its solvers, bounds of its duration."""
     solvers = dict.fromkeys(cell.variant for cell in cells)
     named = ", ".join(solvers) if len(solvers) <= 12 else f"{len(solvers)} solvers"
-    bounds = (max(round(each), 1) for each in (SMALL_CELL * len(cells), sum(plan.limits[cell.table] for cell in cells)))  # s
+    bounds = (max(round(each), 1) for each in (SMALL_CELL * len(cells), sum(map(plan.limit, cells))))  # s
     takes, longest = (f"{each} s" if each < 60 else f"{each // 60:g} min" for each in bounds)
     cells_of = f"{count(len(cells), 'cell')} of {count(problems, 'problem')}"
     text = f"{cells_of} with {named}: about {takes} on one core where problems are small and solvers fast"
@@ -105,7 +105,7 @@ def _run(
 ) -> None:
     """Run the cells, which have no row yet, in this order, and add their rows. done: the number of cells that have one."""
     solved = {cell.key: records[cell.origin] for cell in cells if isinstance(cell, SolveCell)}
-    tasks = [cell_task(cell, plan.limits[cell.table], plan.plugins, solved.get(cell.key)) for cell in cells]
+    tasks = [cell_task(cell, plan.limit(cell), plan.plugins, solved.get(cell.key)) for cell in cells]
     writer, record = f"{os.getpid()}-{secrets.token_hex(4)}", dependencies.LoadRecord(folder)
     with ExitStack() as opened:
         shards = {table: opened.enter_context(new_shard(folder, table, writer)) for table in TABLES}

@@ -33,7 +33,7 @@ from frictionbench.problems.verdicts import SINGLE, Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.commands import sources
-from frictionbench.results.conventions import ANOTHER_OUTCOME, COLD, RankBy, json_object
+from frictionbench.results.conventions import ANOTHER_OUTCOME, COLD, ROBOT_STEP, RankBy, json_object
 from frictionbench.results.histories import ConvergenceHistory, read_histories
 from frictionbench.results.maps import GridPoint, maps_of, read_thresholds
 from frictionbench.results.store import read_manifest, read_table
@@ -48,7 +48,6 @@ EXCLUSIONS = {  # columns that exclude problems from rankings; the first that ho
     "trivial": "trivial",
     "idle": "idle",
 }
-ROBOTS = "robot_step"  # the scene of recorded steps of robots; its parameter `case` begins with the model
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 
 
@@ -162,7 +161,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows["unread"], rows["bare"] = rows["problem"] == "", rows["contacts"].isna()
     rows["infeasible"] = rows["proved_infeasible"].eq(True)
     rows["several_outcomes"] = outcomes(rows).groupby(rows["problem"]).transform("max") > 1
-    rows["robot"] = rows["scene"] == ROBOTS
+    rows["robot"] = rows["scene"] == ROBOT_STEP
     models = rows["parameters"].map(lambda text: str(json_object(text).get("case", "")).partition("-")[0])
     rows["cluster"] = rows["scene"].where(~rows["robot"], rows["scene"] + " " + models)
     rows["label"] = rows["variant"].where(rows["start"].isin(["", COLD]), rows["variant"] + ", " + rows["start"])

@@ -32,6 +32,7 @@ COUNTS = r"(?:(?:[^,]* )?\d{1,18}(?:, (?!$)|$))*"  # texts made by format_counts
 RESIDUAL_ROUNDING = 1.1  # allowance for a baseline's residuals, which have two digits
 UNKNOWN = "-"  # in place of a hash: the content could not be read
 SHORT_HASH = 12  # characters of a hash in a baseline
+FILE_SEPARATOR = "@"  # separates a key and the hash of the problem's file
 ENOUGH_REPEATS = 5  # repeats among which there is usually an undisturbed one
 
 
@@ -146,9 +147,6 @@ def _stacked(folder: Path, manifest: dict[str, Any], rank_by: RankBy) -> pd.Data
         key=_with_files(rows, manifest),
         limit=rows["time_limit"],
     )
-
-
-FILE_SEPARATOR = "@"  # separates a key and the hash of the problem's file
 
 
 def _with_files(rows: pd.DataFrame, manifest: dict[str, Any]) -> list[str]:

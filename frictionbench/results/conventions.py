@@ -19,6 +19,7 @@ from frictionbench.results.files import cleaned
 if TYPE_CHECKING:  # the command line imports this file for its options
     import pandas as pd
 
+ROBOT_STEP = "robot_step"  # the scene of recorded steps of robots; its parameter `case` begins with the model
 DEFAULT_SCHEME = "anitescu_potra"  # the default time-stepping scheme
 COLD, WARM, SHUFFLED = "cold", "warm", "shuffled"  # starts: zero; previous impulses; impulses drawn from the whole motion
 ANOTHER_OUTCOME = 1e-3  # relative to the change by contact: velocities are different whose distances differ by more
@@ -30,6 +31,16 @@ WAYS = {  # the ways to solve all problems of a batch, with their meanings
     "packed": "`solve_many` over a Batch, which is packed already",
     "list": "`solve_many` over a list of problems",
 }
+
+ANOTHER_LAW, POLYGON = "another law", "polygon"
+MEANINGS = {
+    ANOTHER_LAW: "solved within the tolerance for another law, the convex relaxation or soft contact; not for Coulomb's law",
+    POLYGON: "solved within the tolerance with a polygon for the section of the friction cone; not with the cone",
+}
+# Every verdict with its meaning, from the best to the worst; ANOTHER_LAW and POLYGON replace `relaxed`.
+ENDINGS: dict[str, str] = {}
+for _verdict in Verdict:
+    ENDINGS |= MEANINGS if _verdict is Verdict.RELAXED else {str(_verdict): _verdict.meaning}
 
 
 def first_phase(scheme: str) -> str:
@@ -71,17 +82,6 @@ class RankBy(StrEnum):
         return (rows[self.columns[:-1]].fillna(0.0).sum(axis=1) + rows["solve_time"]).clip(lower=1e-9)
 
 
-ANOTHER_LAW, POLYGON = "another law", "polygon"
-MEANINGS = {
-    ANOTHER_LAW: "solved within the tolerance for another law, the convex relaxation or soft contact; not for Coulomb's law",
-    POLYGON: "solved within the tolerance with a polygon for the section of the friction cone; not with the cone",
-}
-# Every verdict with its meaning, from the best to the worst; ANOTHER_LAW and POLYGON replace `relaxed`.
-ENDINGS: dict[str, str] = {}
-for _verdict in Verdict:
-    ENDINGS |= MEANINGS if _verdict is Verdict.RELAXED else {str(_verdict): _verdict.meaning}
-
-
 def law(model: str, dimension: float) -> str:
     """Return the law that a solver of this model solves in this dimension, empty for Coulomb's law."""
     if model == "lcp":
@@ -95,7 +95,7 @@ def ending(verdict: str, model: str) -> str:
 
 
 def endings(rows: "pd.DataFrame") -> list[str]:
-    """Return the ending of each row of the solves or the simulations table."""
+    """Return the ending of each row of a table."""
     return [ending(*pair) for pair in zip(rows["verdict"], rows["model"], strict=True)]
 
 

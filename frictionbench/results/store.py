@@ -29,7 +29,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from frictionbench.results.files import ResultsError, cleaned, opened, parsed, read_json, replaced, subfolder, write_text
-from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
+from frictionbench.results.schema import SCHEMA_VERSION, TABLES, arrow_schema
 
 Row = dict[str, Any]
 # Limits on input: far above the sizes of the largest suite, and small enough for a machine with 4 GiB of memory.
@@ -113,7 +113,7 @@ def rows(folder: Path, table: str) -> dict[str, Row]:
     return known
 
 
-def find_row(folder: Path, wanted: str, tables: Sequence[str] = ("solves", "simulations")) -> tuple[str, Row]:
+def find_row(folder: Path, wanted: str, tables: Sequence[str] = tuple(TABLES)) -> tuple[str, Row]:
     """Return the table and the row with the given key, or with the only key that starts with it.
 
     The table's name may be left out: `3f9c` finds `solve-3f9c...`. Errors: ResultsError if no row or several rows match.

@@ -63,6 +63,7 @@ Precision = Literal["double", "single"]
 FINEST_TOL = {"double": 0.0, "single": 1e-6}  # the tightest target: float32 has a rounding error of 6e-8 in every operation
 LACKS = ("friction_bias", "joints", "asymmetry")  # properties of a problem that a solver may declare as not supported
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
+_LOST = (Status.RAY, Status.STALLED, Status.BREAKDOWN, Status.WORK_LIMIT)  # after these a proof of infeasibility is tried
 
 
 class Solved(NamedTuple):
@@ -385,9 +386,6 @@ def why_lost(info: SolverInfo, problem: FrictionProblem, status: Status, tol: fl
     lost = status in _LOST and info.ours and not info.needs
     proof = contradiction(problem) if lost else None
     return str(proof) if proof and proof.least_residual > tol else ""
-
-
-_LOST = (Status.RAY, Status.STALLED, Status.BREAKDOWN, Status.WORK_LIMIT)  # after these a proof of infeasibility is tried
 
 
 def tolerance(tol: Any) -> float:

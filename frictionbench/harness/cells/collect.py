@@ -38,7 +38,7 @@ from frictionbench.problems.recorded.native import save
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.simulate import first_problem_of, simulate
-from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
+from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, ROBOT_STEP, SHUFFLED, WARM, first_phase
 from frictionbench.results.files import ResultsError, replaced, subfolder, write_text
 
 MAX_PERTURBED = 30  # contacts: the sensitivity takes several solves per contact, too long for larger problems
@@ -78,14 +78,14 @@ def collect(folder: Path, source: Source, described: bool = True) -> list[Record
             with replaced(store / f"{name}.npz") as file:
                 save(problem, file)
             if isinstance(collected, LCP):  # it has no contacts
-                facts = {"size": collected.size, "trivial": bool((collected.q >= 0).all()), "idle": False}
-                record = blank_facts(source, name, 0, "lcp") | facts
+                columns = {"size": collected.size, "trivial": bool((collected.q >= 0).all()), "idle": False}
+                record = blank_facts(source, name, 0, "lcp") | columns
             elif described:
                 record = _answered_facts(folder, source, collected)
             else:
                 contacts, dimension = collected.problem.contacts, collected.problem.dimension
-                facts = {"contacts": contacts, "dimension": dimension, "size": lcp_size(collected.problem)}
-                record = blank_facts(source, name, collected.step, collected.phase) | facts
+                columns = {"contacts": contacts, "dimension": dimension, "size": lcp_size(collected.problem)}
+                record = blank_facts(source, name, collected.step, collected.phase) | columns
             digests = {COLD: ""} | {start: digest_of(impulses) for start, impulses in starts.items()}
             records[name] = record | {"starts": digests, "repeats": source.repeats}
             if starts:
@@ -137,7 +137,7 @@ def _numbers(problem: FrictionProblem) -> tuple[int, int, int]:
 def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
     """Return the source's problems, each with its starts by name. Of a motion, problems that are not idle are preferred."""
     if source.scene in instances():
-        known = robots.kept(f"{source.parameters['case']} start") if source.scene == robots.SCENE else None
+        known = robots.kept(f"{source.parameters['case']} start") if source.scene == ROBOT_STEP else None
         starts = {} if known is None else {WARM: known}
         return [(Collected(0, first_phase(DEFAULT_SCHEME), make_instance(source.scene, **source.parameters)), starts)]
     stage = scene(source.scene, **source.parameters)

@@ -165,10 +165,9 @@ class Plan:
         require(all(0 < tol < 1 for tol in self.tolerances), "tol", "must lie between 0 and 1")
         require(0 < self.time_limit < float("inf"), "time-limit", "must be positive")
 
-    @property
-    def limits(self) -> dict[str, float]:
-        """The time limit of a cell, s, by its table."""
-        return {"solves": self.time_limit, "simulations": self.simulation_limit, "batches": self.time_limit}
+    def limit(self, cell: Cell) -> float:
+        """Return the time limit of a cell, s."""
+        return self.simulation_limit if isinstance(cell, SimulationCell) else self.time_limit
 
     def settings(self) -> dict[str, Any]:
         """Return the plan as plain values for the manifest. Two runs with the same settings have the same cells."""

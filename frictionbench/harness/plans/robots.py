@@ -14,14 +14,14 @@ import numpy as np
 from frictionbench.harness.plans.hard import table
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems.check import Array
+from frictionbench.results.conventions import ROBOT_STEP
 
 TABLE, ARRAYS = (Path(__file__).with_name(f"robots.{suffix}") for suffix in ("tsv", "npz"))
-SCENE = "robot_step"
 
 
 def steps() -> tuple[Source, ...]:
     """Return all steps."""
-    return tuple(Source(SCENE, {"case": row["case"]}) for row in table(TABLE))
+    return tuple(Source(ROBOT_STEP, {"case": row["case"]}) for row in table(TABLE))
 
 
 def one_of_each() -> tuple[Source, ...]:
@@ -33,7 +33,7 @@ def one_of_each() -> tuple[Source, ...]:
             size = 3 * int(row["contacts"]) + int(row["limits"]) + int(row["dry_friction"])
             models.setdefault(row["model"], []).append((size, row["case"]))
     ordered = (sorted(steps, key=itemgetter(0)) for steps in models.values())  # of equal sizes, in the order of the table
-    return tuple(Source(SCENE, {"case": steps[len(steps) // 2][1]}) for steps in ordered)
+    return tuple(Source(ROBOT_STEP, {"case": steps[len(steps) // 2][1]}) for steps in ordered)
 
 
 def kept(name: str) -> Array | None:

@@ -43,6 +43,8 @@ BATCHED = ("nsgs", "interior_point", "hybrid")
 ONE_BY_ONE = ("osqp", "daqp", "mujoco[method=newton,settings=tuned]")  # these accept no batches of given problems
 # Methods for Coulomb's law; apgd and admm solve the relaxation.
 MAPPED = (*COULOMB, *(name for name in FURTHER if name not in ("apgd", "admm")))
+SPREAD = 1.25  # largest factor by which drawn settings are changed
+SETTING_DIGITS = 3  # significant digits of drawn settings, so that names of problems can be read
 MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXATION)
 FAILING = (  # simulations in which some methods fail to solve steps
     Source("stack", {"blocks": 5, "mass_ratio": 1e3, "push": 1.0}, steps=60),
@@ -100,10 +102,6 @@ def standard() -> Plan:
         time_limit=2.0,
         expects="up to eight minutes" if outside or planar else "four minutes",
     )
-
-
-SPREAD = 1.25  # largest factor by which drawn settings are changed
-SETTING_DIGITS = 3  # significant digits of drawn settings, so that names of problems can be read
 
 
 def sealed() -> Plan:

@@ -21,6 +21,7 @@ from frictionbench.results.files import ResultsError, cleaned, parsed
 from frictionbench.solvers import find, plugins
 
 COLUMNS = {"solver", "family", "model", "members", "version"}  # columns of harness.cells.rows.solver_facts
+BUILD_SECONDS = 60.0  # time limit in seconds for a scene and its first problem: the suites' largest scene takes one
 
 
 def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
@@ -67,9 +68,6 @@ def _described(source: str, value: Any) -> Plugin:
         if named and all(facts.keys() == COLUMNS for facts in plugin.solvers.values()):
             return replace(plugin, source=source)
     raise InputError(f"solver: {source} cannot be imported (its worker returned a malformed description)")
-
-
-BUILD_SECONDS = 60.0  # time limit in seconds for a scene and its first problem: the suites' largest scene takes one
 
 
 def require_buildable(chosen: Sequence[tuple[str, dict[str, Any]]]) -> None:

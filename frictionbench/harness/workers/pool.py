@@ -30,6 +30,10 @@ from frictionbench.results.files import ResultsError, cleaned
 # Bytes, and lists and objects in them: bound the memory of the main process. The longest row, with curves, is far shorter.
 LONGEST_REPLY, MOST_LISTS = 32 * 2**20, 2**20
 DURING = {"loaded", "compiling"}  # what a worker reports while it runs a task
+TRIES = 3  # one kill may be an accident, such as a moment's lack of memory, but not three in a row
+START = """import sys; sys.path.insert(0, sys.argv[1])
+from frictionbench.harness.workers.supervisor import serve; serve(int(sys.argv[2]))"""
+Settings = tuple[Path, tuple[Plugin, ...], int]
 
 
 @dataclass(frozen=True)
@@ -67,12 +71,6 @@ class Outcome:
         if self.failure:
             raise InputError(self.reason if self.refused else f"{otherwise} ({self.reason})")
         return self.value
-
-
-TRIES = 3  # one kill may be an accident, such as a moment's lack of memory, but not three in a row
-START = """import sys; sys.path.insert(0, sys.argv[1])
-from frictionbench.harness.workers.supervisor import serve; serve(int(sys.argv[2]))"""
-Settings = tuple[Path, tuple[Plugin, ...], int]
 
 
 class _Server:

@@ -31,6 +31,19 @@ from frictionbench.problems.compiled import PACKAGE
 from frictionbench.solvers.plugins import files
 
 NAMESPACES, LANDLOCK, FILES_ONLY, GROUPS = "namespaces", "landlock", "landlock, files only", "process groups"
+MOST_FILE = 2**30  # largest file in bytes: an answer takes far less
+CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446  # system calls of Landlock
+VERSION, PATH_BENEATH = 1, 1  # the flag that asks for the interface's version; the type of rule
+WRITE_FILE, TRUNCATE = 1 << 1, 1 << 14
+FOLDER_RIGHTS = sum(1 << bit for bit in range(4, 14))  # to remove files, create files of each type, and move between folders
+TRUNCATES, SCOPES = 3, 6  # the first versions that restrict truncation, and signals and abstract sockets
+SCOPED = 3
+NEW_MOUNTS, NEW_SHARED_MEMORY, NEW_USERS, NEW_PROCESSES = 0x00020000, 0x08000000, 0x10000000, 0x20000000  # linux/sched.h
+BIND, RECURSIVE, PRIVATE = 0x1000, 0x4000, 1 << 18  # linux/mount.h
+MOUNT_SETATTR, AT_FDCWD, AT_RECURSIVE, READ_ONLY = 442, -100, 0x8000, 1
+SHARED_MEMORY = Path("/dev/shm")
+SETTINGS = Path("/proc/sys")  # the kernel's; root executes the program named in core_pattern
+CAPABILITIES = 0x20080522  # version 3 of the structures of capset(2)
 
 
 def best() -> str:
@@ -46,9 +59,6 @@ def best() -> str:
         return NAMESPACES
     version = landlock_version()
     return LANDLOCK if version >= SCOPES else FILES_ONLY if version else GROUPS
-
-
-MOST_FILE = 2**30  # largest file in bytes: an answer takes far less
 
 
 def use_scratch(scratch: Path, kernels: Path) -> None:
@@ -94,14 +104,6 @@ def tolerate_unusable_caches() -> None:
             save(self, *compiled)
 
     caching.Cache.load_overload, caching.Cache.save_overload = loaded, saved
-
-
-CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446  # system calls
-VERSION, PATH_BENEATH = 1, 1  # the flag that asks for the interface's version; the type of rule
-WRITE_FILE, TRUNCATE = 1 << 1, 1 << 14
-FOLDER_RIGHTS = sum(1 << bit for bit in range(4, 14))  # to remove files, create files of each type, and move between folders
-TRUNCATES, SCOPES = 3, 6  # the first versions that restrict truncation, and signals and abstract sockets
-SCOPED = 3
 
 
 class _Ruleset(ctypes.Structure):
@@ -158,14 +160,6 @@ def _grant(ruleset: int, path: Path) -> None:
         checked("landlock_add_rule", libc.syscall(ADD_RULE, ruleset, PATH_BENEATH, ctypes.byref(rule), 0))
     finally:
         os.close(opened)
-
-
-NEW_MOUNTS, NEW_SHARED_MEMORY, NEW_USERS, NEW_PROCESSES = 0x00020000, 0x08000000, 0x10000000, 0x20000000  # linux/sched.h
-BIND, RECURSIVE, PRIVATE = 0x1000, 0x4000, 1 << 18  # linux/mount.h
-MOUNT_SETATTR, AT_FDCWD, AT_RECURSIVE, READ_ONLY = 442, -100, 0x8000, 1
-SHARED_MEMORY = Path("/dev/shm")
-SETTINGS = Path("/proc/sys")  # the kernel's; root executes the program named in core_pattern
-CAPABILITIES = 0x20080522  # version 3 of the structures of capset(2)
 
 
 class _Attributes(ctypes.Structure):
