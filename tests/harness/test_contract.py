@@ -10,8 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 from frictionbench.commands.cli import app
-from frictionbench.harness.contract import checks, examine  # noqa: F401  # registers them
+from frictionbench.harness.contract import examine
 from frictionbench.harness.contract.check import CHECKS, Subject
+from frictionbench.harness.contract.checks import inapplicable
 from frictionbench.solvers import Answer, Status, find
 from tests.helpers.plugin import write
 
@@ -76,8 +77,13 @@ SPOILT = {
 
 @pytest.mark.parametrize("name", CHECKS)
 def test_a_check_tells_the_good_solver_from_the_spoilt_one(name) -> None:
-    assert list(CHECKS[name].violations(Subject(*find(GOOD)))) == []
-    assert list(CHECKS[name].violations(Subject(find(GOOD)[0], Spoiled(SPOILT[name]))))
+    info, good = find(GOOD)
+    less = changed(info, lacks=("friction_bias", "joints"), warm_start=False, dimension=(2,))
+    apart = name in ("friction_bias", "joints", "warm_start", "tangent_frame")
+    assert (inapplicable(name, info), bool(inapplicable(name, less))) == ("", apart)
+    assert list(CHECKS[name].violations(Subject(info, good))) == []
+    found = list(CHECKS[name].violations(Subject(info, Spoiled(SPOILT[name]))))
+    assert len({*found}) == len(found) > 0
 
 
 def test_writing_into_arrays_is_found() -> None:
@@ -96,6 +102,10 @@ def test_a_fault_of_the_first_call_is_reported(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["check-solver", str(plugin), "--jobs", "1"])
     assert "Answer the first call of a process" in result.output.partition("failed  first calls\n")[2]
     assert "the first call in its process, on a problem of one contact, is wrong, and the second is not" in result.output
+    assert "  not applicable  tangent frame: in the plane there is one tangent\n" in result.output
+    plugin.write_text(plugin.read_text(encoding="utf-8").replace("warm_start=True", "needs=('absent',)"), encoding="utf-8")
+    result = CliRunner().invoke(app, ["check-solver", str(plugin)])
+    assert (result.exit_code, "solver: guest: absent not installed" in str(result.exception)) == (1, True)
 
 
 FAULTS = {
@@ -105,16 +115,13 @@ FAULTS = {
     "return problem.q": "the solver returned an object of type ndarray, not an Answer",
     "return Answer(problem.q, Status.SOLVED)": "the impulse has shape (16,), not (8, 2)",
 }
-
-
 QUICK, *SLOW = FAULTS
 
 
 @pytest.mark.parametrize("body", [QUICK, *(pytest.param(body, marks=pytest.mark.slow) for body in SLOW)])
 def test_a_fault_of_every_call_is_told_once_and_ends_the_checks(body, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(examine, "LIMIT", 2.0)
-    result = CliRunner().invoke(
-        app, ["check-solver", str(write(tmp_path / "one.py", first="import os", body=body)), "--jobs=1"]
-    )
+    plugin = write(tmp_path / "one.py", first="import os", body=body)
+    result = CliRunner().invoke(app, ["check-solver", str(plugin), "--jobs=1"])
     assert FAULTS[body] in result.output
     assert (result.exit_code, result.output.count("failed  "), result.output.count("not tested before")) == (1, 1, 1)

@@ -26,8 +26,8 @@ from frictionbench.harness.cells.rows import finding_columns, solver_facts
 from frictionbench.harness.cells.simulation import malformed, refusal, run_closed_loop
 from frictionbench.harness.cells.stored import Record, stored, stored_answer, stored_start
 from frictionbench.harness.cells.timing import MOST_REPEATS, time_solver
-from frictionbench.harness.contract import checks  # noqa: F401  # registers them
 from frictionbench.harness.contract.check import CHECKS, Subject, contact
+from frictionbench.harness.contract.checks import inapplicable
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source, plugin_of
 from frictionbench.harness.workers.pool import Settings
@@ -220,12 +220,19 @@ def _row(variant: str, kind: tuple[int, bool], limit: float, reason: str | None,
     return row | {"host": machine.host(), "core": _worker.core, "wall_time": perf_counter() - begun}
 
 
-def run_check(variant: str, check: str, limit: float) -> list[str]:
-    """Return at most five violations of a check of the contract (harness.contract), which also gets those of first calls."""
+def require_available(variant: str) -> None:
+    """Errors: InputError if what the solver needs is not installed."""
+    if missing := _solver(variant)[0].missing:
+        raise InputError(f"solver: {variant}: {missing}")
+
+
+def run_check(variant: str, check: str, limit: float) -> list[str] | str:
+    """Return at most five violations of a check of the contract (harness.contract), which also gets those of first calls, or
+    why the check does not apply."""
     info, solver = _solver(variant)
     broken = [str(row["reason"]) for dimension in info.dimension if (row := _warm_up(variant, dimension, False, limit))]
     with _worker.deadline.within(limit), process.no_forked_child():
-        return list(islice(CHECKS[check].violations(Subject(info, solver, broken)), 5))
+        return inapplicable(check, info) or list(islice(CHECKS[check].violations(Subject(info, solver, broken)), 5))
 
 
 def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None) -> dict[str, Any]:

@@ -26,11 +26,22 @@ from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.spec import parse
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
-from frictionbench.solvers import Status
+from frictionbench.solvers import SolverInfo, Status
 
 FAST = 1e6  # ratio of two islands' speeds: a test relative to the fastest contact accepts any answer in the slow island
 TIGHT = 1e-8  # tolerance of the solves compared, so that differences above SAME_VELOCITY are not due to it
 SAME_VELOCITY = 1e-4  # relative to the largest free contact velocity; each of these problems has a unique velocity
+
+
+def inapplicable(name: str, info: SolverInfo) -> str:
+    """Return why a check does not apply to a solver, or an empty text."""
+    reasons = {
+        f"the solver declares that it lacks {name}": name in info.lacks,
+        "the solver does not declare warm_start=True": name == "warm_start" and not info.warm_start,
+        "in the plane there is one tangent": name == "tangent_frame" and 3 not in info.dimension,
+        "the solver's polygonal cone rotates with the tangents": name == "tangent_frame" and info.model == "lcp",
+    }
+    return next((reason for reason, holds in reasons.items() if holds), "")
 
 
 @check("Answer the first call of a process, and the first on a problem, like later ones: fill tables before they are read.")
@@ -191,15 +202,13 @@ def work_limit(subject: Subject) -> Violations:
     for problem in subject.takes(scene("stack", blocks=10, push=1.0).problem(), make_instance("cubes", boxes=5, push=1.0)):
         answer, finding = subject.solve(problem, 1e-10, limit=1)
         if finding.verdict == Verdict.WRONG:
-            yield f"with a limit of 1: {finding.reason}"
+            yield f"{problem.summary}, with a limit of 1: {finding.reason}"
         if answer.status is not Status.SOLVED and (most := max(answer.work.values(), default=0)) > 100:
-            yield f"with a limit of 1 it counts {most} units of work"
+            yield f"{problem.summary}: with a limit of 1 it counts {most} units of work"
 
 
 @check("Use a start only as an initial guess: check it, solve without it if it does not help, and do not write into it.")
 def warm_start(subject: Subject) -> Violations:
-    if not subject.info.warm_start:
-        return
     for problem in subject.takes(*ordinary()):
         cold, finding = subject.solve(problem)
         if finding.verdict not in ACCEPTED:
@@ -239,7 +248,7 @@ def _same(
 ) -> Violations:
     """Yield violations where the changed problem's velocities are not `times` those of the problem, if that was solved."""
     for problem in subject.takes(*ordinary()):
-        if spatial and (problem.dimension == 2 or subject.info.model == "lcp"):  # a polygonal cone rotates with the tangents
+        if spatial and problem.dimension == 2:
             continue
         answer, finding = subject.solve(problem, TIGHT)
         if finding.verdict not in ACCEPTED:
