@@ -47,7 +47,7 @@ def solve_one(
     progress: Progress | None = None,
     as_json: bool = False,
 ) -> None:
-    """Solve one problem with solvers (all if none are named), and print a table with the best first and a recommendation.
+    """Solve one problem with solvers (all if none are named), and print a table with the best first.
 
     rank_by: the time that ranks; by default from bodies if the problem has them, otherwise from the method's own form.
     Errors: InputError naming the field.
@@ -87,9 +87,7 @@ def solve_one(
     if record["dimension"] == PLANAR:  # in space the exact problem is not an LCP, and of a bare LCP the summary tells the size
         title = f"LCP of {record['size']} unknowns, {title}"
     _show(title, {str(rank): row for rank, row in enumerate(applicable, start=1)}, rank_by)
-    if refused := [row["variant"] for row in rows if row not in applicable]:
-        say(f"not applicable to this problem: {', '.join(refused)}")
-    for text in (*unusable, advice(rows, rank_by)):
+    for text in (*refusals([row for row in rows if row not in applicable]), *unusable, advice(rows, rank_by)):
         say(text)
 
 
@@ -99,11 +97,19 @@ def _data(row: Row) -> Row:
     return {name: row.get(name) for name in names} | {"work": counts(row.get("work"))}
 
 
+def refusals(skipped: list[Row]) -> list[str]:
+    """Return a line for each reason why solvers were skipped, with their names."""
+    names: dict[str, list[str]] = {}
+    for row in skipped:
+        names.setdefault(row["reason"].removeprefix(f"{row['solver']} "), []).append(row["variant"])
+    return [printable(f"not applicable to this problem: {', '.join(each)}: {reason}") for reason, each in names.items()]
+
+
 def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES) -> str:
-    """Return which solver to use, from rows with the best first, and the best by the other ranking if it differs."""
+    """Return the fastest solver of this problem, from rows with the best first, and that by the other ranking if it differs."""
     if solved := [row for row in rows if row["verdict"] == Verdict.SOLVED]:
         best, others = solved[0], len(solved) - 1
-        text = f"use {best['variant']}: solved {rank_by.words} in {_time(_seconds(best, rank_by))}"
+        text = f"fastest on this problem: {best['variant']}, {rank_by.words} in {_time(_seconds(best, rank_by))}"
         text += f"; {count(others, 'other')} solve{'s' * (others == 1)} it as well" if others else ""
         other = min(solved, key=lambda row: _seconds(row, rank_by.other))
         if other is not best and _seconds(other, rank_by.other) < _seconds(best, rank_by.other):

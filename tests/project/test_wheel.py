@@ -137,7 +137,7 @@ def test_install_works_without_home(installed) -> None:
         (["compare", str(mine), str(results), "--accept"], "accepted: "),
         (["compare", str(mine), str(results)], "## worse 0"),
         (["report", str(results)], "report: "),
-        (["solve", "stack", "--solver", "lemke"], "use lemke: solved"),
+        (["solve", "stack", "--solver", "lemke"], "fastest on this problem: lemke"),
     )
     printed = frictionbench(installed, *(arguments for arguments, _ in commands))
     for (arguments, told), text in zip(commands, printed, strict=True):
