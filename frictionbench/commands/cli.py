@@ -218,14 +218,14 @@ def compare(
     """
     from frictionbench.problems.check import require
     from frictionbench.reports.comparison.files import write_files
-    from frictionbench.reports.comparison.history import history as over_time, lines
+    from frictionbench.reports.comparison.history import history as over_time
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits, accept as accept_run, compare as compare_runs
 
     only = "neither --history nor --accept can be combined with the other, with --confirm or with --out"
     require(history + accept + (confirm or out is not None) < 2, "history" if history else "accept", only)
     if history:
-        typer.echo(over_time(lines(runs)))
+        typer.echo(over_time(runs))
         return
     require(len(runs) == 2, "DIR", "give a baseline and one results folder, or --history for a table of many")
     baseline, folder = runs

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from frictionbench.harness.dependencies import quoted
-from frictionbench.reports.comparison import history as runs_over_time
+from frictionbench.reports.comparison.history import history
 from frictionbench.results import baseline as baselines, cells
 from frictionbench.results.compare import accept, compare
 from frictionbench.results.files import ResultsError
@@ -17,13 +17,9 @@ SMOKE = ROOT / "results" / "baselines" / "smoke.tsv"
 
 
 def run(folder, pivots=10, verdict="solved", **manifest):
-    solved = [solve_row("a", f"p{i}", work=json.dumps({"pivots": pivots, "restarts": 0})) for i in range(3)]
-    return write_folder(
-        folder,
-        [*solved, solve_row("b", "p", verdict=verdict), unanswered_row("c", "p", "skipped")],
-        [simulation_row("a")],
-        **manifest,
-    )
+    rows = [solve_row("a", f"p{i}", work=json.dumps({"pivots": pivots, "restarts": 0})) for i in range(3)]
+    rows += [solve_row("b", "p", verdict=verdict), unanswered_row("c", "p", "skipped")]
+    return write_folder(folder, rows, [simulation_row("a")], **manifest)
 
 
 def test_baseline_equals_its_run(tmp_path):
@@ -109,10 +105,11 @@ def test_history_uses_common_cells(tmp_path):
     first = run(tmp_path / "first", finished="2026-01-02T00:00")
     second = run(tmp_path / "second", 20, "wrong", finished="2026-01-01T00:00")
     accept(first, tmp_path / "made.tsv")
-    told = runs_over_time.history(runs_over_time.lines([first, second, tmp_path / "made.tsv"]))
+    told = history([first, second, tmp_path / "made.tsv"])
     lines = [line.replace("|", " ").split() for line in told.splitlines()]
     assert [(line[0], line[1]) for line in lines if "pivots" in line][:2] == [("a", str(second)), (str(first), "2026-01-02")]
-    assert [line[line.index("pivots") + 1] for line in lines if "pivots" in line] == ["60,", "30,", "30,"]
+    sums = [line[line.index("pivots") - 1 : line.index("pivots") + 2] for line in lines if "pivots" in line]
+    assert sums == [["4", "pivots", "60,"], *[["4", "pivots", "30,"]] * 2]
     assert sum("wrong" in line for line in lines) == 1
 
 
