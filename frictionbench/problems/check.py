@@ -62,7 +62,7 @@ def require_installed(module: str, extra: str) -> None:
 def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf, most: float = np.inf) -> float:
     """A finite number with above < value, least <= value <= most. Errors: InputError naming the parameter."""
     if not isinstance(value, (int, float, np.integer, np.floating)) or isinstance(value, bool):
-        raise InputError(f"{name}: expected a number, got {value!r:.100}")
+        raise InputError(f"{name}: expected a finite number, got {value!r:.100}")
     if -np.inf < value < np.inf and abs(int(value)) <= LARGEST_FLOAT and above < value and least <= value <= most:
         return float(value)
     bounds = ("above", above), ("at least", least), ("at most", most)

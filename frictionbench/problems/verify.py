@@ -182,7 +182,8 @@ def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> t
     if not claimed:
         return Verdict.UNSOLVED, ""
     of = "" if nearest == worst else " of its model"
-    above = f"{nearest:.2g}, {nearest / tol:.2g} times that"
+    times = float(f"{nearest / tol:.2g}")  # 100 times, not 1e+02
+    above = f"{nearest:.2g}, {times:g} times that"
     if nearest < 1.05 * tol:  # rounded to two digits, the residual would equal tol
         above = f"above it by {100 * (nearest / tol - 1):.1g} %"
     why = f"claimed solved within {tol:g}; the residual{of} is {above}"

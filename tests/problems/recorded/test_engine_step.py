@@ -56,7 +56,7 @@ def test_unusable_steps_are_refused(tmp_path, settings, named) -> None:
     ("name", "value", "told"),
     [
         ("notes", text("[" * 60_000), "notes: not a JSON object"),
-        ("notes", text(json.dumps({"limits": "x"})), "notes: limits: expected a number"),
+        ("notes", text(json.dumps({"limits": "x"})), "notes: limits: expected a finite number"),
         ("impulse", IMPULSE.T[:2], "impulse: expected shape"),
         ("impuls", IMPULSE, "impuls: unknown array; known are "),
     ],
