@@ -19,7 +19,7 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK, Look, log_ticks, share_axis, time_axis
 from frictionbench.reports.drawing.text import power
-from frictionbench.reports.run import Run
+from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.cells import counts
 
 STEPS = 160  # steps of a curve: finer than the resolution of a panel
@@ -47,10 +47,11 @@ def work(run: Run) -> list[Panel]:
     """Return a panel per dimension and unit that two or more labels count."""
     panels = []
     for where, times in overall(run.times[run.outer_targets[-1]]).items():
+        single = ~times["label"].str.contains(PORTFOLIO, regex=False)
         units = pd.DataFrame(map(counts, times["work"]), index=times.index, columns=list(UNITS))
         for unit in UNITS:
             counting = (units[unit].notna() | ~times["reached"]).groupby(times["label"]).transform("all")
-            own = times.assign(work=units[unit].fillna(0.0) + 1.0)[counting]
+            own = times.assign(work=units[unit].fillna(0.0) + 1.0)[counting & single]
             if len(set(own.loc[own["reached"], "label"])) > 1:
                 draw = partial(_draw, costs=profiles(own, "work"), looks=run.looks)
                 panels.append(Panel(f"{where}, {unit}", partial(draw, across=f"{unit} over the fewest")))
