@@ -44,24 +44,16 @@ def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[
 
     Errors: AnswerError, and whatever the solver raises.
     """
-    start_time, units, residuals = perf_counter(), [], []
-    for limit in _limits():
+    start_time, units, residuals, limit = perf_counter(), [], [], 1
+    while True:
         answer = checked_copy(solver.solve(solver.prepare(duplicate(problem)), tol, limit))
         impulse = usable(problem, answer.impulse)
         if impulse is not None and np.isfinite(reached := residual(problem, impulse)):
             units.append(limit)
             residuals.append(reached)
-        if answer.status is Status.SOLVED or perf_counter() - start_time > HISTORY_BUDGET:
-            break
-    return units, residuals
-
-
-def _limits() -> list[int]:
-    """Return the limits 1, 2, 3, 4, 6, 9, ..., each about 1.5 times the previous one."""
-    limits = [1]
-    while limits[-1] < LARGEST_LIMIT:
-        limits.append(max(limits[-1] + 1, round(1.5 * limits[-1])))
-    return limits
+        if answer.status is Status.SOLVED or limit >= LARGEST_LIMIT or perf_counter() - start_time > HISTORY_BUDGET:
+            return units, residuals
+        limit = max(limit + 1, round(1.5 * limit))  # 1, 2, 3, 4, 6, 9, ...
 
 
 def run_history(name: str, variant: str, tol: float) -> dict[str, Any]:

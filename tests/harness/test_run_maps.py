@@ -147,18 +147,19 @@ def test_page_shows_every_map(atlas) -> None:
 
 def test_map_markup_is_compact_and_escaped() -> None:
     row = [*(tiles.Tile(i, 0, 1.0, "red") for i in range(2)), tiles.Tile(1.5, 0, 0.5, "blue", "<i>")]
-    grid = tiles.Grid(tiles.Axis("a", (), 5), tiles.Axis("b", (), 2), {})
-    drawn = environment().get_template("tiles.svg").module.panel(tiles.Field("<b>&", row, "green"), grid)
+    grid = tiles.Grid(tiles.Axis("a", (), 5), tiles.Axis("b", (), 2), {tiles.Entry("", "red", k): [(1.0, 0.0)] for k in "ox"})
+    panel = environment().get_template("tiles.svg").module.panel
+    drawn = panel(tiles.Field("<b>&", row, "green"), grid)
+    assert [drawn.count(f'd="M66.0 94.0{shape}') for shape in ("m-1.7 0a", "m-1-1l")] == [2, 2]  # each with its rim
     assert '<path d="M-0.5 -0.5h1v1h-1zM0.5 -0.5h1v1h-1z"/>' in drawn
     assert '<path d="M1.25 -0.25h0.5v0.5h-0.5z"><title>&lt;i&gt;' in drawn
     assert "&lt;b&gt;&amp;" in drawn
     scaled = tiles.Field("", row, scale=["red", "blue"], ticks=["1", "10", "100"])
-    shown = re.findall(
-        r'y="(.*?)" text-anchor="start">(10*)<', environment().get_template("tiles.svg").module.panel(scaled, grid)
-    )
+    shown = re.findall(r'y="(.*?)" text-anchor="start">(10*)<', panel(scaled, grid))
     assert shown == [("120.5", "1"), ("72.5", "10"), ("24.5", "100")]
     axes = Figure().subplots()
     tiles.draw(axes, scaled, grid)
+    assert [line.get_marker() for line in axes.lines] == ["o", "x"]
     assert [text.get_text() for text in axes.figure.axes[1].get_yticklabels()] == ["1", "10", "100"]
 
 
@@ -197,15 +198,14 @@ def test_failures_are_listed_smallest_first(tmp_path) -> None:
 def test_custom_map(tmp_path) -> None:
     command = ["map", "wedge[speed=2]", "--x", "angle=.2:1:2", "--y", "friction=log:.1:1:2", "--out", str(tmp_path / "run")]
     done = frictionbench(*command, "--solver", "lemke", "--solver", "apgd", cwd=tmp_path)
-    assert "points of the map: " in done.stdout, done.stderr
+    assert "cells, each of a grid point and a solver: " in done.stdout, done.stderr
     rows = map_cells(read_run(tmp_path / "run"))[0].rows
     assert len(rows) >= 8
     assert set(rows["parameters"].map(lambda told: json.loads(told)["speed"])) == {2}
-    for arguments, complaint in (
-        (("--x", "angle=.2:1:3", "--y", "colour=1:2:3"), "colour"),
-        (("--x", "angle=.2:3:3", "--y", "friction=.1:1:3"), "angle: must be"),
-    ):
-        done = frictionbench("map", "wedge", *arguments, cwd=tmp_path)
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    assert "Verdicts of lemke, apgd over angle 0.2 to 1 rad and friction" in page  # the heading names the scene
+    for end, upwards, complaint in ((1, "colour", "colour"), (3, "friction", "angle: must be")):
+        done = frictionbench("map", "wedge", "--x", f"angle=.2:{end}:3", "--y", f"{upwards}=.1:1:3", cwd=tmp_path)
         assert (done.returncode, complaint in done.stderr) == (2, True)
 
 

@@ -41,10 +41,10 @@ SOLUTIONS = {
     "not known": "#9a9a9a",
 }  # fmt: skip
 THRESHOLDS = {
-    "p": ("p = 0", "#111111"),
-    "P0": ("P0 matrix up to here", "#c2185b"),
-    "pointed": ("cone pointed up to here", "#0b5fa5"),
-    "gaps": ("gap 0", "#8a5a00"),
+    "p": ("p = 0", "#111111", "o"),
+    "P0": ("P0 matrix up to here", "#c2185b", "x"),
+    "pointed": ("cone pointed up to here", "#0b5fa5", "s"),
+    "gaps": ("gap 0", "#8a5a00", "+"),
 }
 WORST = "#5b0f14"  # the colour of an infinite value on a scale
 COLOURS = VERDICT | SOLUTIONS | {"infinite": WORST}
@@ -75,7 +75,8 @@ def types(run: Run) -> list[Drawing]:
 
 def times(run: Run) -> list[Drawing]:
     """Return a drawing per map: the time of each solver; in closed loop its drift of energy and its penetration."""
-    return _drawings(run, "Times", _times) + _drawings(run, "Errors and contact-free steps", _loop)
+    loop = "Drift of energy relative to the scene's energy scale, largest penetration and number of contact-free steps"
+    return _drawings(run, "Time of form, setup and solve together", _times) + _drawings(run, loop, _loop)
 
 
 def _drawings(
@@ -92,15 +93,16 @@ def _drawing(
     """Return a drawing whose note begins with what is drawn, over which parameters and for which solvers."""
     spec, names = cells.spec, list(cells.by_label)
     solvers = ", ".join(names) if len(names) <= MOST_NAMES else f"{len(names)} solvers"
-    on = f"{scene_title(spec.scene, json.dumps(spec.parameters))} over {spec.x.extent} and {spec.y.extent}"
-    note = f"{what} of {solvers} on {on}, to {power(cells.rows['tol'].min())}. {note}".rstrip()
-    traced = {name: places for name, places in run.thresholds.get(spec.name, {}).items() if name in THRESHOLDS and places}
+    shown = scene_title(spec.scene, json.dumps(spec.parameters))
+    on = f" on {shown}" * (shown != spec.title) + f" over {spec.x.extent} and {spec.y.extent}"
+    note = f"{what} of {solvers}{on}, to {power(cells.rows['tol'].min())}. {note}".rstrip()
+    traced = run.thresholds.get(spec.name, {})
+    points = {Entry(*THRESHOLDS[name]): places for name, places in traced.items() if name in THRESHOLDS and places}
     used = {colour for field in fields for colour in (field.ground, *(tile.colour for tile in field.tiles))}
     entries = [Entry(name, colour) for name, colour in legend.items() if colour in used]
-    entries += [Entry(*THRESHOLDS[name], dots=True) for name in traced]
-    grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: places for name, places in traced.items()})
+    grid = Grid(_axis(spec.x), _axis(spec.y), points)
     title = f"{spec.title or spec.name}. {spec.note}".removesuffix(". ")
-    return Drawing(title, spec.name, tuple(entries), grid, tuple(fields), note, _facts(spec))
+    return Drawing(title, spec.name, (*entries, *points), grid, tuple(fields), note, _facts(spec))
 
 
 def _axis(axis: Axis) -> tiles.Axis:
@@ -180,18 +182,19 @@ def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Call
     return _field(title, rows, colours)._replace(scale=shades, ticks=ticks)
 
 
-def _type(mode: object) -> str | None:
-    if not isinstance(mode, str) or not mode:
-        return None
-    kinds = [name for name, letters in (("open", "o"), ("sticks", "s"), ("slides", "lr")) if set(letters) & set(mode)]
-    return ", ".join(kinds)
+def _type(mode: str) -> str:
+    kinds = (("open", "o"), ("sticks", "s"), ("slides", "lr"))
+    return ", ".join(name for name, letters in kinds if set(letters) & set(mode))
 
 
 def _types(cells: MapCells) -> list[tuple[str, Field]]:
-    if "mode" not in cells.rows or len(set(cells.rows["mode"].map(_type).dropna())) < 2:
+    if "mode" not in cells.rows or len({*cells.rows["mode"].dropna().map(_type)} - {""}) < 2:
         return []
     solved = {label: rows[rows["verdict"] == Verdict.SOLVED] for label, rows in cells.by_label.items()}
-    return [(label, _field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))) for label, rows in solved.items()]
+    return [
+        (label, _field("", rows, rows["mode"].map(_type, na_action="ignore").map(TYPE).fillna("")))
+        for label, rows in solved.items()
+    ]
 
 
 def _times(cells: MapCells) -> list[tuple[str, Field]]:
@@ -232,7 +235,7 @@ VERDICTS = Chart(
     caption="One map per scene. The first panels show the problem itself, as far as it changes: the number of its solutions, "
     "its sensitivity to a small change of the data, the distance of the solution to a change of mode, and its condition. Then "
     "follows a panel for each solver that fails somewhere, with the share solved of the grid points where a solution is known. "
-    "Small tiles are refinements between neighbours with different verdicts. Dots are analytical thresholds, traced from the "
+    "Small tiles, if any, refine between neighbours with different verdicts. Marks are analytical thresholds, traced from the "
     "mechanics without a solver. Scales of colour are logarithmic, from dark to light. Hover over a failure to read "
     "its reason; click a tile for its problem and the commands that solve and show it.",
 )
@@ -249,6 +252,5 @@ TIMES = Chart(
     section="maps",
     folded=True,
     title="Time over the maps",
-    caption="Form, setup and solve together; darker is faster. In closed loop the drift of energy relative to the scene's "
-    "energy scale, the largest penetration, and the number of contact-free steps.",
+    caption="Each panel has its own scale of colours, from dark for the least value to light for the largest.",
 )

@@ -6,7 +6,7 @@ by matplotlib: it may hold thousands of tiles with tooltips. Tiles of one colour
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
-from itertools import cycle, groupby
+from itertools import groupby
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 
 from frictionbench.reports.drawing import figures
 from frictionbench.reports.drawing.text import plain
@@ -24,7 +25,7 @@ from frictionbench.reports.drawing.text import plain
 LONGEST_TITLE = 38  # letters of a title; a longer one is cut
 SEAM = 0.05  # width of a tile's outline, points: it closes gaps that a viewer may show between neighbours
 CORNERS = (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)  # of a unit tile
-DOTS = 3.2, 1.9  # diameters of points on the page, alternating between thresholds, so that coincident points are both visible
+RIM = withStroke(linewidth=1.3, foreground="white")  # sets a mark off from tiles of any colour
 Point = tuple[float, float]
 
 
@@ -46,12 +47,20 @@ class Axis(NamedTuple):
     grid_lines: int
 
 
+class Entry(NamedTuple):
+    """An entry of the legend: a name and a colour. mark: of points, matplotlib's name; empty for tiles."""
+
+    name: str
+    colour: str
+    mark: str = ""
+
+
 class Grid(NamedTuple):
-    """What all panels of a map share: both axes, and by colour the points of each threshold, which are drawn over the tiles."""
+    """What all panels of a map share: both axes, and the points of each threshold, which are drawn over the tiles."""
 
     x: Axis
     y: Axis
-    points: Mapping[str, Sequence[Point]]
+    points: Mapping[Entry, Sequence[Point]]
 
 
 class Field(NamedTuple):
@@ -63,14 +72,6 @@ class Field(NamedTuple):
     ground: str = ""
     scale: Sequence[str] = ()
     ticks: Sequence[str] = ()
-
-
-class Entry(NamedTuple):
-    """An entry of the legend: a name and a colour. dots: whether of points instead of tiles."""
-
-    name: str
-    colour: str
-    dots: bool = False
 
 
 class Drawing(NamedTuple):
@@ -93,10 +94,7 @@ class Drawing(NamedTuple):
     @property
     def handles(self) -> dict[str, Line2D | Patch]:
         """The legend for matplotlib."""
-        return {
-            name: Line2D([], [], color=colour, marker=".", ls="none") if dots else Patch(fc=colour, ec="0.5", lw=0.4)
-            for name, colour, dots in self.legend
-        }
+        return {one.name: _marked(one) if one.mark else Patch(fc=one.colour, ec="0.5", lw=0.4) for one in self.legend}
 
 
 def draw(ax: Axes, field: Field, grid: Grid) -> None:
@@ -105,14 +103,21 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
     for colour, same in groupby(sorted(field.tiles, key=_order), key=attrgetter("colour")):
         outlines = [[(t.i + x * t.width, t.j + y * t.width) for x, y in CORNERS] for t in same]
         ax.add_collection(PolyCollection(outlines, facecolors=colour, edgecolors=colour, linewidths=SEAM), autolim=False)
-    for size, (colour, points) in zip(cycle(DOTS), grid.points.items(), strict=False):
-        ax.plot(*zip(*points, strict=True), "o", ms=size / 2, mew=0, color=colour)
+    for entry, points in grid.points.items():
+        ax.add_line(_marked(entry, points))
     for axis, place, name in ((grid.x, ax.set_xticks, ax.set_xlabel), (grid.y, ax.set_yticks, ax.set_ylabel)):
         place([line for line, _ in axis.ticks], [text for _, text in axis.ticks])
         name(plain(axis.name, LONGEST_TITLE))
     if field.scale:
         bar = ax.figure.colorbar(ScalarMappable(cmap=ListedColormap(field.scale)), ax=ax)
         bar.set_ticks(np.linspace(0, 1, len(field.ticks)).tolist(), labels=field.ticks)
+
+
+def _marked(entry: Entry, points: Sequence[Point] = ()) -> Line2D:
+    """Return the points of a threshold as marks with a white rim."""
+    size = 1.8 if entry.mark in "x+" else 4.0  # a cross fits into a ring
+    x, y = np.reshape(points, (-1, 2)).T
+    return Line2D(x, y, color=entry.colour, marker=entry.mark, ls="none", mfc="none", ms=size, mew=0.6, path_effects=[RIM])
 
 
 def paths(tiles: Iterable[Tile]) -> list[tuple[str, list[tuple[str, str]]]]:

@@ -60,7 +60,7 @@ def environment(*folders: Path) -> Environment:
         text = "".join(loader.get_source(made, name)[0] for name in names)
         return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
 
-    made.globals |= {"endings": ENDINGS, "hardness": HARDNESS, "dots": tiles.DOTS, "script": script, "p99_from": LEAST_FOR_P99}
+    made.globals |= {"endings": ENDINGS, "hardness": HARDNESS, "script": script, "p99_from": LEAST_FOR_P99}
     return made
 
 
