@@ -131,13 +131,17 @@ def located(location: str) -> list[Source]:
 
 
 def _files(folder: Path) -> list[Path]:
-    """Return the files below a folder that may hold problems. Errors: OSError if a folder cannot be read."""
+    """Return the files below a folder, not those of results, that may hold problems. Errors: OSError if one cannot be read."""
 
     def refuse(error: OSError) -> None:
         raise error
 
-    below = os.walk(folder, onerror=refuse) if folder.exists() else ()
-    paths = [Path(place, name) for place, _, names in below for name in names]
+    paths: list[Path] = []
+    for place, below, names in os.walk(folder, onerror=refuse) if folder.exists() else ():
+        if "manifest.json" in names and Path(place) != folder:
+            below.clear()
+        else:
+            paths += [Path(place, name) for name in names]
     return [path for path in paths if path.suffix in FORMATS and not path.name.startswith(".") and path.is_file()]
 
 

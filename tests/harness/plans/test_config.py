@@ -48,8 +48,9 @@ def test_unusable_files_are_named(tmp_path, text, told) -> None:
 def test_a_folder_of_data_that_cannot_be_read_is_told(tmp_path, monkeypatch) -> None:
     """Its problems must not be missing without a word."""
     (tmp_path / "closed").mkdir()
-    (tmp_path / "a.npz").touch()
-    (tmp_path / ".hidden.npz").touch()
+    (tmp_path / "run" / "problems").mkdir(parents=True)
+    for name in ("a.npz", ".hidden.npz", "run/manifest.json", "run/problems/copy.npz"):
+        (tmp_path / name).touch()
     assert [source.parameters["file"] for source in located(str(tmp_path))] == ["a.npz"]
     read = os.scandir
 
