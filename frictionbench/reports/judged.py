@@ -70,10 +70,10 @@ class Judged:
 
     @property
     def notes(self) -> dict[str, tuple[float, int]]:
-        """For each note the mean share over the loaded steps that have it, and their number; the largest share first."""
+        """For each note of a share above 0 its mean over the loaded steps that have it, and their number; the largest first."""
         shares = pd.DataFrame([one.notes for one in self.steps if not one.unloaded])
         means = shares.mean().sort_values(ascending=False, kind="stable")
-        return {str(name): (float(mean), int(shares[name].count())) for name, mean in means.items()}
+        return {str(name): (float(mean), int(shares[name].count())) for name, mean in means.items() if mean}
 
     @property
     def percentiles(self) -> dict[str, dict[str, float] | None]:
@@ -109,14 +109,13 @@ class Judged:
             return ""
         shown = middle, fastest = held[len(held) // 2], held[-1]
         speed, most = (one.known("creep") or 0.0 for one in shown)
-        share, largest = (
-            rough_percent((one.creep or 0.0) / one.free_velocity if one.free_velocity else math.inf) for one in shown
-        )
+        shares = [(one.creep or 0.0) / one.free_velocity if one.free_velocity else math.inf for one in shown]
+        share, largest = map(rough_percent, shares)
         creeps = speed > CREEP * middle.free_velocity
-        how = "creep" if creeps else "do: they slip"
-        text = f"Contacts that should stick {how} at {number(1e3 * speed, 2)} mm/s, {share} of the "
-        text += f"velocity that they would have without impulses, in the median of {count(len(held), 'step')}; "
-        text += f"at up to {number(1e3 * most, 2)} mm/s, {largest}, in {fastest.file}."
+        how = "creep at" if creeps else "do, but for a creep of"
+        text = f"Contacts that should stick {how} {number(1e3 * speed, 2)} mm/s, {share} of the velocity that they would have "
+        several = f"in the median of {len(held)} steps; at up to {number(1e3 * most, 2)} mm/s, {largest}, " * (len(held) > 1)
+        text += f"without impulses, {several}in {fastest.file}."
         if not creeps:
             return text
         soft = middle.notes.get("softness of contacts", 0.0)
