@@ -394,8 +394,7 @@ def map_(
     folder, progress = out or folder_for(plan), Progress(quiet=quiet)
     with _resumable(folder):
         run_maps(plan, folder, _jobs(jobs), progress)
-    table = "simulations" if steps else "solves"
-    typer.echo(verdict_counts("cells, each of a grid point and a solver", read_table(folder, table)))
+    typer.echo(verdict_counts("cells (grid point and solver)", read_table(folder, "simulations" if steps else "solves")))
     typer.echo(f"report: {write_report(folder)}")
 
 

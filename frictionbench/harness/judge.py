@@ -158,7 +158,7 @@ def prepared(
     out: by default a folder in runs/ named by a hash of the files' names, the problems and the settings. Errors: InputError
     naming the folder or file that cannot be used, ResultsError if out holds another run.
     """
-    require(0 < tol < 1, "tol", "must lie between 0 and 1")
+    require(0 < tol < 1, "tol", f"must lie between 0 and 1, got {tol}")
     for name in set(against).difference(*(plugin.solvers for plugin in plugins)):
         require(not (missing := find(name)[0].missing), "against", str(missing))
     require(folder.exists(), "folder", f"there is no folder or file {folder}")

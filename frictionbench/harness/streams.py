@@ -63,6 +63,5 @@ def standard_streams() -> Iterator[None]:
 def _stream(number: int, replaced: Any) -> io.TextIOWrapper:
     encoding = getattr(replaced, "encoding", None) or "utf-8"
     lines = number == 2 or os.isatty(number)
-    return io.TextIOWrapper(
-        io.BufferedWriter(_Stream(number, "w", closefd=False)), encoding, errors="replace", line_buffering=lines
-    )
+    written = io.BufferedWriter(_Stream(number, "w", closefd=False))
+    return io.TextIOWrapper(written, encoding, errors="replace", line_buffering=lines)
