@@ -222,6 +222,8 @@ def test_figures_are_deterministic(tmp_path):
         save_sheet(speed_accuracy.panels(run), run.looks, tmp_path / name)
     assert str(speed_accuracy.panels(run_of(solve_row("a", "p")))[0].dots).endswith("rerun DIR a-p-1e-08 --solver mine.py']}")
     assert all((tmp_path / f"a.{kind}").read_bytes() == (tmp_path / f"b.{kind}").read_bytes() for kind in ("svg", "pdf"))
+    rows = [solve_row(name, "p", work='{"pivots": 3}', members=of) for name, of in (("a", ""), ("b", "c"))]
+    assert CHARTS["work"].panels(run_of(*rows)) == []  # b is a portfolio, and a alone has no other to be compared with
 
 
 @pytest.mark.slow  # every chart drawn on the page and for the paper: a chart that fails in one of the two
