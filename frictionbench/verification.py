@@ -5,7 +5,7 @@ from frictionbench.problems.answer import AnswerError, checked_copy
 from frictionbench.problems.check import require
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.verify import Finding
-from frictionbench.solvers import Answer, SolverInfo, find
+from frictionbench.solvers import Answer, find
 from frictionbench.solvers.interface import tolerance
 
 COULOMB_SOLVER = "nsgs"  # a solver of Coulomb's law, whose answers are verified on the exact problem only
@@ -37,9 +37,4 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
         answer = checked_copy(answer)
     except AnswerError as error:
         raise InputError(f"answer: {error}") from None
-    return verified(problem, answer, info, tol)
-
-
-def verified(problem: FrictionProblem | LCP, answer: Answer, info: SolverInfo, tol: float) -> Finding:
-    """Verify an answer as a solution of the solver's model."""
     return verifier.verify(problem, answer, info.model, tol, quiet=bool(info.needs))

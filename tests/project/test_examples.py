@@ -17,6 +17,6 @@ def test_problem_and_python_interface(tmp_path, monkeypatch) -> None:
             exec(block, {})
     solved = frictionbench("solve", "problem.npz", "--solver", "lemke", "--solver", "nsgs", cwd=tmp_path)
     assert "problem.npz: 2 contacts in the plane, 3 velocities\n" in solved.stdout
-    assert "use " in solved.stdout, solved.stderr
+    assert "fastest on this problem: " in solved.stdout, solved.stderr
     for steps, creep in (("steps", "0.4"), ("made.npz", "1")):
         assert f"creep at {creep} mm/s" in frictionbench("judge", steps, cwd=tmp_path).stdout

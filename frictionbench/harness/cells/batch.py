@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness import process
+from frictionbench.harness.cells.rows import verified
 from frictionbench.harness.cells.timing import drawn_ulps
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.problems import FrictionProblem
@@ -34,7 +35,6 @@ from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.results.conventions import DRAWN, NEARBY, WARM
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, Answers, SolverInfo, solve, solve_many
-from frictionbench.verification import verified
 
 BASE = {2: "lemke", 3: "hybrid"}  # by dimension
 TOL, ROUNDS, SAMPLE, SEED = 1e-8, 5, 20, 1

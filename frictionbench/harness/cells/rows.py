@@ -15,12 +15,11 @@ from frictionbench.problems.analysis.outcomes import refined, velocity_distance
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.check import Array
 from frictionbench.problems.verdicts import RANK, Verdict
-from frictionbench.problems.verify import Finding
+from frictionbench.problems.verify import Finding, verify
 from frictionbench.results.conventions import ANOTHER_OUTCOME, COLD
 from frictionbench.results.schema import PROBLEM_FACTS
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, SolverInfo, Status, find
-from frictionbench.verification import verified
 
 MOST_IN_MODE = 24  # contacts up to which a row states the mode, one letter per contact in a column that is read by eye
 REFINED_FROM = 1e-4  # residual below which an answer is refined to determine its outcome: the coarsest tolerance of the suites
@@ -61,6 +60,11 @@ def solver_facts(variant: str) -> Row:
         "members": ", ".join(info.members),
         "version": info.version or machine.revision(),
     }
+
+
+def verified(problem: FrictionProblem | LCP, answer: Answer, info: SolverInfo, tol: float) -> Finding:
+    """Verify an answer as a solution of the solver's model."""
+    return verify(problem, answer, info.model, tol, quiet=bool(info.needs))
 
 
 def finding_columns(

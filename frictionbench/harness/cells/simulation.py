@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from frictionbench.harness.cells.rows import verified
 from frictionbench.harness.cells.timing import Call, Timing, check_reuse, clean_call, timed_call
 from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.problems import FrictionProblem
@@ -24,7 +25,6 @@ from frictionbench.problems.schemes import SCHEMES, NoSolution
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.solvers import Answer, Solver, SolverInfo
-from frictionbench.verification import verified
 
 DIVERGED = 1e6  # relative to the scene's energy: an inaccurate but stable motion gains far less
 

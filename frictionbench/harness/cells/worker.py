@@ -22,7 +22,7 @@ from frictionbench.harness import machine, process
 from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.cells.motion import record_motion
-from frictionbench.harness.cells.rows import finding_columns, solver_facts
+from frictionbench.harness.cells.rows import finding_columns, solver_facts, verified
 from frictionbench.harness.cells.simulation import malformed, refusal, run_closed_loop
 from frictionbench.harness.cells.stored import Record, stored, stored_answer, stored_start
 from frictionbench.harness.cells.timing import MOST_REPEATS, time_solver
@@ -45,7 +45,6 @@ from frictionbench.results.motion import encoded
 from frictionbench.results.store import Row
 from frictionbench.solvers import Solver, SolverInfo, find, plugins
 from frictionbench.solvers.interface import dense_storage
-from frictionbench.verification import verified
 
 
 @dataclass
