@@ -81,7 +81,7 @@ def test_leads_have_intervals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     told = [pages.lead(run, "in the plane", "hybrid*", other).astext() for run, other in pairs]
     assert told == ["1.36 (1.03 to 1.46)", "1.36 (1.00 to 1.46), undecided", "1.44"]
     page = (write_site([standard], tmp_path).parent / standard.page).read_text(encoding="utf-8")
-    assert page.count(" times ahead of ") == str([standard.summary[part] for part in ("headline", "classes")]).count(
+    assert page.count(" times ahead of ") == str([standard.summary[part] for part in ("headline", "classes", "checks")]).count(
         " ahead of "
     )
 
