@@ -26,8 +26,8 @@ def summary(folder: Path) -> str:
     judged = read_judged(folder)
     touching, beside = len(judged.touching), judged.beside
     without, idle = len(judged.steps) - touching, touching - min((other["steps"] for other in beside), default=touching)
-    name = printable(str(judged.rows["scene"].iloc[0]))
-    lines = [f"{name}: {count(touching, 'step')} with contacts judged by Coulomb's law, {without} without contact"]
+    scene = printable(str(judged.rows["scene"].iloc[0]))
+    lines = [f"{scene}: {count(touching, 'step')} with contacts judged by Coulomb's law, {without} without contact"]
     lines += [f"left out of the solvers' rows, as no impulse is needed: {count(idle, 'step')}"] if idle else []
     for answer in filter(None, (getattr(judged, name) for name in SENTENCES)):
         lines += paragraph(printable(answer))

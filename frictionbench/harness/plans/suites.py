@@ -41,10 +41,10 @@ STACKS = {2: 500, 4: 300, 10: 150, 20: 60, 40: 20}
 CUBES = {4: 100, 12: 30, 40: 10}
 BATCHED = ("nsgs", "interior_point", "hybrid")
 ONE_BY_ONE = ("osqp", "daqp", "mujoco[method=newton,settings=tuned]")  # these accept no batches of given problems
-# Methods for Coulomb's law; apgd and admm solve the relaxation.
-MAPPED = (*COULOMB, *(name for name in FURTHER if name not in ("apgd", "admm")))
 SPREAD = 1.25  # largest factor by which drawn settings are changed
 SETTING_DIGITS = 3  # significant digits of drawn settings, so that names of problems can be read
+# Methods for Coulomb's law; apgd and admm solve the relaxation.
+MAPPED = (*COULOMB, *(name for name in FURTHER if name not in ("apgd", "admm")))
 MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXATION)
 FAILING = (  # simulations in which some methods fail to solve steps
     Source("stack", {"blocks": 5, "mass_ratio": 1e3, "push": 1.0}, steps=60),

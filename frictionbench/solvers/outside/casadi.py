@@ -84,7 +84,7 @@ def _complementarity(n: int, free: int, starts: bytes, rows: bytes, tol: float, 
     constant = {"print_level": 0, "sb": "yes", "hessian_constant": "yes", "jac_c_constant": "yes"}
     ipopt = constant | {"tol": tol, "max_iter": limit} | ({"bound_relax_factor": 0.0} if tuned else {})
     program = {
-        "x": casadi.veccat(u, w, z),  # in this order its factors have the least fill
+        "x": casadi.veccat(u, w, z),  # in this order the factors mostly have less fill
         "p": casadi.veccat(entries, q),
         "f": casadi.dot(z, w),
         "g": casadi.veccat(equations[n:], equations[:n] - w),
