@@ -63,7 +63,11 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
                 (folder / f"{table}.parquet").unlink(missing_ok=True)
             records = _collect(plan, pool, progress)
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
-            left = sorted((cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: _loaded_by(plan, cell))
+            # All solvers take a problem in turn, because the machine's speed changes from minute to minute. Cells of plug-ins
+            # come last, because a worker that has run a plug-in is used for nothing else.
+            left = sorted(
+                (cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: owner(cell.variant, plan.plugins)
+            )
             done = len(cells) - len(left)
             if left and not plan.expects:
                 progress.tell(_announced(plan, left, len(records)))
@@ -195,18 +199,6 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
             raise ResultsError(f"{pool.folder}: {outcome.value}")
         by_task[id(outcome.task)] = [no_problem(source, outcome.reason)] if outcome.failure else outcome.value
     return {origin(record): record for task in tasks for record in by_task[id(task)]}
-
-
-def _loaded_by(plan: Plan, cell: Cell) -> tuple[str, str]:
-    """Return the names of the plug-in and of the outside library that a cell loads, empty if none: the order of the cells.
-
-    Cells of plug-ins come last, because a worker that has run a plug-in is used for nothing else. Cells of one library come
-    together, so that each worker loads it once.
-    """
-    if name := owner(cell.variant, plan.plugins):
-        return name, ""
-    info, _ = find(cell.variant)
-    return "", info.name if info.needs else ""
 
 
 def cell_task(cell: Cell, limit: float, plugins: tuple[Plugin, ...], record: Record | None = None) -> Task:

@@ -37,6 +37,13 @@ def test_run_writes_every_row_once_and_resumes(tmp_path, capsys) -> None:
     assert capsys.readouterr().err == "sources of problems: all 2 done\n9 cells had been run before, and none is left\n"
 
 
+def test_all_solvers_take_a_problem_in_turn(tmp_path) -> None:
+    """Their times are compared, and the machine's speed changes from minute to minute."""
+    run(small_plan(solvers=("lemke", "clarabel"), tolerances=(1e-4,), simulations=()), tmp_path, 1, quiet())
+    (lines,) = [path.read_text(encoding="utf-8").splitlines() for path in (tmp_path / "shards").glob("solves-*.jsonl")]
+    assert [json.loads(line)["variant"] for line in lines] == ["lemke", "clarabel"] * 2
+
+
 def test_dense_matrices_beyond_the_memory_are_told_before_they_are_made(tmp_path) -> None:
     """A solver whose matrices cannot fit is skipped with their size; it does not crash."""
     dense, piles = ("lemke", "murty", "fischer_newton"), (Source("stack", {"blocks": 700, "push": 1.0}),)
