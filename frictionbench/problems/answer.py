@@ -34,7 +34,7 @@ class Status(Enum):
 
 @dataclass(eq=False, slots=True, repr=False)
 class Answer:
-    """The result of a solver.
+    """The result of a solver. As an array it is its impulse, so that it can be a start or be given to `residual`.
 
     impulse: (nc, d), N s, the normal component first; (0, 0) for a bare LCP. z: (n,), the solution of the LCP, for LCP solvers.
     status: how the solver reports that it ended.
@@ -60,6 +60,9 @@ class Answer:
     clock: float | None = None
     softness: Array | None = None
     solver: str = ""
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
+        return np.array(self.impulse, dtype=dtype, copy=copy)
 
     def __repr__(self) -> str:
         status = getattr(self.status, "name", repr(self.status)) + (f" by {self.solver}" if self.solver else "")

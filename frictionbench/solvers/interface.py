@@ -324,7 +324,7 @@ def solve(
     *,
     tol: float = 1e-8,
     limit: int | None = None,
-    start: Array | None = None,
+    start: Array | Answer | None = None,
     time_limit: float | None = None,
 ) -> Answer:
     """Prepare and solve one problem with one solver, in this process.
@@ -336,7 +336,7 @@ def solve(
         the contact's unit, the largest closing speed in its island (problems.residual). For a bare LCP max|min(z, w)| over
         max|q|.
     limit: the largest number of pivots, sweeps or iterations, whichever the method counts; None for the method's own limit.
-    start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.
+    start: (nc, d), N s, normal first, or an Answer: a guess of the impulses. A solver without warm start ignores it.
     time_limit: s, > 0; None for none. Our own methods check the clock between their steps, also as members of a portfolio,
         and return the best answer so far with the status TIME_LIMIT and its residual in `detail`. Large forms, a first
         compilation and outside libraries are not interrupted; `frictionbench solve --time-limit` ends their process.
@@ -351,7 +351,7 @@ def solve(
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
     >>> cold = fb.solve(problem, "nsgs", tol=1e-6)
-    >>> warm = fb.solve(problem, "nsgs", tol=1e-6, start=cold.impulse)
+    >>> warm = fb.solve(problem, "nsgs", tol=1e-6, start=cold)
     >>> cold.status.name, warm.work["sweeps"] < cold.work["sweeps"]
     ('SOLVED', True)
     >>> fb.solve(problem).solver
