@@ -111,6 +111,21 @@ def test_damaged_folders_are_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "site").exists()
 
 
+@pytest.mark.parametrize(
+    ("part", "value", "field"),
+    [
+        ("workers", [1], "workers"),
+        ("machine", {"cores": 2, "memory": float("inf")}, "machine.memory"),
+        ("machine", {}, "machine.cores"),
+        ("settings", {"suite": "..", "tolerances": [1e-4, 1e-6, 1e-8], "time_limit": 2.0}, "name"),
+        ("settings", {"suite": "made", "tolerances": [1e-4, 1e-6, 1e-8], "time_limit": float("nan")}, "settings.time_limit"),
+    ],
+)
+def test_a_manifest_that_no_summary_can_quote_is_refused(part, value, field, tmp_path: Path) -> None:
+    with pytest.raises(ResultsError, match=rf"run: {field} is missing or cannot be used$"):
+        list(publish([run(tmp_path / "run", **{part: value})], None, tmp_path / "summaries"))
+
+
 def test_problems_that_are_missing_are_told(tmp_path: Path) -> None:
     folder = run(tmp_path / "run", versions={"frictionbench": "1.0-dirty-1"})
     (folder / "problems" / f"{PROBLEM.hash}.npz").unlink()
@@ -119,7 +134,7 @@ def test_problems_that_are_missing_are_told(tmp_path: Path) -> None:
 
 
 EDITS = {
-    "name": ("../up", "Index-a-b", "a" * 300, 1),
+    "name": ("../up", "Index-a-b", "made.HTML", "a" * 300, 1),
     "format": (2,),
     "cells": (-1, True, 10**30),
     "machine.cores": (None, "two"),

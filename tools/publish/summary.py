@@ -50,8 +50,9 @@ def page_of(name: str) -> str:
 
 
 def _named(name: str) -> str:
-    """Return the name if it is valid for a file and for a page other than the index. Errors: ValueError."""
-    if not re.fullmatch(r"[\w+-][\w.+-]{0,200}", name) or page_of(name).casefold() == "index":
+    """Return the name if it is valid for a file, and for a folder and a page that replace no other page. Errors: ValueError."""
+    taken = page_of(name).casefold() == "index" or name.casefold().endswith(".html")
+    if taken or not re.fullmatch(r"[\w+-][\w.+-]{0,200}", name):
         raise ValueError("names no page")
     return name
 
@@ -112,18 +113,24 @@ def read(path: Path) -> Summary:
     content = read_json(path, LARGEST_SUMMARY)
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise ResultsError(f"{path}: not a published summary of format {FORMAT}")
-    kinds = FIELDS | ({"classes": list[str]} if "classes" in content else {})  # older runs lack it
+    return _checked(content, path)
+
+
+def _checked(summary: Summary, origin: Path) -> Summary:
+    """Return the summary if all its fields can be used. Errors: ResultsError naming its origin and the first that cannot."""
+    kinds = FIELDS | ({"classes": list[str]} if "classes" in summary else {})  # older runs lack it
     try:
-        _fields(**kinds).model_validate_json(json.dumps(content), strict=True)
+        _fields(**kinds).model_validate_json(json.dumps(summary), strict=True)
     except ValidationError as error:
         field = ".".join(part for part in error.errors()[0]["loc"] if isinstance(part, str))
-        raise ResultsError(f"{path}: {field} is missing or cannot be used") from None
-    return content
+        raise ResultsError(f"{origin}: {field} is missing or cannot be used") from None
+    return summary
 
 
 def summarise(run: Run) -> Summary:
-    """Return the summary of a run. Errors: ResultsError if it has not finished or nothing was measured; InputError or
-    ResultsError naming a stored problem that is damaged or has another hash than its name."""
+    """Return the summary of a run. Errors: ResultsError if it has not finished, nothing was measured, or an entry of its
+    manifest cannot be used in a summary; InputError or ResultsError naming a stored problem that is damaged or has another hash
+    than its name."""
     manifest, settings = run.manifest, run.manifest["settings"]
     if not manifest.get("finished"):
         raise ResultsError(f"{run.folder}: the run has not finished; the same command continues it")
@@ -138,14 +145,14 @@ def summarise(run: Run) -> Summary:
     others = {by: [kind._replace(first=not kind.first) for kind in kinds] for by, kinds in ranked.items()}
     facts, maps = run.rows[run.rows["problem"] != ""].drop_duplicates("problem_id"), robustness.map_cells(run)
     libraries = run.rows.dropna(subset=["version"]).drop_duplicates("solver").set_index("solver")["version"].astype(str)
-    return {
+    summary = {
         "name": re.sub(r"[^\w.+-]", "_", name),
         "suite": str(settings.get("suite")),
         "version": version,
         "release": str(manifest.get("release", "")),
         "finished": finished,
         "cells": len(run.rows),
-        "workers": int(manifest.get("workers") or 0),
+        "workers": manifest.get("workers") or 0,
         "machine": machine,
         "settings": {key: settings.get(key) for key in ("tolerances", "time_limit")},
         "libraries": libraries[libraries != version].to_dict(),
@@ -162,6 +169,7 @@ def summarise(run: Run) -> Summary:
         "reliability": [_plain(one) for one in tables.reliabilities(run).to_dict("records")] if ranked else [],
         "scenes": _scenes(run, maps),
     }
+    return _checked(summary, run.folder)
 
 
 def _hashes(facts: pd.DataFrame, maps: list[MapCells]) -> dict[str, str]:
