@@ -155,8 +155,8 @@ def prepared(
 ) -> tuple[Plan, Path]:
     """Judge the steps in folder/*.npz or in one file; return the plan with OUR_SOLVER and `against` on them, and its folder.
 
-    out: by default a folder in runs/ named by a hash of the files' names, the problems and the settings. Errors: InputError
-    naming the folder or file that cannot be used, ResultsError if out holds another run.
+    out: by default a folder in runs/ named by a hash of the judgements and the settings. Errors: InputError naming
+    the folder or file that cannot be used, ResultsError if out holds another run.
     """
     require(0 < tol < 1, "tol", f"must lie between 0 and 1, got {tol}")
     for name in set(against).difference(*(plugin.solvers for plugin in plugins)):
@@ -168,9 +168,8 @@ def prepared(
         judgements = _judgements(paths, pool, progress)
         require(any(one.contacts for one in judgements), "folder", f"no step in {folder} has a contact")
         solvers = tuple(dict.fromkeys((OUR_SOLVER, *against)))
-        files = [(one.file, one.problem) for one in judgements]
-        settings = json.dumps([folder.resolve().name, files, solvers, tol, time_limit])
-        out = out or Path("runs") / f"judge-{sha256(settings.encode()).hexdigest()[:8]}"
+        judged_by = json.dumps([folder.resolve().name, [one.as_data() for one in judgements], solvers, tol, time_limit])
+        out = out or Path("runs") / f"judge-{sha256(judged_by.encode()).hexdigest()[:8]}"
         plan = Plan("judge", _sources(folder, judgements, out), solvers, (tol,), time_limit=time_limit, plugins=plugins)
         open_folder(plan, out)
         for path in (pool.folder / FOLDER).iterdir():

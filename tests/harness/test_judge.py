@@ -87,6 +87,8 @@ def test_a_file_and_its_folder_are_different_runs(tmp_path, monkeypatch) -> None
     first, _ = (prepared(each, (), (), 1e-8, 10.0, 1, None, quiet())[1] for each in (path, tmp_path))
     with pytest.raises(ResultsError, match=r"sources: one.npz\[file=one.npz\] file \w{16}.npz in the folder, test_a\S+\[file"):
         prepared(tmp_path, (), (), 1e-8, 10.0, 1, first, quiet())
+    fb.save(box(), path, impulse=np.ones((1, 2)), step=STEP)  # of another engine
+    assert prepared(path, (), (), 1e-8, 10.0, 1, None, quiet())[1] != first
 
 
 def test_solvers_beside_answer_the_same_problems(folder) -> None:
