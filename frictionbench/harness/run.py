@@ -59,8 +59,9 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
                 progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores, without compiling kernels")
         with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
             store.write_manifest(folder, known | {"workers": None if cluster else jobs, "isolation": pool.sandbox})
-            for table in filter(rows.get, TABLES):  # merged at an earlier end; reports read the shards until the next
-                (folder / f"{table}.parquet").unlink(missing_ok=True)
+            for table in TABLES:  # merged at an earlier end; reports read the shards until the next
+                if store.shards(folder, table):  # which the folder of a published run lacks
+                    (folder / f"{table}.parquet").unlink(missing_ok=True)
             records = _collect(plan, pool, progress)
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
             # All solvers take a problem in turn, because the machine's speed changes from minute to minute. Cells of plug-ins

@@ -85,7 +85,8 @@ def _fitted(value: Any, kind: pa.DataType) -> Any:
         return None
 
 
-def _shards(folder: Path, table: str) -> list[Path]:
+def shards(folder: Path, table: str) -> list[Path]:
+    """Return the files of a table's rows, in the order of their names."""
     return sorted((folder / "shards").glob(f"{table}-*.jsonl"))
 
 
@@ -106,7 +107,7 @@ def rows(folder: Path, table: str) -> dict[str, Row]:
     Errors: ResultsError naming a shard that cannot be read.
     """
     schema, known = arrow_schema(table), {}
-    for shard in _shards(folder, table):
+    for shard in shards(folder, table):
         for row in _parse(shard):
             if row["key"] not in known:
                 known[row["key"]] = fitted(row, schema)
@@ -133,7 +134,7 @@ def find_row(folder: Path, wanted: str, tables: Sequence[str] = tuple(TABLES)) -
 
 def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> None:
     """Delete rows from the table's shards. Errors: OSError naming the shard."""
-    for shard in _shards(folder, table):
+    for shard in shards(folder, table):
         kept = [row for row in _parse(shard) if not unwanted(row)]
         write_text(shard, "".join(json.dumps(row) + "\n" for row in kept))
 

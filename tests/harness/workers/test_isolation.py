@@ -91,3 +91,7 @@ def test_disturbed_rows_are_repeated(tmp_path, monkeypatch) -> None:
     assert left == [1]  # what a report reads meanwhile
     again = store.read_table(tmp_path, "solves").set_index("key")["reason"]
     assert [again[row["key"]] for row in rows] == ["", "", "before"]
+    for path in (tmp_path / "shards").glob("solves-*.jsonl"):
+        path.write_text("", encoding="utf-8")  # as where all were disturbed
+    run(plan, tmp_path, 1, quiet())
+    assert left == [1, 0]
