@@ -119,7 +119,7 @@ def run(
     progress = Progress(quiet=quiet)
     wanted = RunOptions(suite, scene, solver, tol, time_limit, data, all_solvers or None, str(out) if out else None)
     if config:
-        wanted = wanted.before(read_options(config))
+        wanted = wanted.before(read_options(config, solver))
     variants, plugins = load_plugins(wanted.solver or [])
     plan = choose(wanted, variants, plugins)
     if wanted.scene:

@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.table import Column, Table
 from rich.text import Text
 
+from frictionbench.results.files import cleaned
+
 WIDEST = 110  # characters in a line of a paragraph: longer lines are hard to read
 
 
@@ -53,8 +55,8 @@ def _fits(widths: Mapping[int, int], width: int | None, most: int = 10**4) -> bo
 
 
 def say(text: str, indent: str = "", rest: str = "") -> None:
-    """Print a text as a paragraph."""
-    print("\n".join(paragraph(text, indent, rest)), flush=True)
+    """Print a text, `cleaned`, as a paragraph."""
+    print("\n".join(paragraph(str(cleaned(text)), indent, rest)), flush=True)
 
 
 def paragraph(text: str, indent: str = "", rest: str = "") -> list[str]:

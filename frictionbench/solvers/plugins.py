@@ -56,9 +56,7 @@ def files(source: str) -> list[Path]:
 
 def installed() -> dict[str, EntryPoint]:
     """The entry points by name, the first of each name, except names that are registered already; none is imported."""
-    by_name: dict[str, EntryPoint] = {}
-    for point in _points():
-        by_name.setdefault(point.name, point)
+    by_name = {point.name: point for point in reversed(_points())}
     return {name: point for name, point in sorted(by_name.items()) if name not in available()}
 
 
@@ -95,7 +93,7 @@ def load(source: str) -> tuple[str, ...]:
         return (executable.register(source),)
     point = None if is_file(source) else _point(source)
     name = point.module if point else f"{MODULE}{Path(source).stem}_{content(source)[:12]}"
-    if name in sys.modules:
+    if name in sys.modules and not point:
         return ()
     before, by = set(available()), f" of {distribution(point)}" if point else ""
     try:
@@ -106,8 +104,8 @@ def load(source: str) -> tuple[str, ...]:
     except BaseException as error:  # a plug-in may also call sys.exit
         raise InputError(f"solver: {source}{by} cannot be imported ({describe_error(error)})") from error
     added = tuple(sorted(available().keys() - before))
-    require(point is None or source in added, "solver", f"{name}{by} defines no solver {source}")
-    require(bool(added), "solver", f"{source} defines no solver; decorate a class with @solver")
+    require(point is None or source in available(), "solver", f"{name}{by} defines no solver {source}")
+    require(bool(point or added), "solver", f"{source} defines no solver; decorate a class with @solver")
     return (source,) if point else added
 
 
@@ -167,7 +165,7 @@ def distribution(point: EntryPoint) -> str:
 
 def _home(point: EntryPoint) -> Path:
     """The package's folder or the module's file of an entry point, found without importing the module itself."""
-    top = importlib.util.find_spec(point.module.partition(".")[0])
-    if top is None:
-        raise InputError(f"solver: {point.name} of {distribution(point)}: the module {point.module} does not exist")
-    return Path(next(iter(top.submodule_search_locations or ()), str(top.origin)))
+    with suppress(ValueError):  # for __main__
+        if top := importlib.util.find_spec(point.module.partition(".")[0]):
+            return Path(next(iter(top.submodule_search_locations or ()), str(top.origin)))
+    raise InputError(f"solver: {point.name} of {distribution(point)}: the module {point.module} does not exist")

@@ -22,11 +22,11 @@ from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import instances, near, require_known
 from frictionbench.problems.check import require
-from frictionbench.problems.spec import parse
+from frictionbench.problems.spec import parse, split
 from frictionbench.results import store
 from frictionbench.results.conventions import DRAWN
 from frictionbench.results.files import ResultsError, read_text
-from frictionbench.solvers.plugins import defines_all
+from frictionbench.solvers.plugins import defines_all, installed
 
 COUNT = 100  # problems in a batch named on the command line
 LARGEST_FILE = 2**20  # bytes of a file with options
@@ -54,10 +54,10 @@ class RunOptions:
         return replace(other, **self.given())
 
 
-def read_options(path: Path) -> RunOptions:
+def read_options(path: Path, solvers: list[str] | None = None) -> RunOptions:
     """Read the options in a TOML file, or of the run in a results folder.
 
-    Solvers that are code, that is files or commands, are refused; they must be named on the command line.
+    Solvers that are code, that is files, commands or installed plug-ins, are refused unless the command line names `solvers`.
     Errors: InputError naming the file and the option, OSError, and those of store.read_manifest.
     """
     try:
@@ -76,8 +76,9 @@ def read_options(path: Path) -> RunOptions:
     except ValidationError as error:
         name, expected = str(error.errors()[0]["loc"][0]), error.errors()[0]["msg"].replace("Input should be", "expected")
         raise InputError(f"config: {path}: {name}: {expected}, got {stored[name]!r:.100}") from None
-    for spec in options.solver or []:
-        require(not defines_all(spec), "config", f"{path}: solver: {spec} is code; name it with --solver")
+    for spec in (not solvers and options.solver) or []:
+        code = defines_all(spec) or split("solver", spec)[0] in installed()
+        require(not code, "config", f"{path}: solver: {spec} is code; name it with --solver")
     return options
 
 

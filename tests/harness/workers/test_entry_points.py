@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from frictionbench.commands.single import all_variants
+from frictionbench.harness.plans.choose import read_options
 from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
@@ -15,6 +16,7 @@ from tests.helpers.plugin import PLUGIN
 
 METADATA = "Metadata-Version: 2.1\nName: made-up\nVersion: 1.2\n"
 POINTS = "[frictionbench.solvers]\nguest = made_up.solvers\nabsent = made_up.solvers\nbroken = made up[\n"
+POINTS += "main = __main__\nloaded = json\n\x1bred = made_up\n"
 
 
 @pytest.fixture
@@ -40,7 +42,14 @@ def distribution(tmp_path, monkeypatch) -> Path:
 def test_installed_solver(distribution, tmp_path) -> None:
     listed = frictionbench("list", "solvers")
     assert "made-up 1.2" in next(line for line in listed.stdout.splitlines() if line.startswith("guest "))
+    assert "?red  (distribution made-up 1.2)" in listed.stdout
     assert not (tmp_path / "trace").exists()
+    (file := tmp_path / "run.toml").write_text('solver = ["guest[factor=2]"]', encoding="utf-8")
+    with pytest.raises(InputError, match=r"run.toml: solver: guest\[factor=2\] is code; name it with --solver$"):
+        read_options(file)
+    assert read_options(file, ["guest"]).solver == ["guest[factor=2]"]
+    done = frictionbench("solve", "stack", "--solver", "main")
+    assert done.stderr == "frictionbench: solver: main of made-up 1.2: the module __main__ does not exist\n"
     solved = frictionbench("solve", "stack[blocks=1,push=1]", "--solver", "guest", "--solver", "nsgs")
     assert solved.returncode == 0, solved.stderr
     assert set(solved.stdout.split()) >= {"guest", "nsgs"}
@@ -74,6 +83,8 @@ def test_unusable_entry_points(distribution) -> None:
         load_plugins(["absent"])
     with pytest.raises(InputError, match=r"^solver: broken of made-up 1\.2 names no module, but 'made up\['$"):
         load_plugins(["broken"])
+    with pytest.raises(InputError, match=r"^solver: json of made-up 1\.2 defines no solver loaded$"):
+        load_plugins(["loaded"])
     (distribution / "made_up" / "solvers.py").write_text("\n1 / 0", encoding="utf-8")
     with pytest.raises(InputError, match=r"guest of made-up 1\.2 cannot be imported \(ZeroDivisionError.*at solvers\.py:2"):
         load_plugins(["guest"])
@@ -84,6 +95,6 @@ def test_unusable_entry_points(distribution) -> None:
     assert load_plugins(["nsgs"]) == (("nsgs",), ())
     variants, known, complaints = all_variants()  # for a bare `solve`, which goes on without them
     assert ("nsgs" in variants, known) == (True, ())
-    assert [complaint.split()[:2] for complaint in complaints] == [["skipped:", "solver:"]] * 3
+    assert [complaint.split()[:2] for complaint in complaints] == [["skipped:", "solver:"]] * 6
     (twin / "entry_points.txt").write_text("[other]\nno value", encoding="utf-8")
     assert plugins.version("guest").startswith("made-up 1.2 ")
