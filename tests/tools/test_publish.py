@@ -112,9 +112,8 @@ def test_damaged_folders_are_refused(tmp_path: Path) -> None:
 
 
 def test_a_manifest_that_no_summary_can_quote_is_refused(tmp_path: Path) -> None:
-    edits = {"workers": {"workers": [1]}, "machine.cores": {"machine": {}}, "name": {"settings": SETTINGS | {"suite": ".."}}}
-    edits["settings.time_limit"] = {"settings": SETTINGS | {"time_limit": float("nan")}}
-    for field, edit in edits.items():
+    timeless = {"settings": SETTINGS | {"time_limit": float("nan")}}
+    for field, edit in {"workers": {"workers": [1]}, "machine.cores": {"machine": {}}, "settings.time_limit": timeless}.items():
         with pytest.raises(ResultsError, match=rf"{field}: {field} is missing or cannot be used$"):
             list(publish([run(tmp_path / field, **edit)], None, tmp_path / "summaries"))
 

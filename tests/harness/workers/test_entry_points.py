@@ -48,8 +48,7 @@ def test_installed_solver(distribution, tmp_path) -> None:
     with pytest.raises(InputError, match=r"run.toml: solver: guest\[factor=2\] is code; name it with --solver$"):
         read_options(file)
     assert read_options(file, ["guest"]).solver == ["guest[factor=2]"]
-    done = frictionbench("solve", "stack", "--solver", "main")
-    assert done.stderr == "frictionbench: solver: main of made-up 1.2: the module __main__ does not exist\n"
+    assert ": the module __main__ does not exist\n" in frictionbench("solve", "stack", "--solver", "main").stderr
     solved = frictionbench("solve", "stack[blocks=1,push=1]", "--solver", "guest", "--solver", "nsgs")
     assert solved.returncode == 0, solved.stderr
     assert set(solved.stdout.split()) >= {"guest", "nsgs"}
