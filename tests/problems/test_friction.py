@@ -35,12 +35,9 @@ def test_inputs_are_copied_and_read_only() -> None:
     problem = block().replace(friction=friction)
     friction[0] = 9
     assert problem.friction[0] == 0.5
-    with pytest.raises(ValueError, match="read-only"):
-        problem.friction[0] = 1
-    with pytest.raises(ValueError, match="read-only"):
-        problem.mass.data[0] = 1
-    with pytest.raises(ValueError, match="read-only"):
-        problem.W.data[0] = 1
+    for array in (problem.friction, problem.mass.data, problem.W.data):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
 
 
 def jointed(seed: int, redundant: bool) -> FrictionProblem:
@@ -231,10 +228,8 @@ def test_fields_cannot_be_reassigned() -> None:
 
 def test_one_triangle_of_a_delassus_matrix_is_refused() -> None:
     W = np.array([[1.0, 0.3, 0.1, 0.0], [0.3, 1.0, 0.0, 0.2], [0.1, 0.0, 1.0, 0.0], [0.0, 0.2, 0.0, 1.0]])
-    for side, entry in (
-        (np.triu(W), r"\(0, 1\) is 0.3, but \(1, 0\) is 0"),
-        (np.tril(W), r"\(1, 0\) is 0.3, but \(0, 1\) is 0"),
-    ):
+    sides = {r"\(0, 1\) is 0.3, but \(1, 0\) is 0": np.triu(W), r"\(1, 0\) is 0.3, but \(0, 1\) is 0": np.tril(W)}
+    for entry, side in sides.items():
         with pytest.raises(InputError, match=f"^W: holds one triangle: entry {entry}"):
             FrictionProblem.from_delassus(side, -np.ones(4), [0.5, 0.5], 2)
     assert FrictionProblem.from_delassus(np.diag(np.diag(W)), -np.ones(4), [0.5, 0.5], 2).asymmetry == 0
