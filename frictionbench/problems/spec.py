@@ -12,7 +12,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")  # also those tha
 def split(field: str, text: str) -> tuple[str, dict[str, str | None]]:
     """The name and its settings as text; the value of a setting without `=` is None. Errors: InputError naming the field."""
     match = re.fullmatch(r"\s*([\w.-]+)\s*(?:\[(.*)\])?\s*", text)
-    if match is None:
+    if match is None or (match[2] and match[1].endswith(".py")):  # the settings of a plug-in's file are those of its solvers
         program = ", FILE.py or 'exec:./program {problem} {answer}'; repeat --solver for several" if field == "solver" else ""
         raise InputError(f"{field}: cannot read {text!r}; write name or name[setting=value,...]{program}")
     name, settings = match.groups()

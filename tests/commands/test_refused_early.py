@@ -63,6 +63,7 @@ def test_scenes_beyond_the_memory_limit(tmp_path, monkeypatch) -> None:
         (f"compare a {__file__}", "frictionbench: DIR: "),
         ("solve stack[blocks=2,blocks=3]", "scene: the setting 'blocks' of stack is given twice"),
         ("solve stack[block=2]", "block: the scene stack has no such parameter (did you mean blocks?)"),
+        ("solve stack --solver x.py[omega=1]", "'x.py[omega=1]'; write name or name[setting=value,...], FILE.py or"),
         ("solve stack --solver lemka", "solver: unknown solver 'lemka' (did you mean lemke?)"),
         (f"solve {__file__}", "no problem file; known are .npz"),
         ("run --suite smoke", "the suite is an argument"),
