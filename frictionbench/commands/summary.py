@@ -12,7 +12,7 @@ from frictionbench.commands.table import columns
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.conventions import ENDINGS, endings
+from frictionbench.results.conventions import ENDINGS, count, endings
 from frictionbench.results.store import read_table
 
 MOST_REASONS, LONGEST = 6, 160  # reasons shown and characters of each: two lines of a terminal at most
@@ -56,8 +56,10 @@ def verdict_counts(what: str, rows: pd.DataFrame) -> str:
 def _reasons(rows: pd.DataFrame) -> str:
     """Return why cells were skipped or crashed, the most frequent reasons first."""
     failed = rows[rows["verdict"].isin([Verdict.SKIPPED, Verdict.CRASHED]) & rows["reason"].notna()]
-    counts = failed.groupby(["variant", "verdict", "reason"]).size().sort_values(ascending=False, kind="stable")
-    lines = [f"{count} × {variant} {verdict}: {reason}" for (variant, verdict, reason), count in counts.items()]
-    lines = [line if len(line) <= LONGEST else f"{line[: LONGEST - 4]} ..." for line in lines]
+    lines = []
+    for (verdict, reason), variants in sorted(failed.groupby(["verdict", "reason"])["variant"], key=lambda one: -len(one[1])):
+        names = variants.unique()
+        line = f"{len(variants)} × {verdict} ({names[0] if len(names) == 1 else count(len(names), 'solver')}): {reason}"
+        lines.append(line if len(line) <= LONGEST else f"{line[: LONGEST - 4]} ...")
     more = [f"... and {len(lines) - MOST_REASONS} more reasons, in the report"] if len(lines) > MOST_REASONS else []
     return "\n".join([*lines[:MOST_REASONS], *more])

@@ -28,8 +28,9 @@ def test_a_run_writes_every_row_and_resumes(tmp_path: Path) -> None:
     assert list(zip(rows["way"], rows["start"], strict=True)) == WAYS
     assert rows["verdict"].tolist() == ["solved"] * 4
     assert re.search(f"batches of small problems: 4(.|\n)* report '{folder}'$", summary(folder))
-    cut = write_folder(tmp_path / "cut", [solve_row("lemke", "p", verdict="skipped", reason="x" * 300)])
-    assert re.search(r"1 × lemke skipped: x{100,140} \.\.\.$", summary(cut), re.MULTILINE)  # not as if it ended there
+    skipped = [solve_row(solver, "p", verdict="skipped", reason=solver[:1] * 300) for solver in ("lemke", "nsgs", "nncg")]
+    cut = summary(write_folder(tmp_path / "cut", skipped))  # not as if it ended there
+    assert re.search(r"^2 × skipped \(2 solvers\): n+ \.\.\.\n1 × skipped \(lemke\): l{100,140} \.\.\.$", cut, re.MULTILINE)
     shard = next((folder / "shards").glob("batches-*.jsonl"))
     lines = shard.read_text(encoding="utf-8").splitlines(keepends=True)
     shard.write_text("".join(lines[1:]), encoding="utf-8")
