@@ -160,16 +160,13 @@ def _differences(stored: Row, wanted: Row) -> list[str]:
     differences = []
     for part, values in cleaned(wanted).items():  # in the form in which they are stored
         old = stored.get(part, {})
-        names = (name for name in sorted(values.keys() | old.keys()) if old.get(name) != values.get(name))
-        for name in names:
+        for name in sorted(name for name in values.keys() | old.keys() if old.get(name) != values.get(name)):
             there, here = old.get(name), values.get(name)
             if isinstance(there, list) and isinstance(here, list):  # show only the entries that the other list lacks
                 there, here = [entry for entry in there if entry not in here], [entry for entry in here if entry not in there]
             sides = ((there, "in the folder"), (here, "now"))
             words = [f"{_words(side):.250} {where}" for side, where in sides if side not in (None, [])]
             text = (", ".join(words) or "in another order") + " only" * (len(words) == 1)
-            if name == "plugins" and there and here and there[0]["source"] == here[0]["source"]:
-                text = f"{there[0]['source']} has changed ({there[0]['content'][:8]} → {here[0]['content'][:8]})"
             differences.append(f"{part}.{name}: {text}")
     return differences
 
@@ -181,6 +178,8 @@ def _words(value: object) -> str:
         known = ("scene", "parameters")
         more = {name: entry for name, entry in value.items() if entry and entry != DEFAULT_SCHEME and name not in known}
         return f"{scene_title(value['scene'], json.dumps(value['parameters']))} {re.sub('[^ ]*/', '', _words(more))}".strip()
+    if isinstance(value, dict) and {"source", "content"} <= value.keys():  # a plug-in
+        return f"{value['source']} (content {value['content'][:8]})"
     if isinstance(value, dict):
         return " ".join(f"{name} {_words(entry)}" for name, entry in value.items() if entry not in ("", None, [], {}))
     if isinstance(value, list):

@@ -62,6 +62,10 @@ def test_different_plan_is_refused(tmp_path) -> None:
     with pytest.raises(ResultsError, match=r"settings\.tolerances"):
         run(small_plan(simulations=(), tolerances=(1e-5,)), folder, 1, quiet())
     assert verdicts(folder) == before
+    one, two = ({"settings": {"plugins": [{"source": f"{name}.py", "content": name * 64}]}} for name in "ab")
+    assert run_module._differences(one, two) == [
+        "settings.plugins: a.py (content aaaaaaaa) in the folder, b.py (content bbbbbbbb) now"
+    ]
     stranger = tmp_path / "photos"
     stranger.mkdir()
     (stranger / "holiday.txt").write_text("sun", encoding="utf-8")

@@ -61,7 +61,7 @@ def test_installed_solver(distribution, tmp_path) -> None:
     assert rows["version"].str.startswith("made-up 1.2 ").all()
     (distribution / "made_up" / "__init__.py").write_text("FACTOR = 1.0", encoding="utf-8")
     again = frictionbench(*run)
-    assert (again.returncode, "settings.plugins: guest has changed (" in again.stderr) == (2, True)
+    assert (again.returncode, again.stderr.count("guest (content ")) == (2, 2)  # the stored one and the present one
     told = frictionbench("rerun", str(tmp_path / "run"), rows["key"][0])
     assert told.returncode == 2
     assert "guest[factor=2] is not part of frictionbench; the run loaded it from 'guest'" in told.stderr
