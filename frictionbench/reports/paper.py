@@ -87,6 +87,9 @@ def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) ->
             continued = f"{title}, continued ({k // most + 1} of {-(-len(panels) // most)})." if k else text
             marked = any(PORTFOLIO in text for text in (continued, *named, *(panel.title for panel in part)))
             captions[name] = continued + " An asterisk marks a portfolio, which runs other solvers." * marked
+        for earlier in paper.glob(f"{stem}_*.*"):  # further parts of an earlier call, whose figures were smaller or narrower
+            if re.fullmatch(rf"{re.escape(stem)}_\d+", earlier.stem) and earlier.stem not in captions:
+                earlier.unlink()
     return captions
 
 
@@ -130,10 +133,11 @@ def booktabs(table: Table) -> str:
 
 
 def captions_file(captions: Mapping[str, str], setting: str, paper: Path) -> str:
-    """Return captions.tex: captions and the setting by table and figure, and earlier ones if they contain no commands."""
+    """Return captions.tex: captions and the setting by table and figure, and earlier ones, without commands, of files there."""
     file, line = paper / "captions.tex", rf"^(\\expandafter\\def\\csname (bench\w+@\w+)\\endcsname\{{{ESCAPED}\}})$"
     earlier = read_text(file, LARGEST_CAPTIONS) if file.exists() else ""
-    named = {name: line for line, name in re.findall(line, earlier, re.MULTILINE)}
+    there = {path.stem for path in paper.iterdir()}
+    named = {key: text for text, key in re.findall(line, earlier, re.MULTILINE) if key.partition("@")[2] in there}
     lines = [
         r"% \input{captions}, then \caption{\benchcaption{times}} and, in the text, on what it was made: \benchsetting{times}",
         r"\newcommand{\benchcaption}[1]{\csname benchcaption@#1\endcsname}",
