@@ -65,7 +65,7 @@ def mechanical(arrays: Arrays) -> FrictionProblem:
     normal, tangent = _by_rows(arrays["N"], arrays["T"], [*arrays["M"].shape, arrays[letters["free_velocity"]].size])
     fields |= {"normal": normal, "tangent": tangent}
     with in_letters(letters):
-        sizes.agree(d, fields, letters)
+        sizes.agree(d, fields, letters | ({} if "d" in arrays else {"dimension": "d, which is left out,"}))
         nc = len(normal)
         fields |= {"friction": _for_each(arrays["mu"], nc), "bias": arrays.get("b", np.zeros(nc))}
         problem = FrictionProblem(**fields, dimension=d)

@@ -102,6 +102,7 @@ def test_values_are_blamed_on_their_array(tmp_path) -> None:
     assert complaint(tmp_path, CONTACTBENCH | {"mus": -np.ones(2)}) == "mus: must not be negative"
     eight = {"W": np.eye(8), "q": np.ones(8), "mu": 0.5, "d": 3}
     assert complaint(tmp_path, eight) == "W: states no whole number of contacts by its shape (8, 8); d is 3"
+    assert complaint(tmp_path, BODIES | {"d": None}).endswith("; d, which is left out, is 2")
     for d in (np.array(7), np.array([2, 3]), np.array("2")):
         assert complaint(tmp_path, DELASSUS | {"d": d}).startswith("d: ")
     assert complaint(tmp_path, BODIES | {"vfree": BODIES["v"]}).startswith("vfree: another name of v")
