@@ -35,13 +35,10 @@ def edited(finished, tmp_path, table, settings, **columns):
     """A copy of the run with one row of the table and the settings changed; the row's key."""
     folder = shutil.copytree(finished, tmp_path / "run")
     manifest = store.read_manifest(folder)
-    manifest["settings"] |= settings
-    for name in [name for name, value in settings.items() if value is KEEP]:
-        del manifest["settings"][name]
+    manifest["settings"] = {name: value for name, value in (manifest["settings"] | settings).items() if value is not KEEP}
     store.write_manifest(folder, manifest)
     row = next(iter(store.rows(folder, table).values())) | columns
-    for shard in (folder / "shards").glob(f"{table}-*"):
-        shard.unlink()
+    store.drop(folder, table, lambda _: True)
     (folder / "shards" / f"{table}-0.jsonl").write_text(json.dumps(row) + "\n", encoding="utf-8")
     return folder, row["key"]
 

@@ -16,7 +16,7 @@ from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.recorded.native import load, save
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual
 from frictionbench.solvers import solve
-from tests.helpers.friction_problems import block, contacts_of, nothing, spatial
+from tests.helpers.friction_problems import block, contacts_of, known_by_W, nothing, spatial
 
 H = 0.1 / 9.81  # a block of 2 kg falls at .1 m/s in that time
 
@@ -163,14 +163,9 @@ def test_equal_problems_have_equal_hashes_and_files(tmp_path) -> None:
     assert residual(known, r) == pytest.approx(residual(problem, r), rel=1e-9)
 
 
-def known_by_W(seed: int = 0, contacts: int = 4) -> FrictionProblem:
-    base = spatial(seed, contacts=contacts)
-    return FrictionProblem.from_delassus(base.W, base.q, base.friction, 3, np.full(contacts, 0.1))
-
-
 @pytest.mark.parametrize("again", [deepcopy, lambda problem: pickle.loads(pickle.dumps(problem))], ids=["deepcopy", "pickle"])
 def test_copies_are_the_same_and_read_only(again) -> None:
-    mechanical, by_W = random_problem(3, contacts=4, bodies=2), known_by_W()
+    mechanical, by_W = random_problem(3, contacts=4, bodies=2), known_by_W(spatial(0, contacts=4, friction_bias=True))
     mechanical.W, by_W.normal  # noqa: B018  # what was derived belongs to this problem, not to its copies
     for problem in (mechanical, by_W):
         copied = again(problem)
@@ -184,7 +179,7 @@ def test_copies_are_the_same_and_read_only(again) -> None:
 
 
 def test_delassus_problem_velocities() -> None:
-    problem = known_by_W()
+    problem = known_by_W(spatial(0, contacts=4, friction_bias=True))
     r = np.random.default_rng(1).standard_normal((4, 3))
     assert np.allclose((problem.jacobian @ problem.jacobian.T).toarray(), problem.W.toarray(), atol=1e-12)
     assert np.allclose((problem.jacobian @ problem.velocity(r) + problem.q).reshape(4, 3), problem.contact_velocity(r))
@@ -198,7 +193,7 @@ def test_W_is_factorised_lazily(monkeypatch) -> None:
         raise AssertionError("W was taken apart")
 
     monkeypatch.setattr(np.linalg, "eigh", refuse)
-    problem = known_by_W(contacts=60)
+    problem = known_by_W(spatial(0, contacts=60, friction_bias=True))
     for name in ("nsgs", "interior_point", "hybrid", "apgd_coulomb"):
         assert residual(problem, solve(problem, name, tol=1e-6).impulse) <= 1e-6
     with pytest.raises(AssertionError, match="taken apart"):
@@ -220,7 +215,7 @@ def test_slight_indefiniteness_is_accepted(negative, accepted) -> None:
 
 
 def test_fields_cannot_be_reassigned() -> None:
-    for problem in (block(h=H), known_by_W()):
+    for problem in (block(h=H), known_by_W(spatial(0))):
         for name in ("friction", "W", "q", "mass"):
             with pytest.raises(AttributeError):
                 setattr(problem, name, None)

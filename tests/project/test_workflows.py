@@ -41,15 +41,8 @@ def repository(tmp_path_factory) -> Path:
     ran = frictionbench("run", "smoke", "--solver", "solvers/mine.py", "--out", "runs/first", *SMALL, cwd=home)
     assert ran.returncode == 0, ran.stderr
     assert frictionbench("compare", "baselines/smoke.tsv", "runs/first", "--accept", cwd=home).returncode == 0
-    made = ("-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm", "first")
-    for command in (
-        ("init", "-q", "-b", "main"),
-        ("add", "solvers", "baselines"),
-        made,
-        ("branch", "origin/main"),
-        ("remote", "add", "origin", "."),
-    ):
-        subprocess.run(["git", *command], cwd=home, check=True)
+    made = "git init -q -b main && git add solvers baselines && git -c user.name=a -c user.email=a@b commit -qm first"
+    subprocess.run(["sh", "-c", f"{made} && git branch origin/main && git remote add origin ."], cwd=home, check=True)
     command = home / ".venv" / "bin" / "frictionbench"
     command.parent.mkdir(parents=True)
     command.write_text(COMMAND, encoding="utf-8")
