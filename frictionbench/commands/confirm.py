@@ -89,7 +89,7 @@ def confirmed(
         options = [*run_options(manifest), *(part for variant in sorted(variants) for part in ("--solver", variant))]
         timed = before is not None and limits.times
         most = PAIRS if timed else PAIRS_UNTIMED
-        tested = [_home(), *(path.resolve() for spec in outside for path in plugins.files(spec))]
+        tested = [_home(), *(place.resolve() for plugin in loaded for place in plugins.places(plugin.source))]
         pairs: list[Pair] = []
         others, untimed = dict[str, list[str]](), ""
         for *base, ran in _alternating([before, now] if before else [now], options, scratch, limits.rank_by, most, tell):
@@ -140,14 +140,15 @@ def require_whole(code: str, stored: pd.DataFrame, runs: list[pd.DataFrame]) -> 
 def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Cells, tested: list[Path]) -> str:
     """Return why a plug-in's times with the baseline's code are not the baseline's, so that a slower solver could pass, or "".
 
-    tested: files and folders of the version under test, except for the environment there.
+    tested: files and folders of the version under test. The environment is of it only where one of them is in there.
     """
     for variant, names in other_loads(stored, before).items():
         known, then = (side.loaded.get(variant, {}) for side in (stored, before))
         for name in names:
             place = before.places.get(variant, {}).get(name, "")
             path = Path(unquoted(place))
-            is_tested = any(map(path.resolve().is_relative_to, tested)) and not path.resolve().is_relative_to(ENVIRONMENT)
+            around = [each for each in tested if path.resolve().is_relative_to(each)]
+            is_tested = any(path.resolve().is_relative_to(ENVIRONMENT) <= each.is_relative_to(ENVIRONMENT) for each in around)
             if name not in then:
                 return f"{variant} loads no {name} there, as for the baseline; {GIVE_BASELINE}"
             if name in known and place in after.places.get(variant, {}).values() and path.is_absolute() and is_tested:

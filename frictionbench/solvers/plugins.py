@@ -54,6 +54,11 @@ def files(source: str) -> list[Path]:
     return executable.files(source) if executable.is_command(source) else [Path(source)] if is_file(source) else []
 
 
+def places(source: str) -> list[Path]:
+    """The files that the source names, or the package's folder or the module's file of an entry point."""
+    return files(source) or [_home(_point(source))]
+
+
 def installed() -> dict[str, EntryPoint]:
     """The entry points by name, the first of each name, except names that are registered already; none is imported."""
     by_name = {point.name: point for point in reversed(_points())}
@@ -63,9 +68,7 @@ def installed() -> dict[str, EntryPoint]:
 def content(source: str) -> str:
     """The SHA-256 of a solver's files, or of all files of an entry point's package. Errors: InputError naming the source."""
     try:
-        if executable.is_command(source):
-            return executable.content(source)
-        return content_of(Path(source) if is_file(source) else _home(_point(source)))
+        return executable.content(source) if executable.is_command(source) else content_of(places(source)[0])
     except OSError as error:
         raise InputError(f"solver: {source} cannot be read ({error.strerror})") from None
 

@@ -1,17 +1,21 @@
 """Solvers of installed distributions are found by their entry points and treated like plug-ins."""
 
+import sys
 from pathlib import Path
 
 import pytest
 
+from frictionbench.commands import confirm
 from frictionbench.commands.single import all_variants
 from frictionbench.harness.plans.choose import read_options
 from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
-from frictionbench.results import store
+from frictionbench.results import cells, store
+from frictionbench.results.compare import Limits, compare
 from frictionbench.solvers import plugins
 from tests.helpers.command_line import frictionbench
+from tests.helpers.made_results import SETTINGS, solve_row, write_folder
 from tests.helpers.plugin import PLUGIN
 
 METADATA = "Metadata-Version: 2.1\nName: made-up\nVersion: 1.2\n"
@@ -97,3 +101,14 @@ def test_unusable_entry_points(distribution) -> None:
     assert [complaint.split()[:2] for complaint in complaints] == [["skipped:", "solver:"]] * 6
     (twin / "entry_points.txt").write_text("[other]\nno value", encoding="utf-8")
     assert plugins.version("guest").startswith("made-up 1.2 ")
+
+
+def test_a_new_package_that_both_environments_find_passes_nothing(distribution, tmp_path, monkeypatch) -> None:
+    """Its times would be equal, however slow it is."""
+    settings = SETTINGS | {"suite": "smoke", "sources": [], "plugins": [{"source": "guest", "solvers": {"guest": {}}}]}
+    place = str(distribution / "made_up")
+    known = {"settings": settings, "loaded": {"guest": {"made_up": place}}}
+    runs = [write_folder(tmp_path / n, [solve_row("guest", "p")], **known, content={place: n * 64}) for n in "12"]
+    monkeypatch.setattr(confirm, "_cells", lambda *_: cells.read(runs[1]))
+    found = confirm.confirmed(compare(*runs), Limits(), ["guest"], sys.prefix, print)
+    assert (found.exit_code, "both versions run the current made_up" in found.unusable) == (2, True)
