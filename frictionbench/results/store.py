@@ -135,8 +135,7 @@ def find_row(folder: Path, wanted: str, tables: Sequence[str] = tuple(TABLES)) -
 def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> None:
     """Delete rows from the table's shards. Errors: OSError naming the shard."""
     for shard in shards(folder, table):
-        kept = [row for row in _parse(shard) if not unwanted(row)]
-        write_text(shard, "".join(json.dumps(row) + "\n" for row in kept))
+        write_text(shard, "".join(json.dumps(row) + "\n" for row in _parse(shard) if not unwanted(row)))
 
 
 def write_table(folder: Path, table: str, rows: Sequence[Row]) -> None:

@@ -55,8 +55,15 @@ def files(source: str) -> list[Path]:
 
 
 def places(source: str) -> list[Path]:
-    """The files that the source names, or the package's folder or the module's file of an entry point."""
-    return files(source) or [_home(_point(source))]
+    """The files that the source names, or the package's folder or the module's file of an entry point, found without importing
+    the module itself. Errors: InputError naming the entry point."""
+    if named := files(source):
+        return named
+    point = _point(source)
+    with suppress(ValueError):  # for __main__
+        if top := importlib.util.find_spec(point.module.partition(".")[0]):
+            return [Path(next(iter(top.submodule_search_locations or ()), str(top.origin)))]
+    raise InputError(f"solver: {point.name} of {distribution(point)}: the module {point.module} does not exist")
 
 
 def installed() -> dict[str, EntryPoint]:
@@ -164,11 +171,3 @@ def _point(name: str) -> EntryPoint:
 def distribution(point: EntryPoint) -> str:
     """The name and version of the distribution that declares an entry point."""
     return f"{point.dist.name} {point.dist.version}" if point.dist else point.module
-
-
-def _home(point: EntryPoint) -> Path:
-    """The package's folder or the module's file of an entry point, found without importing the module itself."""
-    with suppress(ValueError):  # for __main__
-        if top := importlib.util.find_spec(point.module.partition(".")[0]):
-            return Path(next(iter(top.submodule_search_locations or ()), str(top.origin)))
-    raise InputError(f"solver: {point.name} of {distribution(point)}: the module {point.module} does not exist")
