@@ -61,10 +61,9 @@ def solve_one(
         facts = outcome.result(f"problem: {problem} cannot be made")
         record = facts["record"]
         rank_by = rank_by or (RankBy.BODIES if facts["mechanical"] else RankBy.FORM)
-        if not as_json:
-            say(printable(f"{problem}: {facts['summary']}"))
-        if facts["contradiction"] and not as_json:
-            say(facts["contradiction"])
+        for text in (f"{problem}: {facts['summary']}", facts["contradiction"]):
+            if text and not as_json:
+                say(printable(text))
         cells = sorted(plan.solve_cells([record]), key=lambda cell: [cell.variant != name for name in FIRST])
         tasks, rows, waiting = [cell_task(cell, time_limit, plugins, record) for cell in cells], [], True
         for outcome in progress.follow("solvers", pool, tasks):
@@ -205,7 +204,7 @@ def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
 
 def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> None:
     """Print a table of rows with their labels, and the rows' reasons below."""
-    lines, remarks = [], []
+    lines = []
     for label, row in rows.items():
         times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
         work = ", ".join(f"{key} {value}" for key, value in counts(row.get("work")).items())
@@ -213,14 +212,13 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
         results = (verdict, _number(row.get("residual")), _time(_seconds(row, rank_by)), _number(row.get("model_residual")))
         cells = (label, row["variant"], *results, *times, (row.get("status") or "").lower(), work)
         lines.append(tuple(map(printable, cells)))
-        if row.get("reason"):
-            remarks.append(printable(f"{label} {row['variant']}: {row['reason']}"))
     header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")
     spare = ("work", "status", "model residual", "setup", "form", "solve")
     say(title)
     print(*columns(header, lines, spare), sep="\n")
-    for remark in remarks:
-        say(remark, "  ")
+    for label, row in rows.items():
+        if row.get("reason"):
+            say(printable(f"{label} {row['variant']}: {row['reason']}"), "  ")
 
 
 def _number(value: float | None) -> str:
