@@ -89,7 +89,8 @@ def confirmed(
         options = [*run_options(manifest), *(part for variant in sorted(variants) for part in ("--solver", variant))]
         timed = before is not None and limits.times
         most = PAIRS if timed else PAIRS_UNTIMED
-        tested = [_home(), *(place.resolve() for plugin in loaded for place in plugins.places(plugin.source))]
+        own = [[Path(each.source).parent] if plugins.is_file(each.source) else plugins.places(each.source) for each in loaded]
+        tested = [_home(), *(place.resolve() for place in chain(*own))]
         pairs: list[Pair] = []
         others, untimed = dict[str, list[str]](), ""
         for *base, ran in _alternating([before, now] if before else [now], options, scratch, limits.rank_by, most, tell):
@@ -171,9 +172,8 @@ def run_options(manifest: dict[str, Any]) -> list[str]:
 
 def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cells.Cells:
     """Run with these options and a version of the code. Errors: ResultsError with the last line of its error output."""
-    plugins_given = [part for spec in code.solvers for part in ("--solver", spec)]
     done = subprocess.run(
-        [*code.command, "run", *options, *plugins_given, "--out", folder],
+        [*code.command, "run", *options, *(part for spec in code.solvers for part in ("--solver", spec)), "--out", folder],
         capture_output=True,
         text=True,
         check=False,

@@ -103,12 +103,14 @@ def test_unusable_entry_points(distribution) -> None:
     assert plugins.version("guest").startswith("made-up 1.2 ")
 
 
-def test_a_new_package_that_both_environments_find_passes_nothing(distribution, tmp_path, monkeypatch) -> None:
-    """Its times would be equal, however slow it is."""
-    settings = SETTINGS | {"suite": "smoke", "sources": [], "plugins": [{"source": "guest", "solvers": {"guest": {}}}]}
-    place = str(distribution / "made_up")
-    known = {"settings": settings, "loaded": {"guest": {"made_up": place}}}
+@pytest.mark.parametrize(("named", "changed"), [("guest", "made_up"), ("solvers.py", "made_up/__init__.py")])
+def test_new_code_that_both_environments_find_passes_nothing(distribution, named, changed, tmp_path, monkeypatch) -> None:
+    """A package, or a module beside the plug-in's file: its times would be equal, however slow it is."""
+    source = str(distribution / "made_up" / named) if named.endswith(".py") else named
+    settings = SETTINGS | {"suite": "smoke", "sources": [], "plugins": [{"source": source, "solvers": {"guest": {}}}]}
+    place = str(distribution / changed)
+    known = {"settings": settings, "loaded": {source: {"made_up": place}}}
     runs = [write_folder(tmp_path / n, [solve_row("guest", "p")], **known, content={place: n * 64}) for n in "12"]
     monkeypatch.setattr(confirm, "_cells", lambda *_: cells.read(runs[1]))
-    found = confirm.confirmed(compare(*runs), Limits(), ["guest"], sys.prefix, print)
+    found = confirm.confirmed(compare(*runs), Limits(), [source], sys.prefix, print)
     assert (found.exit_code, "both versions run the current made_up" in found.unusable) == (2, True)
