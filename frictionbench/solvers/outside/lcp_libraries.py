@@ -95,9 +95,10 @@ class Path:
         reason, and the solver counts as not installed. It is never a dependency. GAMS' free licences are for academic or
         personal use and for five months; results may be published only with the method documented and with no COPT, CPLEX,
         Gurobi, Knitro, LINDO or Xpress in the table. Its library is not linked here.
-    Form: the friction LCP's M, dense and scaled, and q; with settings=velocities the mixed problem, a sparse M, of velocities,
-        impulses and the joints' multipliers, where the mechanics are known. Setup: the records of GAMSPy's model, which is made
-        once for each size. Solve: GAMSPy's call from 0, with GAMS' compilation of the model and its processes.
+    Form: the friction LCP's M, dense and scaled, and q, in the plane with three unknowns a contact; with settings=velocities
+        the mixed problem, a sparse M, of velocities, impulses and the joints' multipliers, where the mechanics are known.
+        Setup: the records of GAMSPy's model, which is made once for each size. Solve: GAMSPy's call from 0, with GAMS'
+        compilation of the model and its processes.
     Clock: the total time in PATH's own log, including GAMS' evaluation of M z + q. PATH is compared by it, as GAMS is another
         process: the column solve_time is this clock, and call_time the records and GAMSPy's call.
     Settings: by default a crash method finds a first basis; tuned is crash_method none, `frictionbench solve
