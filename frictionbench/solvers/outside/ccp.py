@@ -10,7 +10,7 @@ a modelling language costs. The relaxation differs from Coulomb's law: see probl
 
 import warnings
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,28 +18,16 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.outside import STOPPING_MARGIN
-from frictionbench.solvers.outside.qp_libraries import LEAST_GAP
+from frictionbench.solvers.outside.qp_libraries import clarabel_options
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, relaxation_library, scaled_program
 
-
-class Backend(NamedTuple):
-    """A backend's distributions, and the name and default of its limit on iterations."""
-
-    distributions: tuple[str, ...]
-    limit: str
-    most: int
-
-
-BACKENDS = {
-    "highs": Backend(("highspy",), "qp_iteration_limit", 100_000),
-    "hipo": Backend(("highspy", "highspy-extras"), "ipm_iteration_limit", 500),
-    "qpalm": Backend(("qpalm",), "max_iter", 10_000),
-}
-_TUNED: dict[str, dict[str, float]] = {
+_DISTRIBUTIONS = {"highs": ("highspy",), "hipo": ("highspy", "highspy-extras"), "qpalm": ("qpalm",)}
+_TUNED: dict[str, dict[str, Any]] = {
     "highs": {"qp_regularization_value": 0.0},
+    "hipo": {"hipo_system": "normaleq", "hipo_ordering": "amd"},
     "qpalm": {"sigma_init": 200.0, "factorization_method": 1},
 }
-_VARIANTS = (*(f"backend={name}" for name in BACKENDS), *(f"backend={name},settings=tuned" for name in _TUNED))
+_VARIANTS = (*(f"backend={name}" for name in _DISTRIBUTIONS), *(f"backend={name},settings=tuned" for name in _TUNED))
 
 
 @relaxation_library("ccp", needs=("qpsolvers", "highspy"), variants=_VARIANTS)
@@ -53,10 +41,11 @@ class CCP:
         changes light bodies more, and the unknowns in reversed order, for docs/fairness.md shows a wrong answer in the natural
         one. Setup: qpsolvers' problem. Solve: qpsolvers' call.
     Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
-    Settings: for highs, HiGHS' active sets, qp_regularization_value is 1e-7 by default; tuned is 0. hipo is its interior point.
-        qpalm tuned is sigma_init 200, by default 20, and factorization_method 1, the Schur complement,
-        `frictionbench solve 'stack[blocks=150,push=1]' --solver 'ccp[backend=qpalm]' --solver
-        'ccp[backend=qpalm,settings=tuned]'`.
+    Settings: for highs, HiGHS' active sets, qp_regularization_value is 1e-7 by default; tuned is 0. hipo is its interior point,
+        which chooses its linear systems and their order by default; tuned are hipo_system normaleq and hipo_ordering amd,
+        `frictionbench solve 'stack[blocks=20]' --solver 'ccp[backend=hipo]' --solver 'ccp[backend=hipo,settings=tuned]'`. qpalm
+        tuned is sigma_init 200, by default 20, and factorization_method 1, the Schur complement, `frictionbench solve
+        'stack[blocks=150,push=1]' --solver 'ccp[backend=qpalm]' --solver 'ccp[backend=qpalm,settings=tuned]'`.
     Tolerance: eps is tol in the units of the scaled program. highs and hipo both feasibilities eps/10, no less than 1e-10, and
         hipo a gap of eps^2, no less than 1e-12, its least. qpalm eps_abs = eps/10. Relative tolerances are 0.
     Flaws: HiGHS' least feasibility of 1e-10 leaves the residual of some answers at a few times 1e-8, and HiPO's least gap some
@@ -70,7 +59,7 @@ class CCP:
 
     @property
     def needs(self) -> tuple[str, ...]:
-        return "qpsolvers", *BACKENDS[self.backend].distributions
+        return "qpsolvers", *_DISTRIBUTIONS[self.backend]
 
     def form(self, problem: FrictionProblem) -> tuple[ScaledProgram, Any]:
         highs = self.backend == "highs"
@@ -85,17 +74,16 @@ class CCP:
         return scaled, import_module("qpsolvers").Problem(*arguments)
 
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        (scaled, qp), backend = prepared, BACKENDS[self.backend]
+        scaled, qp = prepared
         eps, gap = scaled.tolerances(tol, 1e-12)  # the least gap that HiPO reaches
         accuracy = eps / STOPPING_MARGIN
-        feasible = max(accuracy, 1e-10)
-        highs: dict[str, Any] = {"primal_feasibility_tolerance": feasible, "dual_feasibility_tolerance": feasible}
+        feasibilities = "primal_feasibility_tolerance", "dual_feasibility_tolerance"
+        highs: dict[str, Any] = dict.fromkeys(feasibilities, max(accuracy, 1e-10))
         settings: dict[str, Any] = {
-            "highs": highs,
-            "hipo": {"solver": "hipo", "ipm_optimality_tolerance": gap} | highs,
-            "qpalm": {"eps_abs": accuracy, "eps_rel": 0.0},
+            "highs": highs | {"qp_iteration_limit": limit or 100_000},
+            "hipo": highs | {"solver": "hipo", "ipm_optimality_tolerance": gap, "ipm_iteration_limit": limit or 500},
+            "qpalm": {"eps_abs": accuracy, "eps_rel": 0.0, "max_iter": limit or 10_000},
         }[self.backend]
-        settings[backend.limit] = limit or backend.most
         settings |= _TUNED[self.backend] if self.settings == "tuned" else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # qpsolvers warns of a failure; the status reports it
@@ -107,25 +95,27 @@ class CCP:
         return scaled.answer(result.z, result.found, *told, result.solve_time)
 
 
-@relaxation_library("ccp_cone", dimension=(2, 3), needs=("cvxpy", "clarabel"))
+@relaxation_library("ccp_cone", dimension=(2, 3), needs=("cvxpy", "clarabel"), variants=("", "settings=tuned"))
 class CCPCone:
     """The convex relaxation, with circular cones in space, by CVXPY with Clarabel. (outside)
 
-    Work: Clarabel's iterations.
+    settings: default or tuned. Work: Clarabel's iterations.
 
     Licence: Apache-2.0 (CVXPY and Clarabel).
-    Form: that of `clarabel`. Setup: CVXPY builds and canonicalises it. Solve:
-        Clarabel's, its own setup inside, and CVXPY's unpacking.
+    Form: `clarabel`'s. Setup: CVXPY builds and canonicalises it. Solve: Clarabel's setup and solve, and CVXPY's unpacking.
     Clock: none that excludes its setup.
-    Settings: Clarabel's defaults.
+    Settings: Clarabel's defaults; tuned are those of `clarabel`, `frictionbench solve 'random_bodies[contacts=8,seed=1]'
+        --solver ccp_cone --solver 'ccp_cone[settings=tuned]'`.
     Tolerance: eps is tol in the units of the scaled program: tol_feas = eps, both gaps eps^2, no less than that of `clarabel`.
     Flaws: a gap of eps^2 is often below Clarabel's rounding on circular cones; it then reports failure although the answer is
         accurate, `frictionbench solve 'random_bodies[contacts=2,seed=1]' --solver ccp_cone`.
     Reference: Anitescu and Tasora 2010 for the model; Diamond and Boyd 2016 (CVXPY); Goulart and Chen 2024 (Clarabel).
     """
 
+    settings: str = "default"
+
     def form(self, problem: FrictionProblem) -> ScaledProgram:
-        return scaled_program(problem, from_free=True)
+        return scaled_program(problem, from_free=True, alike=self.settings == "tuned")
 
     def setup(self, scaled: ScaledProgram) -> tuple[ScaledProgram, Any]:
         """The CVXPY problem, and its canonical data with what converts their solution."""
@@ -142,8 +132,7 @@ class CCPCone:
     def solve(self, prepared: tuple[ScaledProgram, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         cvxpy: Any = import_module("cvxpy")
         scaled, (built, (data, chain, inverse)) = prepared
-        eps, gap = scaled.tolerances(tol, LEAST_GAP["clarabel"])
-        settings = {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap, "max_iter": limit or 200}
+        settings = clarabel_options(scaled, self.settings, tol, limit)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # CVXPY warns of an inaccurate solution; the status reports it
             raw = chain.solve_via_data(built, data, solver_opts=settings)

@@ -26,12 +26,17 @@ LEAST_GAP = {
 }
 _GAP_ROUNDING = 4.4e-16  # of a gap's terms: without, PIQP accepts no iterate on some chains, and takes twice as many elsewhere
 _PROXQP_OBJECTIVE = 0.03  # times the objective: 16 iterations instead of 25 on 117 problems, 22 instead of 26 on 56 others
-_CLARABEL_TUNED = {
-    "equilibrate_enable": False,
-    "static_regularization_constant": 1e-12,
-    "iterative_refinement_enable": False,
-}
 _OSQP_TUNED = {"rho": 1.0, "adaptive_rho_interval": 25, "check_termination": 10, "eps_prim_inf": 1e-15, "eps_dual_inf": 1e-15}
+
+
+def clarabel_options(scaled: ScaledProgram, settings: str, tol: float, limit: int | None) -> dict[str, Any]:
+    """Clarabel's tolerances and limit, and if tuned its settings for a program that is already scaled."""
+    eps, gap = scaled.tolerances(tol, LEAST_GAP["clarabel"])
+    options = {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap, "max_iter": limit or 200}
+    if settings == "tuned":
+        options |= {"equilibrate_enable": False, "static_regularization_constant": 1e-12, "iterative_refinement_enable": False}
+        options["max_step_fraction"] = 0.9 if scaled.contacts[1] == 3 else 0.99
+    return options
 
 
 @relaxation_library("clarabel", dimension=(2, 3), needs=("clarabel",), variants=("settings=default", "settings=tuned"))
@@ -70,24 +75,21 @@ class Clarabel:
         rows, flat = len(scaled.h), scaled.contacts[1] == 2
         cones = [clarabel.NonnegativeConeT(rows)] if flat else [clarabel.SecondOrderConeT(3)] * (rows // 3)
         cones = [*cones, clarabel.ZeroConeT(len(scaled.b))] if len(scaled.b) else cones
-        return scaled, clarabel.DefaultSolver(*arguments, cones, self._settings())
+        return scaled, clarabel.DefaultSolver(*arguments, cones, self._settings(scaled))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         clarabel: Any = import_module("clarabel")
         scaled, library_solver = prepared
-        eps, gap = scaled.tolerances(tol, LEAST_GAP["clarabel"])
-        step = 0.9 if self.settings == "tuned" and scaled.contacts[1] == 3 else 0.99
-        asked = {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap, "max_iter": limit or 200, "max_step_fraction": step}
-        library_solver.update(settings=self._settings(**asked))
+        library_solver.update(settings=self._settings(scaled, tol, limit))
         result = library_solver.solve()
         solved = result.status == clarabel.SolverStatus.Solved
         return scaled.answer(np.array(result.z), solved, result.iterations, str(result.status), result.solve_time)
 
-    def _settings(self, **chosen: Any) -> Any:
+    def _settings(self, scaled: ScaledProgram, tol: float = 1.0, limit: int | None = None) -> Any:
         """Clarabel's settings: quiet, and without the presolve that would forbid updates."""
         settings = import_module("clarabel").DefaultSettings()
-        tuned = _CLARABEL_TUNED if self.settings == "tuned" else {}
-        for name, value in {"verbose": False, "presolve_enable": False, **tuned, **chosen}.items():
+        chosen = clarabel_options(scaled, self.settings, tol, limit)
+        for name, value in {"verbose": False, "presolve_enable": False, **chosen}.items():
             setattr(settings, name, value)
         return settings
 

@@ -54,8 +54,7 @@ UNABLE = {
     *((f"mujoco[method=cg{tuned}]", "two boxes") for tuned in ("", ",settings=tuned")),
     *((f"siconos[method={method}]", "frictionless") for method in ("lcp_pivot", "friction_3d_nsn_fb")),
     ("siconos[method=lcp_lemke]", "in space"),
-    ("siconos[method=lcp_newton_fb_fblsa]", "two boxes"),
-    ("siconos[method=friction_3d_dsfp]", "two boxes"),
+    *((f"siconos[method={method}]", "two boxes") for method in ("lcp_newton_fb_fblsa", "friction_3d_dsfp")),
 }
 
 
@@ -92,12 +91,11 @@ def test_a_prepared_problem_is_solved_again_after_others(spec) -> None:
 @pytest.mark.parametrize(
     ("spec", "what"),
     [
-        ("piqp", "chain[links=20,fall=1]"),
-        ("ccp[backend=highs]", "chain[links=20,fall=1]"),
+        *((spec, "chain[links=20,fall=1]") for spec in ("piqp", "ccp[backend=highs]")),
         ("proxsuite[matrices=sparse,settings=tuned]", "wall[rows=6,columns=6,friction=0.05]"),
         ("siconos[method=friction_3d_prox]", "sphere_pyramid[levels=3,noise=0.3]"),
         ("proxsuite[matrices=sparse,settings=tuned]", "stack[blocks=3,mass_ratio=1e5]"),
-        ("clarabel[settings=tuned]", "random_bodies[contacts=8,seed=1]"),
+        *((f"{name}[settings=tuned]", "random_bodies[contacts=8,seed=1]") for name in ("clarabel", "ccp_cone")),
         *(("pinocchio[method=admm,settings=tuned]", f"stack[blocks={blocks},push=1]") for blocks in (10, 60)),
     ],
 )
