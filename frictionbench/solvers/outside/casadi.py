@@ -41,9 +41,9 @@ class CasADi:
         columns. Solve: the call, from 0, of CasADi's solver object, which is made once for each tolerance and sparsity.
     Clock: none.
     Settings: their defaults, without output, and that derivatives are constant. Ipopt relaxes bounds by bound_relax_factor =
-        1e-8; tuned is 0, `frictionbench solve 'stack[blocks=5,push=1]' --solver casadi --solver 'casadi[settings=tuned]'`;
-        velocities is tuned with the mixed problem, `frictionbench solve 'stack[blocks=5,mass_ratio=1e4,push=1]' --solver
-        'casadi[settings=tuned]' --solver 'casadi[settings=velocities]'`.
+        1e-8 and begins with a barrier of mu_init = 0.1; tuned are 0 and 1, `frictionbench solve 'stack[blocks=5,push=1]'
+        --solver casadi --solver 'casadi[settings=tuned]'`; velocities is tuned with the mixed problem, `frictionbench solve
+        'stack[blocks=5,mass_ratio=1e4,push=1]' --solver 'casadi[settings=tuned]' --solver 'casadi[settings=velocities]'`.
     Tolerance: tol = (eps/10)^2, not less than 1e-15, as z'w is a product, eps as in solvers.pivots.dense_lcp, and success is
         claimed where min(z, w) is at most eps/10 in size.
     Flaws: it seldom reaches 1e-8 by default: relaxed bounds, `frictionbench solve stack --solver casadi`. It claims no
@@ -83,7 +83,7 @@ def _complementarity(n: int, free: int, starts: bytes, rows: bytes, tol: float, 
     u, w, z, entries, q = map(casadi.MX.sym, names, (free, n, n, pattern.nnz(), n + free))
     equations = casadi.MX(pattern, entries) @ casadi.veccat(z, u) + q
     constant = {"print_level": 0, "sb": "yes", "hessian_constant": "yes", "jac_c_constant": "yes"}
-    ipopt = constant | {"tol": tol, "max_iter": limit} | ({"bound_relax_factor": 0.0} if tuned else {})
+    ipopt = constant | {"tol": tol, "max_iter": limit} | ({"bound_relax_factor": 0.0, "mu_init": 1.0} if tuned else {})
     program = {
         "x": casadi.veccat(u, w, z),  # in this order the factors mostly have less fill
         "p": casadi.veccat(entries, q),

@@ -47,7 +47,6 @@ EASY = {
 UNABLE = {
     *(("casadi[settings=default]", name) for name in EASY),
     *((f"casadi[settings={settings}]", "frictionless") for settings in ("tuned", "velocities")),
-    ("casadi[settings=velocities]", "jointed"),
     *((f"siconos[method=lcp_pivot{r}]", name) for r in ("", "_least_index") for name in ("two boxes", "jointed", "in space")),
     *(("siconos[method=friction_2d_cpg]", name) for name in ("sliding", "frictionless")),
     *((f"pinocchio[method=pgs{tuned}]", "in space") for tuned in ("", ",settings=tuned")),
@@ -94,6 +93,7 @@ def test_a_prepared_problem_is_solved_again_after_others(spec) -> None:
         *((spec, "chain[links=20,fall=1]") for spec in ("piqp", "ccp[backend=highs]")),
         ("proxsuite[matrices=sparse,settings=tuned]", "wall[rows=6,columns=6,friction=0.05]"),
         ("siconos[method=friction_3d_prox]", "sphere_pyramid[levels=3,noise=0.3]"),
+        ("casadi[settings=tuned]", "stack[blocks=5,mass_ratio=1e4,push=1]"),
         ("proxsuite[matrices=sparse,settings=tuned]", "stack[blocks=3,mass_ratio=1e5]"),
         *((f"{name}[settings=tuned]", "random_bodies[contacts=8,seed=1]") for name in ("clarabel", "ccp_cone")),
         *(("pinocchio[method=admm,settings=tuned]", f"stack[blocks={blocks},push=1]") for blocks in (10, 60)),
