@@ -66,9 +66,8 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
             # All solvers take a problem in turn, because the machine's speed changes from minute to minute. Cells of plug-ins
             # come last, because a worker that has run a plug-in is used for nothing else.
-            left = sorted(
-                (cell for cell in cells if cell.key not in rows[cell.table]), key=lambda cell: owner(cell.variant, plan.plugins)
-            )
+            left = [cell for cell in cells if cell.key not in rows[cell.table]]
+            left.sort(key=lambda cell: owner(cell.variant, plan.plugins))
             done = len(cells) - len(left)
             if left and not plan.expects:
                 progress.tell(_announced(plan, left, len(records)))

@@ -9,14 +9,13 @@ The functions at the end are common to these loops: the problems they skip, the 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems import FrictionProblem, InputError
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array, count, require
 from frictionbench.problems.compiled import inlined, kernel, lean
 from frictionbench.problems.packed import CONTACT, Batch, Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
@@ -72,6 +71,8 @@ class Answers:
         return len(self.status)
 
     def __getitem__(self, k: int) -> Array:
+        if not (isinstance(k, int | np.integer) and -len(self) <= k < len(self)):
+            raise IndexError(f"answers[k]: {k!r} is not the number of one of {len(self)} problems")
         k = range(len(self))[k]
         return self.impulse[self.first[k] : self.first[k + 1]].reshape(-1, self.dimension[k])
 
@@ -113,19 +114,18 @@ def solve_many(
     """
     info, instance = find(spec)
     tol, limit = tolerance(tol), work_limit(limit)
-    whole = isinstance(workers, Integral) and not isinstance(workers, bool)
-    require(whole and workers >= 1, "workers", f"must be a whole number, at least 1, got {workers!r}")
+    workers = count("workers", workers)
     batch = problems if isinstance(problems, Batch) else Batch(problems)
     _require_taken(info, batch)
     begin = None if start is None else _flat(start, batch)
     begin = begin if info.warm_start else None
-    count, flat = len(batch), np.zeros(batch.first[-1])
-    answers = Answers(flat, batch.first, batch.dimension, np.full(count, None), {}, np.empty(count), np.empty(count), tol)
+    flat, residual, floor = np.zeros(batch.first[-1]), *np.empty((2, len(batch)))
+    answers = Answers(flat, batch.first, batch.dimension, np.full(len(batch), None), {}, residual, floor, tol)
     if hasattr(instance, "solve_many"):
         for numbers, packed in batch.groups:
             places = _places(answers, numbers, packed)
             guess = None if begin is None else begin[places].reshape(-1, packed.dimension)
-            _fill(answers, numbers, places, *_looped(instance, packed, tol, limit, guess, int(workers)))
+            _fill(answers, numbers, places, *_looped(instance, packed, tol, limit, guess, workers))
     for k in np.flatnonzero(answers.floor > tol).tolist() if info.ours else ():
         if answers.status[k] is Status.SOLVED:
             answers.status[k] = Status.ROUNDING
@@ -148,12 +148,12 @@ def _require_taken(info: SolverInfo, batch: Batch) -> None:
 
 def _flat(start: Any, batch: Batch) -> Array:
     """A checked copy of the impulses of all problems as a flat array. Errors: InputError naming start or its entry."""
-    if isinstance(start, Answers):
-        start = start.impulse
-    if isinstance(start, np.ndarray) and start.ndim == 1 and start.dtype != object:
-        return impulses(start, (int(batch.first[-1]),))
-    require(isinstance(start, Sequence | np.ndarray), "start", f"must be impulses of each problem, got {type(start)}")
-    require(len(start) == len(batch), "start", f"expected impulses of {len(batch)} problems, got {len(start)}")
+    flat = isinstance(start, np.ndarray) and start.ndim == 1 and start.dtype != object
+    known = flat or isinstance(start, Answers | Sequence | np.ndarray)
+    require(known, "start", f"must be impulses of each problem, got {type(start)}")
+    require(flat or len(start) == len(batch), "start", f"expected impulses of {len(batch)} problems, got {len(start)}")
+    if flat or isinstance(start, Answers):
+        return impulses(start if flat else start.impulse, (int(batch.first[-1]),))
     parts = [np.zeros(0)]
     for k, (impulse, problem) in enumerate(zip(start, batch, strict=True)):
         require(impulse is not None, f"start[{k}]", "must be impulses, got None")

@@ -80,6 +80,10 @@ def test_loops_start_at_the_answers_of_before(spec: str, planar: list[FrictionPr
         warm = fb.solve_many(planar[:3], spec, start=start)
         assert warm.solved.all()
         assert sum(counts.sum() for counts in warm.work.values()) < sum(counts.sum() for counts in cold.work.values())
+    with pytest.raises(fb.InputError, match="start: expected impulses of 2 problems, got 3"):
+        fb.solve_many(planar[:2], spec, start=cold)
+    with pytest.raises(IndexError, match="3 is not the number of one of 3 problems"):
+        cold[3]
     loop = find(spec)[1].solve_many(fb.Batch(planar[:3]).groups[0][1], 1e-8, None, cold.impulse.reshape(-1, 2))  # type: ignore[attr-defined]
     assert loop.status.tolist() == [fb.Status.SOLVED] * 3
 
