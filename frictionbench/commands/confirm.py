@@ -148,8 +148,8 @@ def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Ce
         for name in names:
             place = before.places.get(variant, {}).get(name, "")
             path = Path(unquoted(place))
-            around = [each for each in tested if path.resolve().is_relative_to(each)]
-            is_tested = any(path.resolve().is_relative_to(ENVIRONMENT) <= each.is_relative_to(ENVIRONMENT) for each in around)
+            around = [one for one in tested if path.resolve().is_relative_to(one)]
+            is_tested = any(one.is_relative_to(ENVIRONMENT) or not path.resolve().is_relative_to(ENVIRONMENT) for one in around)
             if name not in then:
                 return f"{variant} loads no {name} there, as for the baseline; {GIVE_BASELINE}"
             if name in known and place in after.places.get(variant, {}).values() and path.is_absolute() and is_tested:

@@ -76,8 +76,9 @@ def read_options(path: Path, solvers: list[str] | None = None) -> RunOptions:
     except ValidationError as error:
         name, expected = str(error.errors()[0]["loc"][0]), error.errors()[0]["msg"].replace("Input should be", "expected")
         raise InputError(f"config: {path}: {name}: {expected}, got {stored[name]!r:.100}") from None
-    for spec in (not solvers and options.solver) or []:
-        code = defines_all(spec) or split("solver", spec)[0] in installed()
+    points = installed()
+    for spec in () if solvers else options.solver or ():
+        code = defines_all(spec) or split("solver", spec)[0] in points
         require(not code, "config", f"{path}: solver: {spec} is code; name it with --solver")
     return options
 
