@@ -28,7 +28,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers.clock import TimeLimit, is_over, left
-from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_each, few_each, few_steps
+from frictionbench.solvers.dense.few_contacts import HYPERSTATIC, few_contacts, few_contacts_each, few_each, few_steps
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import InteriorPoint, first_phase_of
 
@@ -43,8 +43,7 @@ ALIKE = 2.0  # the largest ratio of two methods' floors at which rounding is tha
 SWEEPS = 30  # of nsgs at first: a fraction of the time of interior_point at any size
 SHORT = 100  # factorisations of proximal_newton before the paths of the interior point
 MORE_SWEEPS = 300  # where others fail; more solve few other problems
-SWEPT = 6, 60  # contacts up to which nsgs is the fastest on W, and from which on its sweeps save more than they cost
-HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only, as W is singular
+SWEPT = 60  # contacts from which on the sweeps of nsgs save more than they cost, unless W is singular
 PIVOTED = 36  # contacts up to which lemke comes first in the plane
 
 # The problem, its members in order, and the form or setup of the first one, or its largest number of Newton steps.
@@ -72,7 +71,7 @@ class Hybrid:
 
     def form(self, problem: FrictionProblem) -> Prepared:
         nc, space, steps = problem.contacts, problem.dimension == 3, few_steps(problem)
-        by_newton = steps or (space and problem.mechanical and not nc)
+        by_newton = steps or (space and not nc)
         simple_first = _sweeps_help(nc, len(problem.free_velocity), len(problem.joint_bias)) if space else nc <= PIVOTED
         simple, last = ("nsgs", SPATIAL) if space else ("lemke", PLANAR)
         first = (NEWTON,) if by_newton else (simple,) if simple_first else ()
@@ -167,4 +166,4 @@ def _only(packed: Packed, chosen: NDArray[np.bool_]) -> Packed:
 
 def _sweeps_help(nc: Any, velocities: Any, joints: Any) -> Any:
     """Whether nsgs comes first in space, for numbers or arrays. With joints it works on W, which joints make dense."""
-    return (nc <= SWEPT[0]) | ((nc >= SWEPT[1]) & (nc * 3 <= HYPERSTATIC * velocities) & (joints == 0))
+    return (nc >= SWEPT) & (nc * 3 <= HYPERSTATIC * velocities) & (joints == 0)

@@ -55,6 +55,18 @@ def test_contacts_limits_and_dry_friction_are_solved(seed: int, joints: int) -> 
     assert warm.work == {"newton sweeps": 0, "newton steps": 0, "members": 1}
 
 
+@pytest.mark.parametrize("skew", [0.0, 0.05])
+def test_w_alone_is_enough_and_may_be_unsymmetric(skew: float) -> None:
+    problem, S = robot(1, 0), np.random.default_rng(1).normal(size=(18, 18))
+    moves = problem.W.diagonal() > 0
+    W = problem.W.toarray() + skew * (S - S.T) * np.outer(moves, moves)
+    known = FrictionProblem.from_delassus(W, problem.q, problem.friction, 3, problem.friction_bias)
+    answer = fb.solve(known, "hybrid")
+    assert answer.work["members"] == 1
+    assert fb.residual(known, answer.impulse) <= 1e-8
+    np.testing.assert_array_equal(fb.solve_many([known], "hybrid")[0], answer.impulse)
+
+
 def test_without_friction_tangents_are_left_out() -> None:
     """Their impulses are zero, also from a start that has some."""
     problem = robot(3, 0).replace(friction=np.zeros(6), friction_bias=np.zeros(6))

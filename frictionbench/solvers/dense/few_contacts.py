@@ -1,7 +1,7 @@
 """Problems of few contacts in space, including rows of joints: form, solution and residual in one compiled call.
 
 A step of a robot has some tens of rows, of contacts, limits and dry friction, and a mass matrix that couples all velocities.
-Its Delassus matrix is dense and cheap (solvers.dense.rows), and most of the time is overhead around the arithmetic. A few
+Its Delassus matrix is dense and cheap (solvers.dense.rows) if it is not given, and most of the time is overhead. A few
 sweeps of Gauss-Seidel find most of the active set: which contacts are open, closed, sticking or sliding. Newton's method
 converges quadratically from there (solvers.dense.newton). If contacts are redundant, full Newton steps cycle among active sets.
 A step that does not reduce the residual is then shortened to end just past the first change of a contact's state, from where
@@ -14,18 +14,20 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, loop, part
+from frictionbench.problems.forms.delassus import write_contact_velocity, write_velocity
 from frictionbench.problems.forms.held import hold, hold_rounding, joint_inverse
-from frictionbench.problems.packed import CONTACT, Packed, mechanical, mechanics_of
-from frictionbench.problems.residual import TOL_SHARE, largest_with_floor
+from frictionbench.problems.packed import Packed, Q, known_blocks, law_of, mechanical, mechanics_of
+from frictionbench.problems.residual import TOL_SHARE, largest_with_floor, residual_with_floor
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.dense.newton import measure, new_work, newton_step, past_first_change, sweep
-from frictionbench.solvers.dense.rows import dense_rows
+from frictionbench.solvers.dense.rows import dense_rows, known_rows
+from frictionbench.solvers.interface import impulses
 from frictionbench.solvers.many import impulses_of
 
 ROWS = 120  # the largest number of contact rows, normal and tangential: a step then takes some tenths of a millisecond
 JOINED_ROWS = 360  # of contact rows and joint equations together, where it takes half the time of an interior point
 # Bodies without joints: above SMALL_ROWS, Newton's method is used only if the rows do not exceed HYPERSTATIC times the
-# velocities. Otherwise W is singular, and other methods are faster.
+# velocities. Otherwise W is singular, and other methods are faster. A problem known by W counts as one with 3 nc velocities.
 SMALL_ROWS, HYPERSTATIC = 36, 1.25
 COUPLED = 6  # entries of M^-1 for each velocity, on average, above which bodies count as coupled, as by joints
 SWEEPS, MORE_SWEEPS, MOST_SWEEPS = 5, 50, 100  # before the first step, before the first careful one, and when those stall
@@ -39,17 +41,12 @@ FULL_SHIFT, CAREFUL_SHIFT = 1e-3, 0.05  # the shift of full steps and of careful
 SHIFT_GROWTH = 3.0  # the factor of the shift when careful steps stall
 LEAST_SHIFT = 1e-12  # the least shift, for redundant rows when the residual is near rounding
 
-NO_IMPULSES = np.zeros((0, 3))
-
 
 def few_steps(problem: FrictionProblem) -> int:
-    """The largest number of Newton steps for a problem; 0 if the method does not take it, because it has many contacts, is in
-    the plane, or is known only by W."""
-    if problem.dimension != 3 or not problem.mechanical:
-        return 0
-    rows = problem.contacts + 2 * np.count_nonzero(problem.friction)
-    steps: int = most_steps(rows, len(problem.free_velocity), len(problem.inverse_rows.value), len(problem.joint_bias))
-    return steps
+    """The largest number of Newton steps for a problem; 0 if the method does not take it: it has many contacts or is planar."""
+    rows, nv = problem.contacts + 2 * np.count_nonzero(problem.friction), len(problem.free_velocity)
+    entries, nj = len(problem.inverse_rows.value), len(problem.joint_bias)
+    return int(most_steps(rows, nv, entries, nj)) if problem.dimension == 3 else 0
 
 
 @kernel
@@ -65,14 +62,17 @@ def most_steps(rows, nv, entries, nj):  # type: ignore[no-untyped-def]
 def few_contacts(
     problem: FrictionProblem, steps: int, tol: float, limit: int | None, start: Array | None
 ) -> tuple[Array, float, float, int, int]:
-    """The impulses (nc, 3), their residual and its floor, and the numbers of sweeps and Newton steps. steps: from few_steps.
-    limit: of the steps."""
-    answer: tuple[Array, float, float, int, int] = _one(
+    """The impulses (nc, 3), their residual and its floor, and the sweeps and Newton steps. steps: few_steps. limit: of them."""
+    r, turns = impulses(start, (problem.contacts, 3)), steps if limit is None else min(steps, limit)
+    if not problem.mechanical:
+        law = problem.friction, problem.friction_bias, problem.scale, problem.units
+        counts = _solve_known(*problem.blocks, problem.offset, *law, r, tol, turns)
+        return r, *residual_with_floor(problem, r), *counts
+    measured = _one(
         *problem.contact_rows, *problem.inverse_rows, *problem.joint_rows, problem.joint_bias, problem.free_velocity,
-        problem.bias, problem.friction, problem.friction_bias, NO_IMPULSES if start is None else start, tol,
-        steps if limit is None else min(steps, limit),
+        problem.bias, problem.friction, problem.friction_bias, r, tol, turns,
     )  # fmt: skip
-    return answer
+    return r, *measured
 
 
 @loop
@@ -80,10 +80,11 @@ def few_each(packed):  # type: ignore[no-untyped-def]
     """few_steps of each of the packed problems, which have no joints (N,)."""
     steps = np.zeros(len(packed.first) - 1, np.int64)
     for k in range(len(steps)):
-        if packed.J.shape[1] == 3 and mechanical(packed, k):
-            begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
+        if packed.J.shape[1] == 3:
+            mu, _, _, _ = law_of(packed, k)
             _, _, _, _, _, m_value, free, _ = mechanics_of(packed, k)
-            steps[k] = most_steps(end - begin + 2 * np.count_nonzero(packed.friction[begin:end]), len(free), len(m_value), 0)
+            nv, entries = (len(free), len(m_value)) if mechanical(packed, k) else (3 * len(mu), 3 * len(mu))
+            steps[k] = most_steps(len(mu) + 2 * np.count_nonzero(mu), nv, entries, 0)
     return steps
 
 
@@ -91,20 +92,16 @@ def few_contacts_each(
     packed: Packed, steps: Index64, tol: float, limit: int | None, start: Array | None
 ) -> tuple[Array, Index64]:
     """The impulses of all contacts of the packed problems with steps (N,) > 0, and the sweeps and steps of each (N, 2)."""
-    r = np.zeros((int(packed.contacts[-1]), 3)) if start is None else np.array(start)
+    r = impulses(start, (int(packed.contacts[-1]), 3))
     return r, _each(packed, steps if limit is None else np.minimum(steps, limit), r, tol)
 
 
 @kernel
 def _one(  # type: ignore[no-untyped-def]
-    start, column, J, m_start, m_column, m_value, f_start, f_column, F, b_F, free, bias, mu, b_f, guess, tol, turns
+    start, column, J, m_start, m_column, m_value, f_start, f_column, F, b_F, free, bias, mu, b_f, r, tol, turns
 ):
-    r = np.zeros((len(bias), 3))
-    if len(guess):
-        r[:] = guess
     bodies, joints = (start, column, J, m_start, m_column, m_value), (f_start, f_column, F, b_F)
-    worst, floor, sweeps, steps = _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns)
-    return r, worst, floor, sweeps, steps
+    return _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns)
 
 
 @loop
@@ -113,11 +110,16 @@ def _each(packed, most, r, tol):  # type: ignore[no-untyped-def]
     work = np.zeros((len(most), 2), np.int64)
     none, nothing = np.zeros(1, np.int32), np.zeros(0)
     for k in range(len(most)):
-        if most[k]:
-            begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
+        if not most[k]:
+            continue
+        (mu, b_f, scale, units), impulse = law_of(packed, k), impulses_of(packed, k, r)
+        if not mechanical(packed, k):
+            first, neighbours, block = known_blocks(packed, k)
+            q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(impulse.shape)
+            work[k] = _solve_known(first, neighbours, block, q, mu, b_f, scale, units, impulse, tol, most[k])
+        else:
             start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
             bodies, joints = (start, column, J, m_start, m_column, m_value), (none, none[:0], nothing, nothing)
-            mu, b_f, impulse = packed.friction[begin:end], packed.friction_bias[begin:end], impulses_of(packed, k, r)
             _, _, work[k, 0], work[k, 1] = _solve(bodies, joints, free, bias, mu, b_f, impulse, tol, most[k])
     return work
 
@@ -131,10 +133,6 @@ def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[
     """
     inverse = joint_inverse(joints[0], joints[1], joints[2], bodies[3], bodies[4], bodies[5])
     rows = dense_rows(bodies, joints, inverse, free, bias, mu, b_f)
-    for i in range(len(r)):
-        for a in range(3):
-            if rows.row[i, a] < 0:
-                r[i, a] = 0.0
     work, sweeps, steps, worst, floor = new_work(len(rows.V), len(r)), 0, 0, 0.0, 0.0
     for most in (turns - FULL_STEPS if len(joints[3]) and turns > FULL_STEPS else turns, turns):
         swept, stepped = _iterate(rows, r, work, TOL_SHARE * tol, most - steps)
@@ -150,9 +148,20 @@ def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[
     return worst, floor, sweeps, steps
 
 
+@kernel
+def _solve_known(first, neighbours, block, q, mu, b_f, scale, units, r, tol, turns):  # type: ignore[no-untyped-def]
+    """Overwrite r with the impulses of a problem known by W; return the sweeps and steps."""
+    rows = known_rows(first, neighbours, block, q, mu, b_f, scale, units)
+    return _iterate(rows, r, new_work(len(rows.V), len(r)), TOL_SHARE * tol, turns)
+
+
 @part
 def _iterate(rows, r, work, tol, turns):  # type: ignore[no-untyped-def]
     """Overwrite r with the best impulses found; return the sweeps and steps."""
+    for i in range(len(r)):
+        for a in range(3):
+            if rows.row[i, a] < 0:
+                r[i, a] = 0.0
     best, old = r.copy(), r.copy()
     error = least = measure(rows, r, work)
     sweeps = steps = stalled = 0
@@ -189,39 +198,21 @@ def _iterate(rows, r, work, tol, turns):  # type: ignore[no-untyped-def]
 @part
 def _residual(bodies, joints, inverse, free, bias, rows, r):  # type: ignore[no-untyped-def]
     """The residual and its floor as in problems.residual, from velocities without W, and the velocities (nc, 3)."""
-    start, column, J = bodies[:3]
+    start, column, J, m_start, m_column, m_value = bodies
     f_start, f_column, F, b_F = joints
-    v, terms = _moved(bodies, free, r)
+    momentum, v, terms = np.empty(len(free)), np.empty(len(free)), np.empty(len(free))
+    write_velocity(start, column, J, m_start, m_column, m_value, free, r, False, momentum, v)
+    write_velocity(start, column, J, m_start, m_column, m_value, free, r, True, momentum, terms)
     if len(b_F):
         held = hold(f_start, f_column, F, b_F, inverse[0], inverse[1], v)
         terms += hold_rounding(f_start, f_column, F, b_F, inverse[0], inverse[1], v, held)
         v = held
-    u, size = np.zeros(r.shape), np.zeros(r.shape)
+    u, size = np.empty(r.shape), np.empty(r.shape)
+    write_contact_velocity(start, column, J, v, bias, False, u)
+    write_contact_velocity(start, column, J, terms, bias, True, size)
     for i in range(len(r)):
-        u[i, 0], size[i, 0] = bias[i], abs(bias[i])
-        for k in range(start[i], start[i + 1]):
-            for a in range(3):
-                u[i, a] += J[k, a] * v[column[k]]
-                size[i, a] += abs(J[k, a]) * terms[column[k]]
         for a in range(3):
             if rows.locked[i, a]:
                 u[i, a] = rows.q[i, a]
     worst, floor = largest_with_floor(r, u, size, rows.scale, rows.friction, rows.friction_bias, rows.units)
     return worst, floor, u
-
-
-@part
-def _moved(bodies, free, r):  # type: ignore[no-untyped-def]
-    """v* + M^-1 J' r (nv,), and the sum of the absolute values of its terms."""
-    start, column, J, m_start, m_column, m_value = bodies
-    v, terms, momentum, pushed = free.copy(), np.abs(free), np.zeros(len(free)), np.zeros(len(free))
-    for i in range(len(r)):
-        for k in range(start[i], start[i + 1]):
-            for a in range(3):
-                momentum[column[k]] += J[k, a] * r[i, a]
-                pushed[column[k]] += abs(J[k, a] * r[i, a])
-    for c in range(len(free)):
-        for m in range(m_start[c], m_start[c + 1]):
-            v[c] += m_value[m] * momentum[m_column[m]]
-            terms[c] += abs(m_value[m]) * pushed[m_column[m]]
-    return v, terms

@@ -128,7 +128,7 @@ def newton_step(rows, r, work, shift):  # type: ignore[no-untyped-def]
             e = place[i, a]
             if e >= 0:
                 for h in range(m):
-                    B[e, h] = rows.V[active[e], active[h]]
+                    B[e, h] = rows.V[active[h], active[e]]
                 B[e, e] += shift * rows.scale[i]
                 right[e] = -w[active[e]]
         if state[i] & SLIDES and (place[i, 1] >= 0 or place[i, 2] >= 0):
@@ -203,9 +203,9 @@ def _slide(rows, r, i, z, rho, place, active, m, B, right):  # type: ignore[no-u
         d, across = z[a - 1] / size, z[2 - a] / size
         along, other, also = c * across * across, -c * d * across, place[3 - a]
         for h in range(m):
-            B[e, h] = along * rows.V[active[e], active[h]]
+            B[e, h] = along * rows.V[active[h], active[e]]
             if also >= 0:
-                B[e, h] += other * rows.V[active[also], active[h]]
+                B[e, h] += other * rows.V[active[h], active[also]]
         B[e, e] += s * (1 - along)
         if also >= 0:
             B[e, also] -= s * other

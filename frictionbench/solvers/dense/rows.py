@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import lean, part
-from frictionbench.problems.forms.delassus import LOCKED, LOST, coupling, mean_diagonal
+from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.held import hold, hold_rounding
 from frictionbench.problems.forms.islands import mechanical_units
 from frictionbench.problems.rows import Index64
 
 
 class DenseRows(NamedTuple):
-    """V (n, n) for n rows. row: (nc, 3), the row of each contact's normal and tangents, -1 for none. V's other rows are zero.
+    """V (n, n) for n rows: V[g, h] is the velocity of row h for a unit impulse at row g, which may differ from V[h, g] if only
+    W is known. row: (nc, 3), the row of each contact's normal and tangents, -1 for none.
 
     block: (nc, 3, 3), each contact's block of V. q: (nc, 3), u for r = 0. rest: (n,), the same by rows.
     locked: (nc, 3), directions that joints lock. scale, units, friction, friction_bias: (nc,).
@@ -45,11 +46,10 @@ class DenseRows(NamedTuple):
 def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no-untyped-def]
     """bodies: J by contacts and M^-1 by rows. joints: F by rows and b_F. inverse: M^-1 F' and X (problems.forms.held)."""
     start, column, J, m_start, m_column, m_value = bodies
-    f_start, f_column, F, b_F = joints
-    response, X = inverse
+    (f_start, f_column, F, b_F), (response, X) = joints, inverse
     nc, nj = len(bias), len(b_F)
     moves, held = np.abs(free), hold(f_start, f_column, F, b_F, response, X, free)
-    C = coupling(start, column, J, response)
+    C = delassus.coupling(start, column, J, response)
     XC = np.zeros(C.shape)
     if nj:
         moves += hold_rounding(f_start, f_column, F, b_F, response, X, free, held)
@@ -58,15 +58,14 @@ def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no
                 for i in range(3 * nc):
                     XC[j, i] += X[j, k] * C[k, i]
     V, row, diagonal = _without_joints(start, column, J, m_start, m_column, m_value, mu, b_f)
-    q, locked, lost = np.zeros((nc, 3)), np.zeros((nc, 3), np.bool_), np.zeros((nc, 3), np.bool_)
-    for i in range(nc):
-        q[i, 0] = bias[i]
-        for k in range(start[i], start[i + 1]):
-            for a in range(3):
-                q[i, a] += J[k, a] * held[column[k]]
-        if nj:
-            _lock(i, bodies, joints, inverse, moves, bias, C, XC, q, diagonal, locked, lost)
-    scale = mean_diagonal(diagonal)
+    q, size = np.empty((nc, 3)), np.empty((nc, 3))
+    locked, lost = np.zeros((nc, 3), np.bool_), np.zeros((nc, 3), np.bool_)
+    delassus.write_contact_velocity(start, column, J, held, bias, False, q)
+    if nj:
+        delassus.write_contact_velocity(start, column, J, moves, bias, True, size)
+        for i in range(nc):
+            _lock(i, bodies, joints, inverse, C, XC, q, size, diagonal, locked, lost)
+    scale = delassus.mean_diagonal(diagonal)
     flat = q.copy().reshape(3 * nc)
     units, _ = mechanical_units(start, column, J, m_start, m_column, m_value, f_start, f_column, moves, bias, flat, scale, b_f)
     if nj:
@@ -74,12 +73,11 @@ def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no
         for i in range(nc):
             for a in range(3):
                 if lost[i, a] and not locked[i, a] and row[i, a] >= 0:
-                    y = _held_response(i, a, bodies, joints, inverse)
+                    u = _column(i, a, bodies, joints, inverse)
                     for j in range(nc):
                         for b in range(3):
                             if row[j, b] >= 0 and not locked[j, b]:
-                                w = _along(j, b, start, column, J, y)
-                                V[row[i, a], row[j, b]] = V[row[j, b], row[i, a]] = w
+                                V[row[i, a], row[j, b]] = V[row[j, b], row[i, a]] = u[j, b]
     block, rest = np.zeros((nc, 3, 3)), np.zeros(len(V))
     for i in range(nc):
         for a in range(3):
@@ -93,6 +91,31 @@ def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no
                     if row[i, b] >= 0:
                         block[i, a, b] = V[row[i, a], row[i, b]]
     return DenseRows(V, row, block, q, rest, locked, scale, units, mu, b_f)
+
+
+@part
+def known_rows(first, neighbours, block, q, mu, b_f, scale, units):  # type: ignore[no-untyped-def]
+    """The rows of W known by blocks (problems.forms.delassus) and q (nc, 3). Rows with a zero on the diagonal are left out."""
+    nc, n = len(mu), 0
+    row, own, rest = np.full((nc, 3), -1), np.zeros((nc, 3, 3)), np.empty(3 * nc)
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            if neighbours[k] == i:
+                own[i] = block[k]
+        for a in range(3):
+            if own[i, a, a] > 0 and (a == 0 or mu[i] > 0 or b_f[i] > 0):
+                row[i, a], rest[n] = n, q[i, a]
+                n += 1
+    V = np.zeros((n, n))
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            for a in range(3):
+                for b in range(3):
+                    g, h = row[neighbours[k], b], row[i, a]
+                    if g >= 0 and h >= 0:
+                        V[g, h] = block[k, a, b]
+    locked = np.zeros((nc, 3), np.bool_)
+    return DenseRows(V, row, own, q.copy(), rest[:n].copy(), locked, scale.copy(), units.copy(), mu, b_f)
 
 
 @part
@@ -163,11 +186,11 @@ def _hold_rows(V, row, C, XC, locked):  # type: ignore[no-untyped-def]
 
 
 @part
-def _lock(i, bodies, joints, inverse, moves, bias, C, XC, q, diagonal, locked, lost):  # type: ignore[no-untyped-def]
+def _lock(i, bodies, joints, inverse, C, XC, q, size, diagonal, locked, lost):  # type: ignore[no-untyped-def]
     """Subtract the joints' share from contact i's diagonal, which becomes 0 in directions that they lock; if they lock all
-    three, the diagonal is kept. q in a locked direction is set to 0 if it is rounding. lost: directions in which the
-    difference of W's terms has too few digits."""
-    (start, column, J), X, left = bodies[:3], inverse[1], diagonal[i].copy()
+    three, the diagonal is kept. q in a locked direction is set to 0 if it is rounding; size (nc, 3): the sum of its absolute
+    terms. lost: directions in which the difference of W's terms has too few digits."""
+    X, left = inverse[1], diagonal[i].copy()
     for a in range(3):
         held, terms, at = 0.0, 0.0, 3 * i + a
         for j in range(len(X)):
@@ -175,39 +198,26 @@ def _lock(i, bodies, joints, inverse, moves, bias, C, XC, q, diagonal, locked, l
             for k in range(len(X)):
                 terms += abs(C[j, at] * X[j, k] * C[k, at])
         left[a] -= held
-        lost[i, a] = left[a] <= LOST * (diagonal[i, a] + terms) and diagonal[i, a] > 0
+        lost[i, a] = left[a] <= delassus.LOST * (diagonal[i, a] + terms) and diagonal[i, a] > 0
         if lost[i, a]:
-            left[a] = _along(i, a, start, column, J, _held_response(i, a, bodies, joints, inverse))
-        locked[i, a] = left[a] <= LOCKED * diagonal[i, a]
+            left[a] = _column(i, a, bodies, joints, inverse)[i, a]
+        locked[i, a] = left[a] <= delassus.LOCKED * diagonal[i, a]
     whole = locked[i, 0] and locked[i, 1] and locked[i, 2]
     for a in range(3):
-        if locked[i, a]:
-            size = abs(bias[i]) if a == 0 else 0.0
-            for k in range(start[i], start[i + 1]):
-                size += abs(J[k, a]) * moves[column[k]]
-            if abs(q[i, a]) <= LOCKED * size:
-                q[i, a] = 0.0
+        if locked[i, a] and abs(q[i, a]) <= delassus.LOCKED * size[i, a]:
+            q[i, a] = 0.0
         if not whole:
             diagonal[i, a] = 0.0 if locked[i, a] else left[a]
 
 
 @part
-def _held_response(i, a, bodies, joints, inverse):  # type: ignore[no-untyped-def]
-    """P J_k' (nv,) of direction a of contact i (problems.mechanics)."""
+def _column(i, a, bodies, joints, inverse):  # type: ignore[no-untyped-def]
+    """W's column of direction a of contact i (nc, 3): the velocities J P J_i' of all contacts (problems.mechanics)."""
     start, column, J, m_start, m_column, m_value = bodies
-    (f_start, f_column, F, b_F), (response, X), y = joints, inverse, np.zeros(len(m_start) - 1)
-    for k in range(start[i], start[i + 1]):
-        for m in range(m_start[column[k]], m_start[column[k] + 1]):
-            y[m_column[m]] += J[k, a] * m_value[m]
+    f_start, f_column, F, b_F = joints
+    still, unit = np.zeros(len(start) - 1), np.zeros((len(start) - 1, 3))
+    unit[i, a] = 1.0
+    y = delassus.velocity(start, column, J, m_start, m_column, m_value, np.zeros(len(m_start) - 1), unit)
     for _ in range(2):
-        y = hold(f_start, f_column, F, 0.0 * b_F, response, X, y)
-    return y
-
-
-@lean
-def _along(i, a, start, column, J, v):  # type: ignore[no-untyped-def]
-    """J_k v in direction a of contact i."""
-    u = 0.0
-    for k in range(start[i], start[i + 1]):
-        u += J[k, a] * v[column[k]]
-    return u
+        y = hold(f_start, f_column, F, 0.0 * b_F, inverse[0], inverse[1], y)
+    return delassus.contact_velocity(start, column, J, y, still)
