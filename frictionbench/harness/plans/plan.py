@@ -97,12 +97,9 @@ class BatchSource:
 
 
 @dataclass(frozen=True)
-class BatchCell(_Keyed):
+class BatchCell(_Keyed, BatchSource):
     """The problems of a batch, solved by one solver in one way (results.conventions.WAYS)."""
 
-    scene: str
-    parameters: dict[str, Any]
-    count: int
     variant: str
     way: str
     tol: float

@@ -97,8 +97,7 @@ def polyhedron(cone: Cone, mode: str) -> Polyhedron | None:
 
 def distinct(points: Array) -> Array:
     """The points (k, n) without repetitions."""
-    first = [i for i in range(len(points)) if not _among(points[i : i + 1], points[:i])]
-    return points[first]
+    return points[[i for i in range(len(points)) if not _among(points[i : i + 1], points[:i])]]
 
 
 def maximal(pieces: Iterable[Polyhedron], within: Callable[[Polyhedron, Polyhedron], bool]) -> list[Polyhedron]:

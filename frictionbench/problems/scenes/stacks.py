@@ -56,8 +56,7 @@ def wall(
     """
     rows, columns = count("rows", rows), count("columns", columns, least=2)
     place = np.array([(2.0 * i + (row % 2), row + 0.5, 0.0) for row in range(rows) for i in range(columns - row % 2)])
-    bodies = tuple(rigid_box(2.0, 1.0) for _ in place)
-    return _pile(bodies, place, 0, push, shear, slope, fall)
+    return _pile((rigid_box(2.0, 1.0),) * len(place), place, 0, push, shear, slope, fall)
 
 
 @generator(friction=0.5)
@@ -68,8 +67,7 @@ def pyramid(rows: int = 5, push: float = 1.0, shear: float = 0.0, slope: float =
     """
     rows = count("rows", rows)
     place = np.array([(1.2 * (i + row / 2), row + 0.5, 0.0) for row in range(rows) for i in range(rows - row)])
-    bodies = tuple(rigid_box(1.0, 1.0) for _ in place)
-    return _pile(bodies, place, -1, push, shear, slope, fall)
+    return _pile((rigid_box(1.0, 1.0),) * len(place), place, -1, push, shear, slope, fall)
 
 
 @generator(friction=0.5)

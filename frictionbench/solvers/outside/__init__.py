@@ -11,4 +11,10 @@ tol by a small factor, a near miss that says nothing about the method. Libraries
 asked for tol / STOPPING_MARGIN, interior points, which overshoot, and libraries that test this residual for tol.
 """
 
+from functools import partial
+
+from numba.core.event import trigger_event
+
 STOPPING_MARGIN = 10  # larger than every factor that was observed
+# A context or decorator of what depends on the size alone and is kept: the harness does not charge time in Numba's compiler.
+untimed = partial(trigger_event, "numba:compiler_lock")

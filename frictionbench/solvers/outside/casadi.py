@@ -11,13 +11,12 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-from numba.core import event
 from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside import STOPPING_MARGIN
+from frictionbench.solvers.outside import STOPPING_MARGIN, untimed
 from frictionbench.solvers.outside.mixed_lcp import Mixed, mixed_lcp
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP
 
@@ -90,5 +89,5 @@ def _complementarity(n: int, free: int, starts: bytes, rows: bytes, tol: float, 
         "f": casadi.dot(z, w),
         "g": casadi.veccat(equations[n:], equations[:n] - w),
     }
-    with event.trigger_event("numba:compiler_lock"):  # so that the harness does not time it
+    with untimed():
         return casadi.nlpsol("solver", "ipopt", program, {"ipopt": ipopt, "print_time": False})

@@ -30,12 +30,10 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from numba.core import event
-
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside import STOPPING_MARGIN
+from frictionbench.solvers.outside import STOPPING_MARGIN, untimed
 from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, scaled_delassus
 
 _KAMINO = "newton._src.solvers.kamino._src."
@@ -92,46 +90,46 @@ class Kamino:
 
 
 @cache
+@untimed()
 def _template(nc: int, method: str) -> tuple[Any, ...]:
     """Of nc contacts: the graph of preconditioning, cold start and solve, with all kernels compiled; views of D, v_f and mu of
     the dual problem, of the solver's options, of those of APGD's corrections, of its status and its impulses; and what owns
     their memory."""
-    with event.trigger_event("numba:compiler_lock"):  # so that the harness does not time compiling and loading
-        warp: Any = import_module("warp")
-        warp.config.log_level = 40  # errors only
-        newton = import_module("newton")
-        kinematics, solvers = _KAMINO + "kinematics.", _KAMINO + "solvers."
-        constraints = import_module(kinematics + "constraints")
-        builder = newton.ModelBuilder()
-        builder.add_shape_box(builder.add_body(mass=1.0), hx=0.1, hy=0.1, hz=0.1)
-        model = import_module(_KAMINO + "core.model").ModelKamino.from_newton(builder.finalize(device="cpu"))
-        model.time.dt.fill_(1e-3)
-        model.time.inv_dt.fill_(1e3)
-        data, limits = model.data(), import_module(kinematics + "limits").LimitsKamino(model=model)
-        contacts = import_module(_KAMINO + "geometry.contacts").ContactsKamino(capacity=[nc], device="cpu")
-        constraints.make_unilateral_constraints_info(model, data, limits, contacts)
-        contacts.world_active_contacts.fill_(nc)
-        contacts.model_active_contacts.fill_(nc)
-        constraints.update_constraints_info(model=model, data=data)
-        parts = {"model": model, "data": data, "limits": limits, "contacts": contacts}
-        parts["jacobians"] = import_module(kinematics + "jacobians").DenseSystemJacobians(
-            model=model, limits=limits, contacts=contacts
-        )
-        factor = getattr(import_module(_KAMINO + "linalg"), "LLTSequentialSolver" if nc <= _SEQUENTIAL else "LLTBlockedSolver")
-        dual = import_module(_KAMINO + "dynamics.dual").DualProblem(**parts, solver=factor, sparse=False)
-        if method == "padmm":
-            padmm = import_module(solvers + "padmm")
-            library_solver = padmm.PADMMSolver(model=model, warmstart=padmm.PADMMWarmStartMode.NONE)
-        else:
-            dvi = import_module(solvers + "dvi").DVISolver
-            library_solver = dvi(**parts, problem=dual, config=dvi.Config(unilateral_solver="apgd"))
-        dual.zero()
-        with warp.ScopedCapture(device="cpu") as capture:
-            dual._build_dual_preconditioner()
-            dual._apply_dual_preconditioner_to_dual()
-            library_solver.coldstart()
-            library_solver.solve(dual)
-        found = library_solver.data
-        corrections = found.config if method == "padmm" else library_solver._apgd.config
+    warp: Any = import_module("warp")
+    warp.config.log_level = 40  # errors only
+    newton = import_module("newton")
+    kinematics, solvers = _KAMINO + "kinematics.", _KAMINO + "solvers."
+    constraints = import_module(kinematics + "constraints")
+    builder = newton.ModelBuilder()
+    builder.add_shape_box(builder.add_body(mass=1.0), hx=0.1, hy=0.1, hz=0.1)
+    model = import_module(_KAMINO + "core.model").ModelKamino.from_newton(builder.finalize(device="cpu"))
+    model.time.dt.fill_(1e-3)
+    model.time.inv_dt.fill_(1e3)
+    data, limits = model.data(), import_module(kinematics + "limits").LimitsKamino(model=model)
+    contacts = import_module(_KAMINO + "geometry.contacts").ContactsKamino(capacity=[nc], device="cpu")
+    constraints.make_unilateral_constraints_info(model, data, limits, contacts)
+    contacts.world_active_contacts.fill_(nc)
+    contacts.model_active_contacts.fill_(nc)
+    constraints.update_constraints_info(model=model, data=data)
+    parts = {"model": model, "data": data, "limits": limits, "contacts": contacts}
+    parts["jacobians"] = import_module(kinematics + "jacobians").DenseSystemJacobians(
+        model=model, limits=limits, contacts=contacts
+    )
+    factor = getattr(import_module(_KAMINO + "linalg"), "LLTSequentialSolver" if nc <= _SEQUENTIAL else "LLTBlockedSolver")
+    dual = import_module(_KAMINO + "dynamics.dual").DualProblem(**parts, solver=factor, sparse=False)
+    if method == "padmm":
+        padmm = import_module(solvers + "padmm")
+        library_solver = padmm.PADMMSolver(model=model, warmstart=padmm.PADMMWarmStartMode.NONE)
+    else:
+        dvi = import_module(solvers + "dvi").DVISolver
+        library_solver = dvi(**parts, problem=dual, config=dvi.Config(unilateral_solver="apgd"))
+    dual.zero()
+    with warp.ScopedCapture(device="cpu") as capture:
+        dual._build_dual_preconditioner()
+        dual._apply_dual_preconditioner_to_dual()
+        library_solver.coldstart()
+        library_solver.solve(dual)
+    found = library_solver.data
+    corrections = found.config if method == "padmm" else library_solver._apgd.config
     arrays = dual.data.D, dual.data.v_f, dual.data.mu, found.config, corrections, found.status, found.solution.lambdas
     return capture.graph, tuple(array.numpy() for array in arrays), (dual, library_solver)

@@ -44,6 +44,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside import untimed
 from frictionbench.solvers.outside.scaled_delassus import SPACE, ScaledDelassus, scaled_delassus
 
 _ITERATIONS = {"newton": 1000, "cg": 2000}  # by default
@@ -115,6 +116,7 @@ class MuJoCo:
 
 
 @lru_cache(maxsize=8)  # some 50 MB each
+@untimed()
 def _template(nv: int, nc: int, directions: int, moving: int) -> tuple[Any, ...]:
     """MuJoCo's for so many velocities, of which the last `moving` move the spheres, and contacts of 1 or 3 directions; then
     arrays of data: of the rows, of the contacts, of the velocities."""

@@ -22,8 +22,7 @@ PATIENCE = 5000  # iterations in which the residual must fall by a hundredth: a 
 
 def relax(form: ContactForm, r: Array, tol: float, limit: int) -> int:
     """Overwrite r (nc, d) with a solution of the convex relaxation; return the number of products with W."""
-    products: int = descend(form, r, 0.0, monitor(tol, limit, PATIENCE))[1]
-    return products
+    return int(descend(form, r, 0.0, monitor(tol, limit, PATIENCE))[1])
 
 
 @kernel
