@@ -17,8 +17,8 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, cell_task, row_of
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Task, scratch_pool
-from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import require_known
+from frictionbench.problems.check import InputError, require
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict
 from frictionbench.reports.drawing.text import seconds
@@ -149,8 +149,7 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
     Errors: as for store.find_row, and InputError if the row has no problem, or its solver is neither ours nor in `named`.
     """
     table, row, settings, memory_limit = stored_cell(folder, key)
-    if table == "solves" and not row["problem"]:
-        raise InputError(f"row: {row['key']} has no problem to run again: {row['reason']}")
+    require(table != "solves" or bool(row["problem"]), "row", f"{row['key']} has no problem to run again: {row['reason']}")
     plugins = trusted(row, settings, named)
     with scratch_pool(plugins, memory_limit, folder=folder) as pool:
         (outcome,) = pool.run([_task_again(row, table, plugins)])

@@ -124,8 +124,7 @@ def peak_memory() -> float:
 def waited() -> float:
     """Return the seconds for which this thread was runnable while its core ran another; NaN if they are not reported."""
     try:
-        with open("/proc/thread-self/schedstat", encoding="ascii") as times:
-            return int(times.read().split()[1]) / 1e9
+        return int(Path("/proc/thread-self/schedstat").read_text("ascii").split()[1]) / 1e9
     except (OSError, IndexError, ValueError):
         return float("nan")
 
@@ -240,9 +239,8 @@ def _end(running: Callable[[], list[int]]) -> bool:
 def _state(pid: int) -> tuple[str, int]:
     """Return a process's state letter and its parent's id; X and 0 for a process that does not exist."""
     try:
-        with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as stat:
-            state, parent, *_ = stat.read().rpartition(")")[2].split()
-            return state, int(parent)
+        state, parent, *_ = Path(f"/proc/{pid}/stat").read_text("utf-8", "replace").rpartition(")")[2].split()
+        return state, int(parent)
     except (OSError, ValueError):
         return "X", 0
 

@@ -21,7 +21,7 @@ from inspect import getdoc, signature
 from pkgutil import iter_modules
 from typing import Any, Generic, TypeVar
 
-from frictionbench.problems.check import InputError, number
+from frictionbench.problems.check import InputError, number, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.scene import Scene
 
@@ -84,15 +84,14 @@ def _add(kind: str, make: Callable[..., Any], name: str, dimension: int, **defau
 
 def _find(kind: str, name: str, parameters: Iterable[str]) -> Generator[Any]:
     """The generator of this kind and name. Errors: InputError naming the kind, or a parameter that the generator lacks."""
-    if not isinstance(name, str):
-        raise InputError(f"{kind}: expected its name as text, got {name!r:.100}")
+    require(isinstance(name, str), kind, f"expected its name as text, got {name!r:.100}")
     known = scenes() | instances()
     if name not in known:
         like = near(name.partition("[")[0], known) + "; its settings are further arguments" * ("[" in name)
         raise InputError(f"{kind}: unknown {kind} {name!r}{like}; `frictionbench list scenes` names all")
     generator = known[name]
-    if generator.kind != kind:
-        raise InputError(f"{kind}: {name!r} is no {kind} but one problem; use `frictionbench solve` or frictionbench.problem")
+    other = f"{name!r} is no {kind} but one problem; use `frictionbench solve` or frictionbench.problem"
+    require(generator.kind == kind, kind, other)
     for key in set(parameters) - generator.parameters.keys() - {*(UNITS if kind == "scene" else ())}:
         like, its = near(key, generator.parameters), ", ".join(generator.parameters)
         raise InputError(f"{key}: the {kind} {name} has no such parameter{like}; it has {its}")

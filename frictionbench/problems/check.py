@@ -142,8 +142,7 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
 
 
 def _require_shape(field: str, value: Any, shape: tuple[int | None, int | None]) -> None:
-    if value.ndim != 2:
-        raise InputError(f"{field}: expected a matrix, got shape {value.shape}")
+    require(value.ndim == 2, field, f"expected a matrix, got shape {value.shape}")
     if any(expected not in (None, size) for size, expected in zip(value.shape, shape, strict=True)):
         raise InputError(f"{field}: expected shape {_show(shape)}, got {value.shape}")
 

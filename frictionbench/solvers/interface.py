@@ -36,6 +36,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from inspect import signature
+from pathlib import Path
 from typing import Any, Literal, NamedTuple, Protocol, TypeVar, get_args
 
 import numpy as np
@@ -47,6 +48,7 @@ from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms.definite import FILE_ROUNDING
+from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.residual import residual, residual_with_floor
 from frictionbench.problems.rows import Index64
@@ -287,7 +289,8 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         return _found[spec]
     name, settings = split("solver", spec)
     if name not in _solvers:
-        raise InputError(f"solver: unknown solver {name!r}{near(name, _solvers)}; `frictionbench list solvers` names all")
+        like = f" (did you mean the file {name}.py?)" if Path(f"{name}.py").is_file() else near(name, _solvers)
+        raise InputError(f"solver: unknown solver {name!r}{like}; `frictionbench list solvers` names all")
     info = _solvers[name]
     instance: Any = info.make()
     kinds = {field.name: type(getattr(instance, field.name)) for field in fields(instance)}
@@ -305,10 +308,12 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
     if info.ours and {key: values.get(key, getattr(instance, key)) for key in chosen} not in possible:
         raise InputError(f"solver: {name} has no variant {spec}; it has {', '.join(info.specs)}")
     try:
+        if info.ours and "facets" in values:
+            tangent_basis(3, values["facets"])  # otherwise it refuses them only when a problem is put into form
         changed = replace(instance, **values)
         varied = replace(info, **{fact: getattr(changed, fact) for fact in _VARIANT_PROPERTIES if hasattr(changed, fact)})
     except ValueError as error:
-        raise InputError(f"solver: {spec}: {error}") from None
+        raise InputError(f"solver: {spec}: {str(error).removeprefix('solver: ')}") from None
     _found[spec] = varied, changed
     return _found[spec]
 

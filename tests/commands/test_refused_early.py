@@ -63,7 +63,10 @@ def test_scenes_beyond_the_memory_limit(tmp_path, monkeypatch) -> None:
         (f"compare a {__file__}", "frictionbench: DIR: "),
         ("solve stack[blocks=2,blocks=3]", "scene: the setting 'blocks' of stack is given twice"),
         ("solve stack[block=2]", "block: the scene stack has no such parameter (did you mean blocks?)"),
-        ("solve stack --solver x.py[omega=1]", "'x.py[omega=1]'; write name or name[setting=value,...], FILE.py or"),
+        ("solve stack --solver a/x.py[omega=1]", "solver; write --solver a/x.py --solver 'NAME[omega=1]'"),
+        ("solve stack --solver ./x", "'./x'; write name or name[setting=value,...], FILE.py or"),
+        ("run smoke --solver lemke[facets=7]", "solver: lemke[facets=7]: facets: must be even and at least 4, got 7"),
+        ("solve stack --solver nsgs[precision=half]", "solver: nsgs[precision=half]: precision must be one of"),
         ("solve stack --solver lemka", "solver: unknown solver 'lemka' (did you mean lemke?)"),
         (f"solve {__file__}", "no problem file; known are .npz"),
         ("run --suite smoke", "the suite is an argument"),
@@ -73,3 +76,9 @@ def test_combinations_without_a_meaning(command, told, tmp_path) -> None:
     done = frictionbench(*command.split(), cwd=tmp_path)
     assert (done.returncode, list(tmp_path.iterdir())) == (2, [])
     assert told in done.stderr + done.stdout
+
+
+def test_a_file_named_without_its_suffix(tmp_path) -> None:
+    (tmp_path / "mine.py").touch()
+    told = frictionbench("solve", "stack", "--solver", "mine", cwd=tmp_path).stderr
+    assert "unknown solver 'mine' (did you mean the file mine.py?)" in told

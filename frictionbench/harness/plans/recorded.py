@@ -14,7 +14,6 @@ from typing import Any
 
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.problems import InputError
 from frictionbench.problems.check import require
 from frictionbench.problems.recorded import collection, fclib
 from frictionbench.results.conventions import COLD, WARM
@@ -101,10 +100,10 @@ def with_data(plan: Plan, locations: tuple[str, ...]) -> Plan:
 
     Errors: InputError naming `data` or the family.
     """
-    if not locations and plan.suite == RECORDED:
-        raise InputError(f"data: {RECORDED} needs --data DIR, or --data fclib/FAMILY after `frictionbench export fclib/FAMILY`")
-    if locations and plan.suite not in (RECORDED, REPLAY):
-        raise InputError(f"data: {plan.suite} has problems of its own; recorded ones are run by {RECORDED}, {REPLAY}")
+    needed = f"{RECORDED} needs --data DIR, or --data fclib/FAMILY after `frictionbench export fclib/FAMILY`"
+    require(bool(locations) or plan.suite != RECORDED, "data", needed)
+    own = f"{plan.suite} has problems of its own; recorded ones are run by {RECORDED}, {REPLAY}"
+    require(not locations or plan.suite in (RECORDED, REPLAY), "data", own)
     found = {source.file: source for location in locations for source in located(location)}
     names: dict[tuple[str, str], str] = {}
     for file, source in found.items():
