@@ -109,7 +109,7 @@ _own_stats = SourceFileLoader.path_stats
 
 def _stats(self: SourceFileLoader, path: str) -> Any:
     """Find no compiled file of a module that is not installed: it may be of another source of the same size and second."""
-    if path.startswith(os.path.dirname(os.__file__)) or "-packages" in path:
+    if path.startswith(os.path.dirname(os.__file__)) or "/site-packages/" in path or "/dist-packages/" in path:
         return _own_stats(self, path)
     raise OSError
 

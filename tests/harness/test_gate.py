@@ -461,16 +461,18 @@ def test_workers_have_folders_of_their_own(tmp_path: Path) -> None:
 
 def test_kernels_of_a_plugin_are_compiled_anew(tmp_path: Path) -> None:
     """A kernel that another one calls is changed: numba's cache would keep the caller as it was, and Python the module, whose
-    source has the same size and second, as where a link leads elsewhere. Nothing is left behind."""
+    source has the same size and second, as where a link leads elsewhere. Nothing is left behind. The module's folder is named
+    almost as those of installed packages."""
+    (own := tmp_path / "own-packages").mkdir()
     calls = "from numba import config, njit\nfrom helper import count\n@njit(cache=True)\ndef counted():\n    return count()"
     keeps = f"Path({str(tmp_path)!r}, 'log').write_text(config.CACHE_DIR); "
     body = f"{keeps} return Answer(np.zeros((problem.contacts, 2)), Status.STALLED, {{'count': counted()}})"
-    plugin = write(tmp_path / "guest.py", first=f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{calls}", body=body)
+    plugin = write(tmp_path / "guest.py", first=f"import sys; sys.path.insert(0, {str(own)!r})\n{calls}", body=body)
     for count in (1, 2):
         helper = f"from numba import njit\n@njit(cache=True)\ndef count():\n    return {count}"
-        (tmp_path / "helper.py").write_text(helper, encoding="utf-8")
-        os.utime(tmp_path / "helper.py", (1e9, 1e9))
-        py_compile.compile(str(tmp_path / "helper.py")) if count == 1 else None
+        (own / "helper.py").write_text(helper, encoding="utf-8")
+        os.utime(own / "helper.py", (1e9, 1e9))
+        py_compile.compile(str(own / "helper.py")) if count == 1 else None
         assert list(run_of(tmp_path / f"run-{count}", plugin)["work"].map(json.loads)) == [{"count": count}]
         kept = Path((tmp_path / "log").read_text(encoding="utf-8"))
         assert any(kept.rglob("*.nbi"))
