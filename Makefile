@@ -1,4 +1,6 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
+# make help    these lines
+# make checked  install, check the style and the types
 # make quick   install, check the style and the types, run the tests that matter for most changes: a minute with kernels compiled
 # make test    install, check the style and the types, run the tests but the slow ones
 # make test-all  the same, and then the slow tests, which guard documents, recipes, builds, pages in a browser and the sandbox
@@ -33,8 +35,11 @@ QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems
 	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
 PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
-.PHONY: bench quick test test-all test-peers coverage timing peers studies docs release placeholders regress install clean
+.PHONY: help bench quick test test-all test-peers coverage timing peers studies docs release placeholders regress install clean
 install: .venv/installed
+
+help:
+	@sed -n 's/^# //p;/^$$/q' Makefile
 
 .venv/installed: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed")'

@@ -159,7 +159,8 @@ class Plan:
     def __post_init__(self) -> None:
         require(bool(self.solvers), "solver", "none is given")
         require(bool(self.tolerances), "tol", "none is given")
-        require(all(0 < tol < 1 for tol in self.tolerances), "tol", f"must lie between 0 and 1, got {[*self.tolerances]}")
+        for tol in self.tolerances:
+            require(0 < tol < 1, "tol", f"must lie between 0 and 1, got {tol}")
         require(0 < self.time_limit < float("inf"), "time-limit", f"must be positive, got {self.time_limit}")
 
     def limit(self, cell: Cell) -> float:
