@@ -57,7 +57,7 @@ def test_scenes_beyond_the_memory_limit(tmp_path, monkeypatch) -> None:
         ("run smoke --solver nothing_here.py", "nothing_here.py"),
         ("run smoke --time-limit 0", "time-limit: must be positive, got 0"),
         ("run smoke --scene stack --cluster x", "cluster: no scheduler answers at x"),
-        ("run smoke --tol -1", "tol: must lie between 0 and 1, got [-1"),
+        ("run smoke --tol -1", "tol: must lie between 0 and 1, got -1"),
         ("compare a b --slowdown 0.9", "Invalid value for '--slowdown': "),
         ("report a --figures profiles", "frictionbench: paper: "),
         ("judge . --tol 0", "tol: must lie between 0 and 1, got 0"),
