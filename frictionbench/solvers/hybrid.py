@@ -40,7 +40,7 @@ STORAGE = 2**32  # bytes of dense matrices above which a further member is skipp
 USABLE_START = 0.01  # the largest residual at which the impulses of one member are a better start for the next than zeros
 FEW = 100  # contacts up to which simpler methods are mostly faster than the paths of a trapped interior point
 ALIKE = 2.0  # the largest ratio of two methods' floors at which rounding is that of the problem, not of an answer
-SWEEPS = 30  # of nsgs at first: a fraction of the time of interior_point at any size
+SWEEPS = 30  # of nsgs at first: a fraction of the time of interior_point at any size, and of the search for contradictions
 SHORT = 100  # factorisations of proximal_newton before the paths of the interior point
 MORE_SWEEPS = 300  # where others fail; more solve few other problems
 SWEPT = 60  # contacts from which on the sweeps of nsgs save more than they cost, unless W is singular
@@ -62,7 +62,7 @@ class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
     In space the first is Newton's method on dense rows, for few contacts or none; it counts newton sweeps and steps.
-    If the first member fails, and Newton's method too, a linear program looks for contacts that contradict each other.
+    If the first of the members that runs to its end fails, a linear program looks for contacts that contradict each other.
     Impulses explained by rounding have the status ROUNDING if no member finds better ones, or a second one finds the like.
     limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
@@ -124,7 +124,7 @@ class Hybrid:
                 break
             hidden = floor if by_rounding else hidden
             late = late or answer.status is Status.TIME_LIMIT
-            if turn == 0 and (proof := contradiction(problem)) and proof.least_residual > tol:
+            if turn == (members[0] == "nsgs") and (proof := contradiction(problem)) and proof.least_residual > tol:
                 return Answer(impulse, Status.INFEASIBLE, work, detail=str(proof))
             if is_over():
                 break

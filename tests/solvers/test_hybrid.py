@@ -73,6 +73,12 @@ def test_newtons_method_is_first_where_contacts_in_space_are_few() -> None:
     assert ["newton steps" in solve(problem, "hybrid").work for problem in problems] == [True, True, False, True]
 
 
+def test_contradictions_are_not_looked_for_after_a_few_sweeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("frictionbench.solvers.hybrid.contradiction", lambda problem: pytest.fail("looked for"))
+    answer = solve(known_by_W(cubes(20)), "hybrid")
+    assert (answer.detail, answer.work["nsgs sweeps"]) == ("answered by interior_point", 30)
+
+
 @pytest.mark.parametrize(
     ("problem", "members"),
     [
