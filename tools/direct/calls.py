@@ -44,7 +44,7 @@ def scs(problem: Arrays, tol: float, **chosen: float) -> Called:
 def osqp(problem: Arrays, tol: float, **chosen: float) -> Called:
     library: Any = import_module("osqp")
     P, q, G, h = program(problem)
-    made = library.OSQP()
+    made = library.OSQP(algebra="builtin")
     (C, c, _), settings = with_joints(problem, G, h), {"verbose": False, "max_iter": 100_000, **chosen}
     lower = np.concatenate([np.full(len(h), -np.inf), c[len(h) :]])
     made.setup(_upper(P), q, sparse.csc_matrix(C), lower, c, eps_abs=tol / 10, eps_rel=0.0, **settings)

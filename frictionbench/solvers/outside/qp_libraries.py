@@ -104,10 +104,10 @@ class OSQP:
     Form: the dimensionless QP (solvers.outside.scaled_program), sparse, A and G stacked, P's upper half. Setup: OSQP's object,
         its ordering and scaling. Solve: its tolerances, its start, and its solve.
     Clock: OSQP's own solve_time.
-    Settings: rho, the weight of the constraints that it begins with, is 0.1 by default and may change every 50 iterations, and
-        it tests its residuals every 25; tuned are 1, of the size of P and A here, 25 and 10, `frictionbench solve
-        'pyramid[push=1]' --solver osqp --solver 'osqp[settings=tuned]'`. eps_prim_inf = eps_dual_inf, 1e-4 by default, are
-        1e-15 if tuned, as it calls some solvable problems infeasible.
+    Settings: algebra builtin, as otherwise each object first looks for the packages of two others. rho, the weight of the
+        constraints that it begins with, is 0.1 by default and may change every 50 iterations, and it tests its residuals every
+        25; tuned are 1, of the size of P and A here, 25 and 10, `frictionbench solve 'pyramid[push=1]' --solver osqp --solver
+        'osqp[settings=tuned]'`. eps_prim_inf = eps_dual_inf are 1e-4, tuned 1e-15, as it calls solvable problems infeasible.
     Tolerance: eps_abs = eps/10 for both residuals and the gap, eps_rel = 0, not polished; eps stands for tol.
     Reference: Stellato, Banjac, Goulart, Bemporad and Boyd 2020.
     """
@@ -120,7 +120,7 @@ class OSQP:
 
     def setup(self, formed: Prepared) -> Prepared:
         scaled, arguments = formed
-        workspace = import_module("osqp").OSQP()
+        workspace = import_module("osqp").OSQP(algebra="builtin")
         workspace.setup(*arguments, verbose=False, eps_rel=0.0, **(_OSQP_TUNED if self.settings == "tuned" else {}))
         return scaled, workspace
 
