@@ -133,7 +133,7 @@ def casadi(problem: Arrays, tol: float) -> Called:
 def _ipopt(n: int, tol: float) -> Any:
     library: Any = import_module("casadi")
     z, w, M, q = (library.MX.sym(name, *size) for name, *size in (("z", n), ("w", n), ("M", n, n), ("q", n)))
-    options = {"print_level": 0, "sb": "yes", "tol": max(tol**2, 1e-15), "bound_relax_factor": 0.0}
+    options = {"print_level": 0, "sb": "yes", "tol": max(tol**2, 1e-14), "bound_relax_factor": 0.0}
     program = {"x": library.veccat(z, w), "p": library.veccat(M, q), "f": library.dot(z, w), "g": M @ z + q - w}
     return library.nlpsol("made", "ipopt", program, {"ipopt": options, "print_time": False})
 

@@ -42,9 +42,9 @@ class CasADi:
     Settings: their defaults, without output, and that derivatives are constant. Ipopt relaxes bounds by bound_relax_factor =
         1e-8 and begins with a barrier of mu_init = 0.1; tuned are 0 and 1, `frictionbench solve 'stack[blocks=5,push=1]'
         --solver casadi --solver 'casadi[settings=tuned]'`; velocities is tuned with the mixed problem, `frictionbench solve
-        'stack[blocks=5,mass_ratio=1e4,push=1]' --solver 'casadi[settings=tuned]' --solver 'casadi[settings=velocities]'`.
-    Tolerance: tol = (eps/10)^2, not less than 1e-15, as z'w is a product, eps as in solvers.pivots.dense_lcp, and success is
-        claimed where min(z, w) is at most eps/10 in size.
+        'stack[blocks=10,mass_ratio=1e2,push=1]' --solver 'casadi[settings=tuned]' --solver 'casadi[settings=velocities]'`.
+    Tolerance: tol = (eps/10)^2, as z'w is a product, not less than 1e-14, which it reaches; eps as in
+        solvers.pivots.dense_lcp, and success is claimed where min(z, w) is at most eps/10 in size.
     Flaws: it seldom reaches 1e-8 by default: relaxed bounds, `frictionbench solve stack --solver casadi`. It claims no
         success for some accurate answers without friction or with velocities (Search_Direction_Becomes_Too_Small).
     Reference: Andersson and others 2019, CasADi; Wächter and Biegler 2006 (Ipopt).
@@ -63,7 +63,7 @@ class CasADi:
         lcp, M, q = prepared
         n, free, eps = len(lcp.q), len(q) - len(lcp.q), tol * lcp.share / STOPPING_MARGIN
         pattern = M.indptr.tobytes(), M.indices.tobytes()
-        library_solver = _complementarity(n, free, *pattern, max(eps**2, 1e-15), limit or 3000, self.settings != "default")
+        library_solver = _complementarity(n, free, *pattern, max(eps**2, 1e-14), limit or 3000, self.settings != "default")
         lower = np.repeat([-np.inf, 0.0], [free, 2 * n])
         result = library_solver(x0=0.0, lbx=lower, lbg=0.0, ubg=0.0, p=np.concatenate([M.data, q]))
         y, stats = np.array(result["x"]).ravel()[free + n :], library_solver.stats()
