@@ -120,7 +120,8 @@ class Judged:
             return text
         soft = middle.notes.get("softness of contacts", 0.0)
         if soft * middle.free_velocity > SOFT * speed:
-            return f"{text} In the median step the softness of contacts takes {rough_percent(soft)} of the impulse. {HARDER}"
+            where = "In the median step the" if len(held) > 1 else "The"
+            return f"{text} {where} softness of contacts takes {rough_percent(soft)} of the impulse. {HARDER}"
         return f"{text} {TIGHTER}"
 
     @property
@@ -138,11 +139,11 @@ class Judged:
             most, name, file = max((net.without_creep if creep else net.difference, name, file) for net, name, file in known)
             text += f"Net impulses between bodies within {same} of the exact answer's: {near} of {of}. The "
             half = rough_percent(sorted(net.difference for net, *_ in known)[of // 2])
-            text += f"difference is {half} in the median"
+            text += f"difference is {half}" + " in the median" * (of > 1)
             if creep:
                 rest = rough_percent(sorted(net.without_creep for net, *_ in known)[of // 2])
-                text += f". Without the impulse that stops the creep it is {rest}, within {same} for {creep} more"
-            text += f"; the largest, {rough_percent(most)}, is in {file} (velocities: {name}). "
+                text += f". Without the impulse that stops the creep the rest is {rest}, within {same} for {creep} more"
+            text += f"; at most {rough_percent(most)}, in {file} (velocities: {name}). "
         if hyperstatic := sum(not net.each_determined for net, *_ in nets):
             text += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
         return text.strip()

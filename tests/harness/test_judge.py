@@ -124,7 +124,7 @@ def test_summary_and_page(folder, monkeypatch) -> None:
     told = ("creep at 2 mm/s, 2 % of", "median of 4 steps; at up to 4 mm/s, 4 %, in loaded", "limits 20 % in 2 steps")
     assert all(each in words for each in (*told, "10 % in 1 step solved"))  # and none of 0 %
     assert "Left out: 1 step without impulses beyond rounding. Net impulses between bodies within 1 % of the" in words
-    assert "Without the impulse that stops the creep it is <0.01 %, within 1 % for 1 more; the largest, 8.9 %, is in" in words
+    assert "Without the impulse that stops the creep the rest is <0.01 %, within 1 % for 1 more; at most 8.9 %, in" in words
     page = write_judgement(folder).read_text(encoding="utf-8")
     assert not any(word in page for word in (SCRIPT, "mathdefault"))  # ticks are text
     words = ("nsgs", "none beyond rounding in 3 steps.", "Dissipation: co", "Judged: steps, 5", "energy lost, J", "<svg")

@@ -65,7 +65,7 @@ def read_arrays(path: Path) -> dict[str, Array]:
     except InputError as error:
         raise InputError(str(error) if str(error).startswith(str(path)) else f"{path}: {error}") from None
     except Exception:  # a damaged archive raises errors of zipfile, zlib, struct, tokenize and others
-        raise InputError(f"{path}: not a problem file, or damaged") from None
+        raise InputError(f"{path}: not an .npz file, or damaged") from None
 
 
 def _listed(file: BinaryIO) -> int:

@@ -305,7 +305,7 @@ def test_unknown_files(tmp_path) -> None:
     (tmp_path / "part.npz").write_bytes(b"PK\x03\x04 and nothing more")
     np.save(tmp_path / "one.npy", np.ones(3))
     np.savez(tmp_path / "p.npz", a=np.ones(3))
-    told = {"nothing.npz": "no such file", ".": "not a regular file", "none.npz": "is empty", "part.npz": "not a problem file"}
+    told = {"nothing.npz": "no such file", ".": "not a regular file", "none.npz": "is empty", "part.npz": "not an .npz file"}
     for name, reason in (told | {"p.npz": "holds a; expected", "one.npy": "holds one array"}).items():
         with pytest.raises(InputError, match=f"{tmp_path / name}: {reason}"):
             read(tmp_path / name)
