@@ -76,7 +76,7 @@ def read_options(path: Path, solvers: list[str] | None = None) -> RunOptions:
     except ValidationError as error:
         name, expected = str(error.errors()[0]["loc"][0]), error.errors()[0]["msg"].replace("Input should be", "expected")
         raise InputError(f"config: {path}: {name}: {expected}, got {stored[name]!r:.100}") from None
-    points = installed()
+    points = installed() if options.solver and not solvers else {}
     for spec in () if solvers else options.solver or ():
         code = defines_all(spec) or split("solver", spec)[0] in points
         require(not code, "config", f"{path}: solver: {spec} is code; name it with --solver")
