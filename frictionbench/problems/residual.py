@@ -31,7 +31,7 @@ from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel, lean_kernel
 from frictionbench.problems.forms.cone import nearest, project_cone
-from frictionbench.problems.forms.delassus import pushed_contact_velocity, velocity_size
+from frictionbench.problems.forms.delassus import act, pushed_contact_velocity, velocity_size
 from frictionbench.problems.forms.islands import EPSILON, length
 from frictionbench.problems.forms.lcp import LCP, by_unknown
 from frictionbench.problems.friction import FrictionProblem
@@ -142,11 +142,13 @@ def _impulses(problem: FrictionProblem, impulse: Any) -> Array:
 def residual_with_floor(problem: FrictionProblem, impulse: Array) -> tuple[float, float]:
     """The residual and its floor together, for finite impulses (nc, d), for solvers whose stopping test uses both."""
     law = problem.scale, problem.friction, problem.friction_bias, _units(problem, impulse)
-    if problem.mechanical and not len(problem.joint_bias):  # one pass is faster than three for few contacts
-        rows = *problem.contact_rows, *problem.inverse_rows
-        error, floor = _mechanical(*rows, problem.free_velocity, impulse, problem.bias, *law)
-    else:
+    if problem.mechanical and len(problem.joint_bias):
         error, floor = largest_with_floor(impulse, problem.contact_velocity(impulse), problem.velocity_size(impulse), *law)
+    elif problem.mechanical:  # one call is faster than three for few contacts
+        rows = *problem.contact_rows, *problem.inverse_rows
+        error, floor = mechanical_with_floor(*rows, problem.free_velocity, impulse, problem.bias, *law)
+    else:
+        error, floor = known_with_floor(*problem.blocks, impulse, problem.offset, *law)
     return error, floor
 
 
@@ -207,10 +209,19 @@ def largest_with_floor(r, u, terms, s, mu, b, units):  # type: ignore[no-untyped
 
 
 @kernel
-def _mechanical(start, column, J, m_start, m_column, m_value, free, r, bias, s, mu, b, units):  # type: ignore[no-untyped-def]
+def mechanical_with_floor(  # type: ignore[no-untyped-def]
+    start, column, J, m_start, m_column, m_value, free, r, bias, s, mu, b, units
+):
     """largest_with_floor for the impulses r of a mechanical problem without joints."""
     u = pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, r, bias)
     terms = velocity_size(start, column, J, m_start, m_column, m_value, free, r, bias)
+    return largest_with_floor(r, u, terms, s, mu, b, units)
+
+
+@kernel
+def known_with_floor(first, neighbours, block, r, q, s, mu, b, units):  # type: ignore[no-untyped-def]
+    """largest_with_floor for the impulses r of a problem of which only W, by blocks, and q (nc, d) are known."""
+    u, terms = act(first, neighbours, block, r, q, False), act(first, neighbours, block, r, q, True)
     return largest_with_floor(r, u, terms, s, mu, b, units)
 
 

@@ -42,10 +42,12 @@ class TimeLimit:
         self.seconds = seconds
 
     def __enter__(self) -> None:
-        self.token = _deadline.set(min(_deadline.get(), _now() + self.seconds))
+        limited = self.seconds < np.inf
+        self.token = _deadline.set(min(_deadline.get(), _now() + self.seconds)) if limited else None
 
     def __exit__(self, *_: object) -> None:
-        _deadline.reset(self.token)
+        if self.token is not None:
+            _deadline.reset(self.token)
 
 
 def deadline(operations: float = 0.0) -> float:

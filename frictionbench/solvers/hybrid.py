@@ -1,11 +1,11 @@
 """A portfolio: the method that is fastest on the problem, then others if its answer is not within the tolerance.
 
 No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all, and is the
-fastest from some dozens of contacts on. For fewer contacts, Lemke's method is faster in the plane, and Newton's method on dense
-rows in space (solvers.dense). For the largest problems a few sweeps of Gauss-Seidel save most of the interior point's
-iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. On up to FEW contacts in which its
-predictor-corrector is trapped, Lemke's method in the plane, Gauss-Seidel, and some proximal points in space are mostly faster
-than its paths, and come before these: the interior point has two turns.
+fastest from some dozens of contacts on. For fewer contacts, Lemke's method (solvers.pivots.at_once) is faster in the plane, and
+Newton's method on dense rows (solvers.dense) in space. For the largest problems a few sweeps of Gauss-Seidel save most of the
+interior point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. On up to FEW contacts
+in which its predictor-corrector is trapped, Lemke's method in the plane, Gauss-Seidel, and some proximal points in space are
+mostly faster than its paths, and come before these: the interior point has two turns.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, and its rounding floor
 are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. If rounding explains
@@ -31,10 +31,11 @@ from frictionbench.solvers.clock import TimeLimit, is_over, left
 from frictionbench.solvers.dense.few_contacts import HYPERSTATIC, few_contacts, few_contacts_each, few_each, few_steps
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import InteriorPoint, first_phase_of
+from frictionbench.solvers.pivots.at_once import lemke_at_once
 
 INTERIOR = "interior_point"
 PLANAR, SPATIAL = ("staggered",), ("proximal_newton", "apgd_coulomb")  # the last members
-NEWTON = "Newton's method on dense rows"  # solvers.dense, which is not a registered solver
+NEWTON = "newton"  # Newton's method on dense rows (solvers.dense), which is not a registered solver
 TIME_SHARE = 0.9  # of the remaining time limit, for each member except the last: nearly all problems are solved by the first
 STORAGE = 2**32  # bytes of dense matrices above which a further member is skipped: its pivots would take hours
 USABLE_START = 0.01  # the largest residual at which the impulses of one member are a better start for the next than zeros
@@ -46,7 +47,8 @@ MORE_SWEEPS = 300  # where others fail; more solve few other problems
 SWEPT = 60  # contacts from which on the sweeps of nsgs save more than they cost, unless W is singular
 PIVOTED = 36  # contacts up to which lemke comes first in the plane
 
-# The problem, its members in order, and the form or setup of the first one, or its largest number of Newton steps.
+# The problem, its members in order, and the form or setup of the first one. If that solves the problem in one call instead, the
+# largest number of its Newton steps, or 0 for lemke.
 Prepared = tuple[FrictionProblem, tuple[str, ...], Any]
 
 
@@ -70,61 +72,56 @@ class Hybrid:
     takes_unlike = True
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        nc, space, steps = problem.contacts, problem.dimension == 3, few_steps(problem)
-        by_newton = steps or (space and not nc)
-        simple_first = _sweeps_help(nc, len(problem.free_velocity), len(problem.joint_bias)) if space else nc <= PIVOTED
+        nc, space, joints = problem.contacts, problem.dimension == 3, len(problem.joint_bias)
+        steps = few_steps(problem) if space else 0
+        by_newton = space and (steps > 0 or not nc)
+        simple_first = _sweeps_help(nc, len(problem.free_velocity), joints) if space else nc <= PIVOTED
         simple, last = ("nsgs", SPATIAL) if space else ("lemke", PLANAR)
         first = (NEWTON,) if by_newton else (simple,) if simple_first else ()
         later = ("nsgs",) if space or first else ("lemke", "nsgs")
         before_paths = (*last[:-1], INTERIOR) if nc <= FEW else ()
         members = *first, INTERIOR, *later, *before_paths, *last
-        return problem, members, steps if by_newton else find(members[0])[1].form(problem)
+        at_once = by_newton or (members[0] == "lemke" and not joints)
+        return problem, members, steps if at_once else find(members[0])[1].form(problem)
 
     def setup(self, formed: Prepared) -> Prepared:
         problem, members, first = formed
-        return formed if members[0] == NEWTON else (problem, members, find(members[0])[1].setup(first))
+        return formed if isinstance(first, int) else (problem, members, find(members[0])[1].setup(first))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem, members, stage = prepared
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work = {"members": 0}
         hidden, explained, late = 0.0, False, False  # hidden: the floor of the last impulses that rounding explains
-        if members[0] == NEWTON:
-            impulse, error, floor, sweeps, steps = few_contacts(problem, stage, tol, limit, start)
-            work, least = {"newton sweeps": sweeps, "newton steps": steps, "members": 1}, max(error, floor)
-            if least <= tol:
-                return Answer(impulse, Status.SOLVED, work, detail=f"answered by {NEWTON}")
-            explained = error <= floor
-            found_by, hidden, members = NEWTON, floor if explained else 0.0, members[1:]
         for turn, name in enumerate(members):
-            info, member = find(name)
-            if work["members"]:  # the first member is prepared already, and either sparse or given a small problem
-                if dense_storage(member, problem) > STORAGE:
-                    continue
-                stage = member.prepare(problem)
-            again = name in members[turn + 1 :]  # this turn is a short one
-            most = {"nsgs": MORE_SWEEPS if turn else SWEEPS, "proximal_newton": SHORT if again else None}.get(name)
-            own_limit = min(most, limit or most) if most else limit
-            near = least <= USABLE_START and not hidden and name != "lemke"  # which is faster from zero than nearby
-            guess = (impulse if near else start) if info.warm_start else None
-            method = member.begin if again and isinstance(member, InteriorPoint) else member.solve
             with TimeLimit(left() if turn == len(members) - 1 else TIME_SHARE * left()):
-                answer = method(stage, tol, own_limit, guess)
-            for unit, count in answer.work.items():
+                found, at_once = None, not turn and isinstance(stage, int)
+                if at_once:
+                    call = few_contacts if problem.dimension == 3 else lemke_at_once
+                    found = call(problem, tol, min(stage, limit or stage) if stage else limit, start)
+                if found is not None:
+                    r, error, floor, counts = found
+                else:
+                    near = least <= USABLE_START and not hidden and name != "lemke"  # which is faster from zero than nearby
+                    guess, short = impulse if near else start, name in members[turn + 1 :]
+                    answer = _answer(name, problem, None if turn or at_once else stage, tol, limit, guess, short)
+                    if answer is None:
+                        continue
+                    r, counts, late = answer.impulse, answer.work, late or answer.status is Status.TIME_LIMIT
+                    error, floor = residual_with_floor(problem, r)
+            for unit, count in counts.items():
                 work[f"{name} {unit}"] = work.get(f"{name} {unit}", 0) + count
             work["members"] += 1
-            error, floor = residual_with_floor(problem, answer.impulse)
             known = max(error, floor)  # no less than the true residual
             if known <= tol:
-                return Answer(answer.impulse, Status.SOLVED, work, detail=f"answered by {name}")
+                return Answer(r, Status.SOLVED, work, detail=f"answered by {name}")
             by_rounding = error <= floor
             if known < least:
-                impulse, least, found_by, explained = answer.impulse, known, name, by_rounding
+                impulse, least, found_by, explained = r, known, name, by_rounding
             if by_rounding and hidden / ALIKE <= floor <= hidden * ALIKE:
                 break
             hidden = floor if by_rounding else hidden
-            late = late or answer.status is Status.TIME_LIMIT
-            if turn == (members[0] == "nsgs") and (proof := contradiction(problem)) and proof.least_residual > tol:
+            if turn == (members[0] in ("nsgs", NEWTON)) and (proof := contradiction(problem)) and proof.least_residual > tol:
                 return Answer(impulse, Status.INFEASIBLE, work, detail=str(proof))
             if is_over():
                 break
@@ -157,6 +154,20 @@ class Hybrid:
             solved |= (after.status == Status.SOLVED) & (residuals(packed, after.impulse).max(axis=1) <= tol)
         work["members"] = members
         return Solved(impulse, np.array([None, Status.SOLVED])[solved.astype(int)], work)
+
+
+def _answer(
+    name: str, problem: FrictionProblem, stage: Any, tol: float, limit: int | None, guess: Array | None, short: bool
+) -> Answer | None:
+    """A member's answer; None if it stores too much. stage: that of the first member, else None. short: it has a later turn."""
+    info, member = find(name)
+    most = {"nsgs": MORE_SWEEPS if stage is None else SWEEPS, "proximal_newton": SHORT if short else None}.get(name)
+    if stage is None:  # the first member is either sparse or given a small problem
+        if dense_storage(member, problem) > STORAGE:
+            return None
+        stage = member.prepare(problem)
+    method = member.begin if short and isinstance(member, InteriorPoint) else member.solve
+    return method(stage, tol, min(most, limit or most) if most else limit, guess if info.warm_start else None)
 
 
 def _only(packed: Packed, chosen: NDArray[np.bool_]) -> Packed:

@@ -48,7 +48,6 @@ from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms.definite import FILE_ROUNDING
-from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.residual import residual, residual_with_floor
 from frictionbench.problems.rows import Index64
@@ -308,8 +307,6 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
     if info.ours and {key: values.get(key, getattr(instance, key)) for key in chosen} not in possible:
         raise InputError(f"solver: {name} has no variant {spec}; it has {', '.join(info.specs)}")
     try:
-        if info.ours and "facets" in values:
-            tangent_basis(3, values["facets"])  # otherwise it refuses them only when a problem is put into form
         changed = replace(instance, **values)
         varied = replace(info, **{fact: getattr(changed, fact) for fact in _VARIANT_PROPERTIES if hasattr(changed, fact)})
     except ValueError as error:

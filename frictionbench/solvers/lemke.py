@@ -78,6 +78,7 @@ from frictionbench.solvers.pivots.scaled_lcp import (
 from frictionbench.solvers.pivots.tableau import SMALL, Tableau, follow_in_tableau, new_tableau, store
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
+RESTARTS = 8  # the largest number of further covering vectors by default
 CLEAN = 1e-14  # largest residual at which a solution from the tableau is not refined
 ROUND_OFF = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
 NO_BASIS = np.empty(0, np.int64)  # no guess of the basis
@@ -102,7 +103,7 @@ class LemkeProblem(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """The residual to reach, the largest number of pivots, the largest number of restarts, and the deadline."""
+    """The residual to reach, the largest number of pivots, 0 for 100 000 + 100 n, that of restarts, and the deadline."""
 
     tol: float
     pivots: int
@@ -143,7 +144,7 @@ def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple
     Returns (how it ended, pivots, restarts, inversions); the best solution is written to memory.best.
     """
     (M, q, unit, _, guess, copositive), (tol, most, restarts, until), n = problem, limits, len(problem.q)
-    state, best_y = first_unknowns(memory.state, n), memory.best[:n]
+    state, best_y, most = first_unknowns(memory.state, n), memory.best[:n], most if most else 100_000 + 100 * n
     basis, x, work = state.basis, state.x, state.work
     work[0] = work[1] = 0
     fill(best_y, 0.0)
@@ -264,11 +265,10 @@ def lemke_loop(packed, basis, guess, first, limits, lcp, memory, r, ended, work)
         fits, stretch, M, q, unit = scaled_lcp_of(packed, k, basis, lcp)
         if not fits:
             continue
-        n, impulse, (tol, pivots, restarts, until) = len(q), impulses_of(packed, k, r), limits
+        impulse = impulses_of(packed, k, r)
         problem = LemkeProblem(M, q, unit, len(impulse), guess[first[k] : first[k + 1]], True)
-        own_limits = Limits(tol, pivots if pivots else 100_000 + 100 * n, restarts, until)
-        ended[k], work[k, 0], work[k, 1], work[k, 2] = lemke_within(memory, problem, own_limits)
-        write_stretched(basis, memory.best[:n], stretch, impulse)
+        ended[k], work[k, 0], work[k, 1], work[k, 2] = lemke_within(memory, problem, limits)
+        write_stretched(basis, memory.best[: len(q)], stretch, impulse)
 
 
 @solver("lemke", family="pivoting", model="lcp", dimension=(2, 3), warm_start=True)
@@ -279,12 +279,13 @@ class Lemke:
     limit bounds the pivots, by default 100 000 + 100 n.
     """
 
-    restarts: int = 8
+    restarts: int = RESTARTS
     facets: int = 8
     dense_matrices = 2  # the inverse of the basis, old and new
 
     def __post_init__(self) -> None:
         require(self.restarts >= 0, "restarts", f"must not be negative, got {self.restarts!r}")
+        tangent_basis(3, self.facets)  # refuses a wrong number
 
     def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
         return scaled_lcp(problem, self.facets)
@@ -296,7 +297,7 @@ class Lemke:
             guess, _ = guess_bases(one, impulses(start, scaled.contacts), *law, tangent_basis(problem.dimension, self.facets))
         if is_past(deadline(2.0 * len(guess) ** 3)):  # inverting the guess would take too long; start from z = 0 instead
             guess = NO_BASIS
-        limits = TOL_SHARE * tol, limit or 100_000 + 100 * len(scaled.q), self.restarts, deadline()
+        limits = TOL_SHARE * tol, limit or 0, self.restarts, deadline()
         arguments = scaled.M, scaled.q, scaled.unit, scaled.contacts[0], guess, scaled.basis is not None
         ended, pivots, restarts, inversions, y = lemke(*arguments, *limits)
         answer = scaled.answer(y, STATUSES[ended], pivots=pivots, restarts=restarts, inversions=inversions)

@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.residual import TOL_SHARE
 from frictionbench.solvers.clock import SPEED, deadline, late
 from frictionbench.solvers.interface import Answer, Status, solver
@@ -97,6 +98,7 @@ class MeritNewton:
 
     def __post_init__(self) -> None:
         require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
+        tangent_basis(3, self.facets)  # refuses a wrong number
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
         return dense_lcp(problem, self.facets)

@@ -40,6 +40,7 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.residual import TOL_SHARE
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, is_over
@@ -103,6 +104,7 @@ class PathSearch:
     def __post_init__(self) -> None:
         for name in ("crash", "restarts"):
             require(getattr(self, name) >= 0, name, f"must not be negative, got {getattr(self, name)!r}")
+        tangent_basis(3, self.facets)  # refuses a wrong number
 
     def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
         return scaled_lcp(problem, self.facets)

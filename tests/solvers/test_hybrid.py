@@ -11,10 +11,10 @@ from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.instances.random_bodies import random_problem
 from frictionbench.problems.instances.rod_chain import rod_chain
 from frictionbench.problems.residual import residual_floor
-from frictionbench.solvers import clock
+from frictionbench.solvers import clock, hybrid
 from frictionbench.solvers.interface import Answer, Status, find, solve
 from frictionbench.solvers.many import solve_many
-from tests.helpers.friction_problems import known_by_W
+from tests.helpers.friction_problems import known_by_W, nothing
 
 FIRST_BY_PIVOTS = {
     **{f"random, {contacts} contacts": (random_problem(1, contacts), first) for contacts, first in ((30, True), (50, False))},
@@ -29,6 +29,22 @@ def test_pivots_come_first_in_small_problems(name: str) -> None:
     problem, first = FIRST_BY_PIVOTS[name]
     answer = solve(problem, "hybrid")
     assert (answer.status, "lemke pivots" in answer.work) == (Status.SOLVED, first)
+
+
+@pytest.mark.parametrize("warm", [False, True])
+@pytest.mark.parametrize("name", ["none", "free", "known by W", "pushed", "random"])
+def test_one_call_finds_what_lemke_finds(name: str, warm: bool) -> None:
+    """The impulses to the last bit, and the counts of its work."""
+    pushed = scene("stack", blocks=5, push=1.0).problem()
+    free = FrictionProblem.from_delassus(np.eye(2), [1.0, 0.5], [0.5], d=2)
+    problem = {"none": nothing(), "free": free, "known by W": known_by_W(pushed), "random": random_problem(1, 30)}.get(
+        name, pushed
+    )
+    start = 0.9 * solve(problem, "lemke").impulse if warm else None
+    _, lemke = find("lemke")
+    at_once, alone = solve(problem, "hybrid", start=start), lemke.solve(lemke.prepare(problem), 1e-8, None, start)
+    np.testing.assert_array_equal(at_once.impulse, alone.impulse)
+    assert at_once.work == {"members": 1} | {f"lemke {unit}": count for unit, count in alone.work.items()}
 
 
 def test_pivots_come_before_the_paths_of_a_trapped_interior_point() -> None:
@@ -82,7 +98,7 @@ def test_contradictions_are_not_looked_for_after_a_few_sweeps(monkeypatch: pytes
 @pytest.mark.parametrize(
     ("problem", "members"),
     [
-        (random_problem(1, 4), ("lemke", "begin", "nsgs", "interior_point", "staggered")),
+        (random_problem(1, 4), ("at once", "begin", "nsgs", "interior_point", "staggered")),
         (random_problem(1, 40), ("begin", "lemke", "nsgs", "interior_point", "staggered")),
         (random_problem(1, 120), ("interior_point", "lemke", "nsgs", "staggered")),
         (cubes(4), ("begin", "nsgs", "proximal_newton", "interior_point", "proximal_newton", "apgd_coulomb")),
@@ -94,16 +110,21 @@ def test_members_share_a_time_limit(problem, members: tuple[str, ...], monkeypat
     monkeypatch.setattr(clock, "_now", lambda: 100.0)
     given: list[tuple[str, float]] = []
 
-    def nothing(name: str) -> Callable[..., Answer]:
+    def stalled(name: str) -> Callable[..., Answer]:
         def solve(self: object, prepared: object, tol: float, limit: int | None, start: object = None) -> Answer:
             given.append((name, clock.left()))
             return Answer(np.zeros((problem.contacts, problem.dimension)), Status.STALLED)
 
         return solve
 
-    for name in members:
+    def stalled_at_once(*_: object) -> tuple[np.ndarray, float, float, dict[str, int]]:
+        given.append(("at once", clock.left()))
+        return np.zeros((problem.contacts, problem.dimension)), 1.0, 0.0, {}
+
+    monkeypatch.setattr(hybrid, "lemke_at_once", stalled_at_once)
+    for name in set(members) - {"at once"}:
         of, step = ("interior_point", "begin") if name == "begin" else (name, "solve")
-        monkeypatch.setattr(type(find(of)[1]), step, nothing(name))
+        monkeypatch.setattr(type(find(of)[1]), step, stalled(name))
     assert solve(problem, "hybrid", time_limit=10.0).work["members"] == len(members)
     assert given == [*((name, pytest.approx(9.0)) for name in members[:-1]), (members[-1], pytest.approx(10.0))]
 

@@ -14,10 +14,11 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, loop, part
-from frictionbench.problems.forms.delassus import write_contact_velocity, write_velocity
+from frictionbench.problems.forms.delassus import block_scale, write_contact_velocity, write_velocity
 from frictionbench.problems.forms.held import hold, hold_rounding, joint_inverse
+from frictionbench.problems.forms.islands import delassus_units
 from frictionbench.problems.packed import Packed, Q, known_blocks, law_of, mechanical, mechanics_of
-from frictionbench.problems.residual import TOL_SHARE, largest_with_floor, residual_with_floor
+from frictionbench.problems.residual import TOL_SHARE, known_with_floor, largest_with_floor
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.dense.newton import measure, new_work, newton_step, past_first_change, sweep
 from frictionbench.solvers.dense.rows import dense_rows, known_rows
@@ -60,19 +61,17 @@ def most_steps(rows, nv, entries, nj):  # type: ignore[no-untyped-def]
 
 
 def few_contacts(
-    problem: FrictionProblem, steps: int, tol: float, limit: int | None, start: Array | None
-) -> tuple[Array, float, float, int, int]:
-    """The impulses (nc, 3), their residual and its floor, and the sweeps and Newton steps. steps: few_steps. limit: of them."""
-    r, turns = impulses(start, (problem.contacts, 3)), steps if limit is None else min(steps, limit)
-    if not problem.mechanical:
-        law = problem.friction, problem.friction_bias, problem.scale, problem.units
-        counts = _solve_known(*problem.blocks, problem.offset, *law, r, tol, turns)
-        return r, *residual_with_floor(problem, r), *counts
-    measured = _one(
-        *problem.contact_rows, *problem.inverse_rows, *problem.joint_rows, problem.joint_bias, problem.free_velocity,
-        problem.bias, problem.friction, problem.friction_bias, r, tol, turns,
-    )  # fmt: skip
-    return r, *measured
+    problem: FrictionProblem, tol: float, steps: int | None, start: Array | None
+) -> tuple[Array, float, float, dict[str, int]]:
+    """The impulses (nc, 3), their residual and its floor, and the counts of work. steps: their largest number."""
+    r = impulses(start, (problem.contacts, 3))
+    law = problem.friction, problem.friction_bias, r, tol, steps or 0
+    if problem.mechanical:
+        rows = *problem.contact_rows, *problem.inverse_rows, *problem.joint_rows, problem.joint_bias
+        error, floor, sweeps, taken = _solve(*rows, problem.free_velocity, problem.bias, *law)
+    else:
+        error, floor, sweeps, taken = _solve_known(*problem.blocks, problem.q, *law)
+    return r, error, floor, {"sweeps": sweeps, "steps": taken}
 
 
 @loop
@@ -96,14 +95,6 @@ def few_contacts_each(
     return r, _each(packed, steps if limit is None else np.minimum(steps, limit), r, tol)
 
 
-@kernel
-def _one(  # type: ignore[no-untyped-def]
-    start, column, J, m_start, m_column, m_value, f_start, f_column, F, b_F, free, bias, mu, b_f, r, tol, turns
-):
-    bodies, joints = (start, column, J, m_start, m_column, m_value), (f_start, f_column, F, b_F)
-    return _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns)
-
-
 @loop
 def _each(packed, most, r, tol):  # type: ignore[no-untyped-def]
     """Overwrite r (contacts, 3) with the impulses; return the sweeps and steps (N, 2)."""
@@ -112,29 +103,34 @@ def _each(packed, most, r, tol):  # type: ignore[no-untyped-def]
     for k in range(len(most)):
         if not most[k]:
             continue
-        (mu, b_f, scale, units), impulse = law_of(packed, k), impulses_of(packed, k, r)
-        if not mechanical(packed, k):
-            first, neighbours, block = known_blocks(packed, k)
-            q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(impulse.shape)
-            work[k] = _solve_known(first, neighbours, block, q, mu, b_f, scale, units, impulse, tol, most[k])
-        else:
+        (mu, b_f, _, _), impulse = law_of(packed, k), impulses_of(packed, k, r)
+        if mechanical(packed, k):
             start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
-            bodies, joints = (start, column, J, m_start, m_column, m_value), (none, none[:0], nothing, nothing)
-            _, _, work[k, 0], work[k, 1] = _solve(bodies, joints, free, bias, mu, b_f, impulse, tol, most[k])
+            _, _, work[k, 0], work[k, 1] = _solve(
+                start, column, J, m_start, m_column, m_value, none, none[:0], nothing, nothing, free, bias, mu, b_f, impulse,
+                tol, most[k],
+            )  # fmt: skip
+        else:
+            first, neighbours, block = known_blocks(packed, k)
+            q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]]
+            _, _, work[k, 0], work[k, 1] = _solve_known(first, neighbours, block, q, mu, b_f, impulse, tol, most[k])
     return work
 
 
-@part
-def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[no-untyped-def]
+@kernel
+def _solve(  # type: ignore[no-untyped-def]
+    start, column, J, m_start, m_column, m_value, f_start, f_column, F, b_F, free, bias, mu, b_f, r, tol, turns
+):
     """Overwrite r with the impulses; return the residual, its floor, the sweeps and the steps.
 
     V is J M^-1 J' minus the joints' part and may have lost digits. If the residual computed from velocities exceeds tol, the
     velocities of the rows are corrected, and the remaining steps follow.
     """
-    inverse = joint_inverse(joints[0], joints[1], joints[2], bodies[3], bodies[4], bodies[5])
+    bodies, joints = (start, column, J, m_start, m_column, m_value), (f_start, f_column, F, b_F)
+    inverse = joint_inverse(f_start, f_column, F, m_start, m_column, m_value)
     rows = dense_rows(bodies, joints, inverse, free, bias, mu, b_f)
     work, sweeps, steps, worst, floor = new_work(len(rows.V), len(r)), 0, 0, 0.0, 0.0
-    for most in (turns - FULL_STEPS if len(joints[3]) and turns > FULL_STEPS else turns, turns):
+    for most in (turns - FULL_STEPS if len(b_F) and turns > FULL_STEPS else turns, turns):
         swept, stepped = _iterate(rows, r, work, TOL_SHARE * tol, most - steps)
         sweeps, steps = sweeps + swept, steps + stepped
         worst, floor, u = _residual(bodies, joints, inverse, free, bias, rows, r)
@@ -149,10 +145,14 @@ def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[
 
 
 @kernel
-def _solve_known(first, neighbours, block, q, mu, b_f, scale, units, r, tol, turns):  # type: ignore[no-untyped-def]
-    """Overwrite r with the impulses of a problem known by W; return the sweeps and steps."""
-    rows = known_rows(first, neighbours, block, q, mu, b_f, scale, units)
-    return _iterate(rows, r, new_work(len(rows.V), len(r)), TOL_SHARE * tol, turns)
+def _solve_known(first, neighbours, block, q, mu, b_f, r, tol, turns):  # type: ignore[no-untyped-def]
+    """`_solve` for a problem of which only W and q are known."""
+    scale, by_contact = block_scale(first, neighbours, block), q.reshape(r.shape)
+    units, _ = delassus_units(first, neighbours, block, q, scale, b_f)
+    rows = known_rows(first, neighbours, block, by_contact, mu, b_f, scale, units)
+    sweeps, steps = _iterate(rows, r, new_work(len(rows.V), len(r)), TOL_SHARE * tol, turns)
+    worst, floor = known_with_floor(first, neighbours, block, r, by_contact, scale, mu, b_f, units)
+    return worst, floor, sweeps, steps
 
 
 @part

@@ -115,7 +115,7 @@ def known_rows(first, neighbours, block, q, mu, b_f, scale, units):  # type: ign
                     if g >= 0 and h >= 0:
                         V[g, h] = block[k, a, b]
     locked = np.zeros((nc, 3), np.bool_)
-    return DenseRows(V, row, own, q.copy(), rest[:n].copy(), locked, scale.copy(), units.copy(), mu, b_f)
+    return DenseRows(V, row, own, q.copy(), rest[:n], locked, scale, units, mu, b_f)  # q may be read-only
 
 
 @part

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.residual import TOL_SHARE
 from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.pivots.scaled_lcp import STATUSES, ScaledLCP, scaled_lcp
@@ -16,6 +17,9 @@ class PrincipalPivoting(ABC):
 
     facets: int = 8
     dense_matrices = 2  # the inverse of the basis, old and new
+
+    def __post_init__(self) -> None:
+        tangent_basis(3, self.facets)  # refuses a wrong number
 
     @abstractmethod
     def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:
