@@ -31,8 +31,9 @@ from frictionbench.results.files import ResultsError, cleaned
 LONGEST_REPLY, MOST_LISTS = 32 * 2**20, 2**20
 DURING = {"loaded", "compiling"}  # what a worker reports while it runs a task
 TRIES = 3  # one kill may be an accident, such as a moment's lack of memory, but not three in a row
-START = """import sys; sys.path.insert(0, sys.argv[1])
-from frictionbench.harness.workers.supervisor import serve; serve(int(sys.argv[2]))"""
+# Workers inherit sys.argv, in which a plug-in must not find these arguments and take them for its own.
+START = """import sys; sys.path.insert(0, sys.argv.pop(1))
+from frictionbench.harness.workers.supervisor import serve; serve(int(sys.argv.pop(1)))"""
 Settings = tuple[Path, tuple[Plugin, ...], int]
 
 

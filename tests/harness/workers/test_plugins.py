@@ -37,6 +37,7 @@ def test_plugin_is_imported_in_workers_only(tmp_path) -> None:
     [
         ("raise ValueError('no licence')", r"ValueError: no licence \(at guest.py:6 in <module>\)"),
         ("import sys; sys.exit(4)", r"SystemExit: 4 \(at guest.py:6"),
+        ("import sys; open(sys.argv[1])", "IndexError: list index out of range"),
         ("import os; os._exit(0)", "the process ended: exit code 0"),
         ("def broken(:", r"SyntaxError.*line 6"),
         ("while True: pass", "stopped at its limit"),
