@@ -347,8 +347,8 @@ def solve(
     solvers of this package: ROUNDING replaces SOLVED if rounding alone may leave a residual above tol (residual_floor), and
     INFEASIBLE replaces a ray, stall, breakdown or work limit on a problem that is proved to have no solution; work, its counts;
     z (n,) of solvers of LCPs.
-    Errors: InputError if the solver is unknown, not installed or does not take this problem, or if problem, tol, limit, start
-    or time_limit is invalid; the message names which.
+    Errors: InputError if the solver is unknown, not installed, does not take this problem or returns no Answer, or if problem,
+    tol, limit, start or time_limit is invalid; the message names which.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
@@ -369,6 +369,7 @@ def solve(
     guess = None if start is None else impulses(start, shape)
     with nullcontext() if time_limit is None else TimeLimit(check.number("time_limit", time_limit, above=0)):
         answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
+        require(isinstance(answer, Answer), "solver", f"{spec} must return an Answer, got {type(answer)}")
         late = is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING)
     if time_limit is not None and (late or answer.status is Status.TIME_LIMIT):
         bare = isinstance(problem, LCP)

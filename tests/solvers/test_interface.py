@@ -74,6 +74,13 @@ def test_arguments_are_checked():
                 solve(**{"problem": block(), "spec": "apgd", name: value})
 
 
+def test_an_answer_is_required(monkeypatch):
+    monkeypatch.setattr(find("apgd")[1].__class__, "solve", lambda self, prepared, tol, limit, start=None: np.zeros((1, 2)))
+    for call in (lambda: solve(block(), "apgd"), lambda: solve(block(), "apgd", time_limit=1.0)):
+        with pytest.raises(InputError, match=r"^solver: apgd must return an Answer, got <class 'numpy.ndarray'>"):
+            call()
+
+
 @pytest.mark.parametrize("problem", [block(), spatial(0), spatial(0, joints=2)], ids=["plane", "space", "joints"])
 def test_impulses_are_checked(problem):
     too_many = np.zeros((problem.contacts + 1000, problem.dimension))
