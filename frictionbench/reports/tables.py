@@ -215,7 +215,7 @@ def exclusions(run: Run) -> str:
     text = f"Left out of all rankings: {', '.join(parts) or 'none'}"
     if left["several_outcomes"].any():
         several = count(int(left["several_outcomes"].sum()), "problem")
-        text += f"; {several} of the {len(left)} ranked have answers with several velocities, and are ranked with and without"
+        text += f"; rankings of one outcome also leave out {several} of the {len(left)}, with answers of several velocities"
     return text + "."
 
 
