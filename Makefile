@@ -1,5 +1,6 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make help    these lines
+# make install  the package in editable form and what its commands and tests need, into .venv
 # make checked  install, check the style and the types
 # make quick   install, check the style and the types, run the tests that matter for most changes: a minute with kernels compiled
 # make test    install, check the style and the types, run the tests but the slow ones
@@ -12,7 +13,8 @@
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
 # make studies install, also the models of robots of other packages, run all studies and put their page and figures into docs/;
-#              some 20 minutes of the processor. What is missing of the packages that a study needs ends it before docs/ is touched
+#              half an hour or more where nothing is computed yet. What is missing of the packages that a study
+#              needs ends it before docs/ is touched
 # make docs    the documentation as a site, docs/_build/html; its links are checked, and that it loads nothing from elsewhere
 # make release  wheel and sdist into dist/, checked by twine and installed into an empty environment
 # make placeholders  list what the owner fills in before a release; exit 1 while there is something
