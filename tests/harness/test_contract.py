@@ -94,6 +94,15 @@ def test_writing_into_arrays_is_found() -> None:
     assert list(CHECKS["warm_start"].violations(Subject(find(GOOD)[0], spoilt)))
 
 
+def test_the_solvers_message_is_told() -> None:
+    """As where an executable lacks a library: the reason of all its failures."""
+    spoilt = Spoiled(lambda _, problem, *__: changed(nothing(problem), status=Status.FAILED, detail="exit code 3:\nno library"))
+    for name in ("no_contacts", "single_contact"):
+        found = [*CHECKS[name].violations(Subject(find(GOOD)[0], spoilt))]
+        told = examine.format_findings([examine.CheckResult("guest", name, found)])
+        assert told.count("; exit code 3: no library\n") == len(found) > 0
+
+
 def test_a_fault_of_the_first_call_is_reported(tmp_path: Path) -> None:
     """Of the call in which a worker loads the solver, and which no check makes."""
     first = "answer = fb.solve(problem, 'lemke', tol=tol); calls.append(1)"
@@ -111,6 +120,7 @@ def test_a_fault_of_the_first_call_is_reported(tmp_path: Path) -> None:
 FAULTS = {
     "os.abort()": "Raise no error",
     "while True: pass": "End each call",
+    "raise SystemExit(3)": "SystemExit: 3",
     "problem.friction[:] = 0": "do not write into the problem, copy its arrays: ValueError",
     "return problem.q": "the solver returned an object of type ndarray, not an Answer",
     "return Answer(problem.q, Status.SOLVED)": "the impulse has shape (16,), not (8, 2)",

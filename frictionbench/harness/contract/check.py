@@ -52,7 +52,7 @@ class Subject(NamedTuple):
             answer, finding = self.solve(problem)
         except AnswerError as error:
             return str(error)
-        except Exception as error:
+        except BaseException as error:  # a plug-in may also call sys.exit
             writes = isinstance(error, ValueError) and "read-only" in str(error)  # NumPy's wording
             hint = "do not write into the problem, copy its arrays: " if writes else ""
             return hint + describe_error(error)

@@ -48,8 +48,7 @@ def inapplicable(name: str, info: SolverInfo) -> str:
 def first_calls(subject: Subject) -> Violations:
     yield from subject.broken
     for problem in subject.takes(*ordinary()):  # new to this process, as no other check ran in it before
-        fault = subject.fault(problem)
-        if fault and not subject.fault(problem):
+        if (fault := subject.fault(problem)) and not subject.fault(problem):
             yield f"{problem.summary} when first met: {fault}"
 
 
@@ -76,13 +75,14 @@ def input_unchanged(subject: Subject) -> Violations:
             yield f"the problem of {problem.summary} was changed by the call"
 
 
-@check("Return impulses of shape (0, dimension) where there is no contact.")
+@check("Return SOLVED and impulses of shape (0, dimension) where there is no contact.")
 def no_contacts(subject: Subject) -> Violations:
     for d in (2, 3):
         for problem in subject.takes(permuted(contact(d), np.zeros(0, dtype=int))):
             answer, _ = subject.solve(problem)
             if answer.impulse.shape != (0, d) or answer.status is not Status.SOLVED:
-                yield f"of dimension {d}: {answer.status.name}, impulse of shape {answer.impulse.shape}"
+                message = answer.detail or answer.status.value
+                yield f"of dimension {d}: {answer.status.name}, impulse of shape {answer.impulse.shape}; {message}"
 
 
 @check("A single contact slides, sticks or opens; compare with the solution in closed form.")
@@ -93,7 +93,8 @@ def single_contact(subject: Subject) -> Violations:
             for problem in subject.takes(contact(d, speed=speed, falling=falling)):
                 _, finding = subject.solve(problem)
                 if finding.verdict not in ACCEPTED:
-                    yield f"a contact of dimension {d} that {name}: {finding.verdict}, residual {finding.model_residual:.1e}"
+                    what = f"{finding.verdict}, residual {finding.model_residual:.1e}; {finding.reason}"
+                    yield f"a contact of dimension {d} that {name}: {what}"
 
 
 @check("Bound friction by mu r_n + friction_bias, or declare lacks=('friction_bias',), so that such problems are refused.")
@@ -135,10 +136,8 @@ def islands(subject: Subject) -> Violations:
     for problem in ordinary():
         fast = in_units(contact(problem.dimension), 1.0, FAST * problem.velocity_scale)
         yield from _claimed(subject, side_by_side(problem, fast), f"beside an island that is {FAST:g} times as fast")
-        gap = np.repeat([0.0, FAST * problem.velocity_scale], problem.contacts)
         again = duplicated(problem)
-        order = np.argsort(np.arange(again.contacts) % 2, kind="stable")
-        opened = again.replace(bias=again.bias + gap[np.argsort(order)])
+        opened = again.replace(bias=again.bias + np.tile([0.0, FAST * problem.velocity_scale], problem.contacts))
         yield from _claimed(subject, opened, f"of which half are open by {FAST:g} times the largest velocity")
 
 
@@ -256,7 +255,7 @@ def _same(
         other = change(problem)
         again, found = subject.solve(other, TIGHT)
         if found.verdict not in ACCEPTED:
-            yield f"{problem.summary}: solved before, {found.verdict} after"
+            yield f"{problem.summary}: solved before, {found.verdict} after; {found.reason}"
             continue
         off = np.abs(problem.velocity(answer.impulse) - other.velocity(again.impulse) / times).max(initial=0.0)
         gap = off / (problem.velocity_scale or 1.0)

@@ -81,7 +81,7 @@ def format_findings(results: Iterable[CheckResult]) -> str:
             advice = {None: CHECKS[one.check].advice, Verdict.TIMEOUT: HANGS}.get(one.failure, CRASHES)
             because = f": {one.inapplicable}" if one.inapplicable else ""
             lines.append(f"  {state}  {names[one.check]}{because}")
-            lines += [f"            {text}" for text in (*one.violations, advice) if one.violations]
+            lines += [f"            {' '.join(text.split())}" for text in (*one.violations, advice) if one.violations]
         rest = [name for check, name in names.items() if check not in {one.check for one in checked}]
         lines += [f"  not tested before the above is mended  {', '.join(rest)}"] if rest else []
         counts = {"passed": 0, **Counter(states), "not tested": len(rest)}
