@@ -1,7 +1,9 @@
 """The charts of the report, drawn on your matplotlib axes.
 
 Each function takes a results folder or the result of `read_results`, the axes to draw on (by default pyplot's current ones),
-and the panel. A chart has one panel per target, scene or problem, given by its title or its index from 0; `titles` lists them.
+and the panel, given by its title or its index from 0; `titles` lists them. A chart has a panel per target, the coarsest first,
+and dimension (profiles), counter and dimension (work), problem class (speed_accuracy), scene of three sizes or more (growth),
+scene and scheme (energy), or problem (convergence).
 Each function returns the axes. Draw one chart per axes, since scales, ticks and legend are set.
 
 Errors: ValueError if the run has nothing to draw, or no such panel; ResultsError if the folder cannot be read.
@@ -82,36 +84,16 @@ def _chart(name: str, shown: str) -> Draw:
     return draw
 
 
-profiles = _chart(
-    "profiles",
-    """Performance profiles: the weighted share of problems brought within a residual in at most tau times the least time.
-
-    A panel per target and dimension, the coarsest target first.""",
-)
-work = _chart(
-    "work",
-    """Performance profiles on deterministic counts in place of times, within the tightest target.
-
-    A panel per dimension and counter.""",
-)
-speed_accuracy = _chart(
-    "speed_accuracy",
-    """Verified residual (relative contact velocity) against time (s): a dot per cell, a line along the tolerances of a solver.
-
-    A panel per problem class.""",
-)
-growth = _chart(
-    "growth",
-    """Time (s) to a target against the number of contacts, with fitted exponents in the legend.
-
-    A panel per scene that comes in three sizes or more.""",
-)
-energy = _chart(
-    "energy",
-    "Change of energy over time (s) in simulations, relative to the scene's energy scale; a panel per scene and scheme.",
-)
-convergence = _chart(
-    "convergence", "Verified residual against the sweeps, iterations or pivots allowed; a panel per problem followed."
+profiles, work, speed_accuracy, growth, energy, convergence = (
+    _chart(name, shown)
+    for name, shown in {
+        "profiles": "Performance profiles: the weighted share of problems within a residual in tau times the least time.",
+        "work": "Performance profiles on deterministic counts in place of times, within the tightest target.",
+        "speed_accuracy": "Verified residual (relative contact velocity) against time (s), a line along a solver's tolerances.",
+        "growth": "Time (s) to a target against the number of contacts, with fitted exponents in the legend.",
+        "energy": "Change of energy over time (s) in simulations, relative to the scene's energy scale.",
+        "convergence": "Verified residual against the sweeps, iterations or pivots allowed.",
+    }.items()
 )
 
 

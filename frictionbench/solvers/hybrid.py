@@ -1,11 +1,11 @@
 """A portfolio: the method that is fastest on the problem, then others if its answer is not within the tolerance.
 
 No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all, and is the
-fastest from some dozens of contacts on. For fewer contacts, Lemke's method (solvers.pivots.at_once) is faster in the plane, and
-Newton's method on dense rows (solvers.dense) in space. For the largest problems a few sweeps of Gauss-Seidel save most of the
-interior point's iterations, except if contacts are hyperstatic: then W is singular, and sweeps are slow. On up to FEW contacts
-in which its predictor-corrector is trapped, Lemke's method in the plane, Gauss-Seidel, and some proximal points in space are
-mostly faster than its paths, and come before these: the interior point has two turns.
+fastest from some dozens of contacts on. For fewer contacts, Lemke's method (solvers.pivots.at_once) is faster in the plane,
+and Newton's method on dense rows (solvers.dense) in space. From SWEPT contacts on it begins with sweeps of Gauss-Seidel, which
+go on while they converge QUICKLY, except if contacts are hyperstatic: then W is singular, and sweeps are slow. On up to FEW
+contacts in which the predictor-corrector is trapped, Lemke's method in the plane, Gauss-Seidel, and some proximal points in
+space are mostly faster than its paths, and come before these: the interior point has two turns.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, and its rounding floor
 are within the tolerance: contacts that nearly jam have solutions with huge impulses and with small ones. If rounding explains
@@ -31,7 +31,9 @@ from frictionbench.solvers.clock import TimeLimit, is_over, left
 from frictionbench.solvers.dense.few_contacts import HYPERSTATIC, few_contacts, few_contacts_each, few_each, few_steps
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import InteriorPoint, first_phase_of
+from frictionbench.solvers.nsgs import NSGS
 from frictionbench.solvers.pivots.at_once import lemke_at_once
+from frictionbench.solvers.sweeps.gauss_seidel import QUICKLY
 
 INTERIOR = "interior_point"
 PLANAR, SPATIAL = ("staggered",), ("proximal_newton", "apgd_coulomb")  # the last members
@@ -41,11 +43,10 @@ STORAGE = 2**32  # bytes of dense matrices above which a further member is skipp
 USABLE_START = 0.01  # the largest residual at which the impulses of one member are a better start for the next than zeros
 FEW = 100  # contacts up to which simpler methods are mostly faster than the paths of a trapped interior point
 ALIKE = 2.0  # the largest ratio of two methods' floors at which rounding is that of the problem, not of an answer
-SWEEPS = 30  # of nsgs at first: a fraction of the time of interior_point at any size, and of the search for contradictions
 SHORT = 100  # factorisations of proximal_newton before the paths of the interior point
 MORE_SWEEPS = 300  # where others fail; more solve few other problems
-SWEPT = 60  # contacts from which on the sweeps of nsgs save more than they cost, unless W is singular
 PIVOTED = 36  # contacts up to which lemke comes first in the plane
+SWEPT = 60  # contacts from which on the sweeps of nsgs save more than they cost, unless W is singular
 
 # The problem, its members in order, and the form or setup of the first one. If that solves the problem in one call instead, the
 # largest number of its Newton steps, or 0 for lemke.
@@ -75,13 +76,12 @@ class Hybrid:
         nc, space, joints = problem.contacts, problem.dimension == 3, len(problem.joint_bias)
         steps = few_steps(problem) if space else 0
         by_newton = space and (steps > 0 or not nc)
-        simple_first = _sweeps_help(nc, len(problem.free_velocity), joints) if space else nc <= PIVOTED
-        simple, last = ("nsgs", SPATIAL) if space else ("lemke", PLANAR)
-        first = (NEWTON,) if by_newton else (simple,) if simple_first else ()
-        later = ("nsgs",) if space or first else ("lemke", "nsgs")
+        by_pivots, swept = not space and nc <= PIVOTED, _sweeps_help(problem.dimension, nc, len(problem.free_velocity), joints)
+        first = (NEWTON,) if by_newton else ("lemke",) if by_pivots else ("nsgs",) if swept else ()
+        later, last = ("nsgs",) if space or by_pivots else ("lemke", "nsgs"), SPATIAL if space else PLANAR
         before_paths = (*last[:-1], INTERIOR) if nc <= FEW else ()
         members = *first, INTERIOR, *later, *before_paths, *last
-        at_once = by_newton or (members[0] == "lemke" and not joints)
+        at_once = by_newton or (by_pivots and not joints)
         return problem, members, steps if at_once else find(members[0])[1].form(problem)
 
     def setup(self, formed: Prepared) -> Prepared:
@@ -130,20 +130,19 @@ class Hybrid:
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         """The loops of the first two members; problems that they do not solve are left to be solved one by one."""
-        nc, space = np.diff(packed.contacts), packed.dimension == 3
-        simple, steps = "nsgs" if space else "lemke", few_each(packed)
-        few = steps > 0
-        chosen = ~few & (_sweeps_help(nc, np.diff(packed.velocities), 0) if space else nc <= PIVOTED)
-        loop: Any = find(simple)[1]
-        swept = loop.solve_many(_only(packed, chosen), tol, min(SWEEPS, limit or SWEEPS) if space else limit, start)
-        impulse, work = swept.impulse, {f"{simple} {unit}": counts for unit, counts in swept.work.items()}
+        nc, d, steps = np.diff(packed.contacts), packed.dimension, few_each(packed)
+        few, swept = steps > 0, _sweeps_help(d, nc, np.diff(packed.velocities), 0)
+        simple, pace, chosen = ("nsgs", (QUICKLY,), swept & ~few) if d == 3 else ("lemke", (), nc <= PIVOTED)
+        first = find(simple)[1].solve_many(_only(packed, chosen), tol, limit, start, *pace)  # type: ignore[attr-defined]
+        impulse, work = first.impulse, {f"{simple} {unit}": counts for unit, counts in first.work.items()}
         if few.any():
             newton_impulse, counts = few_contacts_each(packed, steps, tol, limit, start)
             impulse = np.where(np.repeat(few, nc)[:, None], newton_impulse, impulse)
             work |= {"newton sweeps": counts[:, 0], "newton steps": counts[:, 1]}
         least = np.where(few | chosen, residuals(packed, impulse).max(axis=1), np.inf)  # the larger of residual and floor
         solved, members = least <= tol, np.ones(len(nc), np.int64)
-        tried = ~solved & (few | (swept.status != Status.SOLVED))  # claims that are not confirmed are left to solve
+        tried = ~solved & (few | (first.status != Status.SOLVED))  # claims that are not confirmed are left to solve
+        tried &= (d == 3) | ~swept  # in the plane these are solved one by one
         if tried.any():
             close = least <= USABLE_START
             guess = impulse if start is None else np.where(np.repeat(close, nc)[:, None], impulse, start)
@@ -161,12 +160,12 @@ def _answer(
 ) -> Answer | None:
     """A member's answer; None if it stores too much. stage: that of the first member, else None. short: it has a later turn."""
     info, member = find(name)
-    most = {"nsgs": MORE_SWEEPS if stage is None else SWEEPS, "proximal_newton": SHORT if short else None}.get(name)
+    most = {"nsgs": MORE_SWEEPS, "proximal_newton": SHORT if short else None}.get(name)
     if stage is None:  # the first member is either sparse or given a small problem
         if dense_storage(member, problem) > STORAGE:
             return None
         stage = member.prepare(problem)
-    method = member.begin if short and isinstance(member, InteriorPoint) else member.solve
+    method = member.begin if short and isinstance(member, InteriorPoint | NSGS) else member.solve
     return method(stage, tol, min(most, limit or most) if most else limit, guess if info.warm_start else None)
 
 
@@ -175,6 +174,6 @@ def _only(packed: Packed, chosen: NDArray[np.bool_]) -> Packed:
     return packed._replace(spread=np.where(chosen, packed.spread, np.inf))
 
 
-def _sweeps_help(nc: Any, velocities: Any, joints: Any) -> Any:
-    """Whether nsgs comes first in space, for numbers or arrays. With joints it works on W, which joints make dense."""
-    return (nc >= SWEPT) & (nc * 3 <= HYPERSTATIC * velocities) & (joints == 0)
+def _sweeps_help(d: int, nc: Any, velocities: Any, joints: Any) -> Any:
+    """Whether nsgs comes before interior_point, for numbers or arrays. With joints it works on W, which joints make dense."""
+    return (nc >= SWEPT) & (nc * d <= HYPERSTATIC * velocities) & (joints == 0)

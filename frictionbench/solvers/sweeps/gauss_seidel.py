@@ -12,12 +12,13 @@ from frictionbench.solvers.sweeps.stopping import Monitor, monitor
 
 LIMIT = 10_000  # sweeps by default: a quarter of a second for a thousand planar contacts
 CHECK = 10  # sweeps between two checks of the residual, which recompute the state and take a tenth of the sweeps' time
-PATIENCE = 2500  # sweeps in which the residual must fall by a hundredth: a quarter of the limit
+SLOWLY = 2500, 0.99  # sweeps in which the residual must fall to this share: a quarter of the limit
+QUICKLY = 10, 0.3  # the same where other methods follow: faster than these, or a good start for them
 
 
-def monitor_sweeps(tol: float, limit: int | None) -> Monitor:
-    """A monitor of at most limit sweeps, LIMIT by default."""
-    return monitor(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
+def monitor_sweeps(tol: float, limit: int | None, pace: tuple[int, float] = SLOWLY) -> Monitor:
+    """A monitor of at most limit sweeps, LIMIT by default. pace: SLOWLY or QUICKLY."""
+    return monitor(tol, LIMIT if limit is None else limit, pace[0], CHECK, pace[1])
 
 
 @part

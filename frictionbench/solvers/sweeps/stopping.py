@@ -18,13 +18,14 @@ class Monitor(NamedTuple):
     """The stopping criteria of a method, and the record of its convergence.
 
     tol: the requested residual. limit, patience: in the method's own unit of work, the largest count and the count within which
-    the residual must fall by a hundredth. history: the residuals so far. best (2,): the least of them and its count.
+    the residual must fall to `share`. history: the residuals so far. best (2,): the least of them and its count.
     state (2,): the number of residuals, and the index in ENDS of how the method ended. until: the deadline (solvers.clock).
     """
 
     tol: float
     limit: int
     patience: int
+    share: float
     history: Array
     best: Array
     state: NDArray[np.int64]
@@ -38,10 +39,10 @@ class Monitor(NamedTuple):
         return Answer(np.asarray(r, float), ENDS[self.state[1]], work, tuple(self.history[: self.seen].tolist()))
 
 
-def monitor(tol: float, limit: int, patience: int, every: int = 1) -> Monitor:
+def monitor(tol: float, limit: int, patience: int, every: int = 1, share: float = 0.99) -> Monitor:
     """A monitor of a method that computes its residual after every so many units of work."""
     records = np.empty(2 + limit // every), np.array([np.inf, 0.0]), np.zeros(2, np.int64)
-    return Monitor(tol, limit, patience, *records, deadline())
+    return Monitor(tol, limit, patience, share, *records, deadline())
 
 
 @kernel
@@ -59,7 +60,7 @@ def should_continue(monitor, error, count):  # type: ignore[no-untyped-def]
     if not np.isfinite(error):
         monitor.state[1] = 1
         return False
-    if error < 0.99 * monitor.best[0]:
+    if error < monitor.share * monitor.best[0]:
         monitor.best[0], monitor.best[1] = error, count
     if count - monitor.best[1] >= monitor.patience:
         monitor.state[1] = 2
