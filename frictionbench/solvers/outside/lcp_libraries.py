@@ -24,7 +24,6 @@ lcp_library = partial(solver, family="pivoting", model="lcp", dimension=(2, 3)) 
 _DRAKE = {"moby": "MobyLcpSolver", "unrevised": "UnrevisedLemkeSolver"}
 _SILENT = ("crash_iterations", "major_iterations", "minor_iterations", "initial_point_statistics", "final_point_statistics")
 _PATH = "default", "tuned", "velocities"
-
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 

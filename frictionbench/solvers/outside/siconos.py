@@ -79,7 +79,6 @@ _TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
     "friction_3d_nsn_ac,settings=dense": ({}, {}),
 }
 
-
 # The kind of the problem, the scaling that converts its answer, and the problem in the message to the child.
 Prepared = tuple[str, DenseLCP | ScaledDelassus, dict[str, Any]]
 
@@ -128,8 +127,7 @@ class Siconos:
         else:
             nc = problem.contacts
             full = self.method in ("friction_3d_admm", "friction_3d_prox") and 2 * len(problem.blocks.neighbours) > nc**2
-            full = full or self.settings == "dense"
-            dense = kind != "global" and (full or nc <= _DENSE.get(self.method, 0))
+            dense = kind != "global" and (full or self.settings == "dense" or nc <= _DENSE.get(self.method, 0))
             size = 4.0 if (self.method, self.settings) in _LARGER else 1.0
             given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense, size=size)
             W = given.W if dense else entries(*problem.blocks, given.E, given.rows)
