@@ -246,7 +246,7 @@ def work(child: "_Worker", tasks: Connection, replies: int, core: int | None, se
         try:
             with child.deadline.within(task.limit) if task.whole else nullcontext():
                 reply = {"value": task.function(*task.arguments)}
-        except Exception as error:
+        except BaseException as error:  # a plug-in may also call sys.exit
             refused = isinstance(error, InputError)
             reason = str(error) if refused else plugins.describe_error(error)
             reply = {"failure": Verdict.CRASHED.name, "reason": reason, "refused": refused}

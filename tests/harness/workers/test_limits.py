@@ -1,4 +1,4 @@
-"""Limits hold: those of the shell, those on memory, and the clock of a plug-in."""
+"""Limits hold: those of the shell, those on memory, and the clock of a plug-in. What ends a task is named."""
 
 import resource
 import subprocess
@@ -106,3 +106,9 @@ def test_a_kernel_that_cannot_be_cached_is_compiled() -> None:
     with scratch_pool() as pool:
         outcomes = list(pool.run([*tasks, Task(_compiles_on_a_full_disk, (), 60.0)]))
     assert [(outcome.value, outcome.reason) for outcome in outcomes] == [([0, 1], ""), ([0, 1], ""), (2, "")]
+
+
+def test_sys_exit_in_a_task_is_named() -> None:
+    with scratch_pool() as pool:
+        (outcome,) = pool.run([Task(sys.exit, (3,), 60.0)])
+    assert (outcome.failure, outcome.reason[:13]) == ("crashed", "SystemExit: 3")
