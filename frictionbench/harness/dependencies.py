@@ -125,7 +125,7 @@ def _module(name: str, known: set[str]) -> Loaded:
         return {top: f"{VERSION}{version}"} if version else {}
     named = {}
     for part, place in enumerate(getattr(module, "__path__", None) or [getattr(module, "__file__", None)], 1):
-        if place:  # a namespace package has several
+        if place and os.path.exists(place):  # a namespace package has several, or a name of its finder in place of a path
             folder = Path(place).name if name.startswith(plugins.MODULE) else top
             named[f"{folder}:{part}" if part > 1 else folder] = os.path.abspath(place)  # not resolved: a link may change
     return named

@@ -16,7 +16,7 @@ import traceback
 from contextlib import suppress
 from hashlib import file_digest, sha256
 from importlib.metadata import EntryPoint, EntryPoints, distributions
-from itertools import chain
+from itertools import accumulate, chain
 from pathlib import Path
 
 from numba import config
@@ -55,14 +55,15 @@ def files(source: str) -> list[Path]:
 
 
 def places(source: str) -> list[Path]:
-    """The files that the source names, or the package's folder or the module's file of an entry point, found without importing
-    the module itself. Errors: InputError naming the entry point."""
+    """The files that the source names, or the package's folder or the module's file of an entry point, found without running
+    its code. Errors: InputError naming the entry point."""
     if named := files(source):
         return named
     point = _point(source)
-    with suppress(ValueError):  # for __main__
-        if top := importlib.util.find_spec(point.module.partition(".")[0]):
-            return [Path(next(iter(top.submodule_search_locations or ()), str(top.origin)))]
+    with suppress(ValueError, ImportError):  # for __main__, and below a part that does not exist
+        for name in accumulate(point.module.split("."), "{}.{}".format):  # namespace packages have no code and no origin
+            if (spec := importlib.util.find_spec(name)) and spec.origin:
+                return [Path(spec.origin).parent if "." in name or spec.submodule_search_locations else Path(spec.origin)]
     raise InputError(f"solver: {point.name} of {distribution(point)}: the module {point.module} does not exist")
 
 

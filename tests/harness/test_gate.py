@@ -5,6 +5,7 @@ import os
 import py_compile
 import re
 import shutil
+import sys
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -31,7 +32,7 @@ from frictionbench.reports.comparison.markdown import markdown
 from frictionbench.results import cells, store
 from frictionbench.results.compare import Limits, accept, compare, confirm, other_loads
 from frictionbench.results.files import ResultsError
-from frictionbench.solvers import Answer, Status, find
+from frictionbench.solvers import Answer, Status, find, plugins
 from tests.helpers.friction_problems import block
 from tests.helpers.made_results import SETTINGS, batch_row, simulation_row, solve_row, unanswered_row, write_folder
 from tests.helpers.paths import ROOT
@@ -265,13 +266,20 @@ def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: P
         again()
 
 
-def test_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
+def test_files_of_one_name_are_told_apart(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     paths = {"/x/a/a.npy": "1", "/x/b/a.npy": "2", "/y/wrapper.py": "3"}
     loaded = {"wrapper.py": {path: path for path in paths} | {"wrapper.py": "/x/a/a.npy"}}
-    plugins = [{"source": "wrapper.py", "solvers": {"a": {}}}]
-    made = write_folder(tmp_path, [], settings=SETTINGS | {"plugins": plugins}, loaded=loaded, content=paths)
+    given = [{"source": "wrapper.py", "solvers": {"a": {}}}]
+    made = write_folder(tmp_path, [], settings=SETTINGS | {"plugins": given}, loaded=loaded, content=paths)
     wanted = {"a/a.npy": "1", "b/a.npy": "2", "y/wrapper.py": "3", "wrapper.py": "1"}
     assert cells.read(made).loaded["a"] == wanted
+    # Parts of a namespace package: of another distribution, or the name of an editable package's finder, which is no path.
+    parts = ["corp.__path_hook__", str(tmp_path)]
+    spec = SimpleNamespace(origin=None, submodule_search_locations=parts)
+    monkeypatch.setitem(sys.modules, "corp", SimpleNamespace(__path__=parts, __spec__=spec))
+    monkeypatch.setattr(plugins, "_point", lambda _: SimpleNamespace(module="corp.made.solvers"))
+    assert [write(tmp_path / "made" / "__init__.py").parent] == plugins.places("guest")
+    assert dependencies._module("corp", set()) == {"corp:2": str(tmp_path)}
 
 
 def test_what_a_worker_reports_is_bounded(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
