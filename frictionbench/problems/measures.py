@@ -54,9 +54,10 @@ def violations(problem: FrictionProblem, impulse: Array) -> Violations:
     inside = _cut(impulse[:, 1:], limit)
     beyond = s * np.linalg.norm(impulse[:, 1:] - inside, axis=1)
     defect = s[:, None] * (inside - _cut(inside - u[:, 1:] / s[:, None], limit))
-    speed = np.linalg.norm(u[:, 1:], axis=1)
-    along = np.sum(defect * u[:, 1:], axis=1) / np.where(speed > 0, speed, 1.0)
-    across = np.sqrt(np.maximum(np.sum(defect**2, axis=1) - along**2, 0.0))
+    speed = np.linalg.norm(u[:, 1:], axis=1, keepdims=True)
+    way = u[:, 1:] / np.where(speed > 0, speed, 1.0)
+    along = np.sum(defect * way, axis=1)
+    across = np.linalg.norm(defect - along[:, None] * way, axis=1)
     return Violations(np.abs(np.minimum(s * impulse[:, 0], u[:, 0])), beyond, across, np.abs(along))
 
 

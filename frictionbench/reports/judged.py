@@ -108,18 +108,18 @@ class Judged:
         if not held:
             return ""
         shown = middle, fastest = held[len(held) // 2], held[-1]
-        speed, most = (one.known("creep") or 0.0 for one in shown)
+        speeds = [one.known("creep") or 0.0 for one in shown]
         shares = [(one.creep or 0.0) / one.free_velocity if one.free_velocity else math.inf for one in shown]
-        share, largest = map(rough_percent, shares)
-        creeps = speed > CREEP * middle.free_velocity
+        slip, largest = (f"{number(1e3 * v, 2)} mm/s, {rough_percent(share)}" for v, share in zip(speeds, shares, strict=True))
+        creeps = speeds[0] > CREEP * middle.free_velocity
         how = "creep at" if creeps else "do, but for a creep of"
-        text = f"Contacts that should stick {how} {number(1e3 * speed, 2)} mm/s, {share} of the velocity that they would have "
-        several = f"in the median of {len(held)} steps; at up to {number(1e3 * most, 2)} mm/s, {largest}, " * (len(held) > 1)
-        text += f"without impulses, {several}in {fastest.file}."
+        text = f"Contacts that should stick {how} {slip} of the velocity that they would have without impulses, "
+        several = f"in the median of {len(held)} of {len(self.touching)} steps; at up to {largest}, " * (len(held) > 1)
+        text += f"{several}in {fastest.file}."
         if not creeps:
             return text
         soft = middle.notes.get("softness of contacts", 0.0)
-        if soft * middle.free_velocity > SOFT * speed:
+        if soft * middle.free_velocity > SOFT * speeds[0]:
             where = "In the median step the" if len(held) > 1 else "The"
             return f"{text} {where} softness of contacts takes {rough_percent(soft)} of the impulse. {HARDER}"
         return f"{text} {TIGHTER}"

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from frictionbench.reports.drawing.figures import PANEL, Panel
 from frictionbench.reports.drawing.files import legend_size
-from frictionbench.reports.drawing.style import ALARM, COLOURS, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
+from frictionbench.reports.drawing.style import ALARM, COLOURS, GRID, INK, WORST, ZERO, log_ticks, name_axes, residual_axis
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.judged import CHOSEN_FROM, ENERGIES, PERCENTILES, QUANTITIES, read_judged
 from frictionbench.reports.templates import write_page
@@ -59,7 +59,7 @@ def _shown(net: NetImpulse) -> dict[str, object]:
     which = "single contacts too" if net.each_determined else "the sum alone (hyperstatic)" if net.determined else "no"
     rounding = SHOWN_AS_ZERO * max(map(abs, net.engine + net.exact), default=0.0)
     shown = {"engine": net.engine[:MOST_VELOCITIES], "exact": net.exact[:MOST_VELOCITIES]}
-    words = {name: ", ".join(number(value * (abs(value) > rounding)) for value in own) for name, own in shown.items()}
+    words = {name: ", ".join(number(value if abs(value) > rounding else 0.0) for value in own) for name, own in shown.items()}
     return net._asdict() | words | {"determined": which}
 
 
@@ -101,5 +101,7 @@ def _forces(ax: Axes, one: Judgement) -> None:
     share = tangential / np.where(limit > 0, limit, np.inf)
     ax.plot(normal, share, "o", color=COLOURS[0], ms=4)
     ax.axhline(1, color=INK, lw=0.8, ls="--")
+    ax.axvline(0, **GRID)  # shows also where impulses differ little how large they are
+    ax.xaxis.set_major_locator(MaxNLocator(4))
     ax.set_ylim(0, max(1.15, 1.1 * float(share.max(initial=0))))
     name_axes(ax, "normal impulse, N s", "friction / limit")
