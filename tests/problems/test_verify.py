@@ -231,8 +231,7 @@ def test_huge_impulses_are_wrong(size, dimension):
     """Far from cancellation a residual above the floor is certain, also where both overflow."""
     problem = random_problem(1, contacts=4) if dimension == 2 else spatial(1)
     impulse = size * np.random.default_rng(0).uniform(0.1, 1, (problem.contacts, dimension))
-    finding = verify(problem, claim(impulse), LEMKE, 1e-8)
-    assert finding.verdict == "wrong"
+    assert verify(problem, claim(impulse), LEMKE, 1e-8).verdict == "wrong"
 
 
 def test_answer_as_good_as_rounding_allows_is_unjudgeable():

@@ -75,8 +75,7 @@ def test_github_workflow_of_a_fork(repository: Path, tmp_path: Path) -> None:
     given = {name: str(value) for name, value in GITHUB["env"].items()} | {"GITHUB_STEP_SUMMARY": str(tmp_path / "summary.md")}
     steps = [step["run"].replace("${{ github.base_ref }}", "main") for step in own[1:]]
     assert not any("${{" in step for step in steps)
-    told = executed(steps, repository, given)
-    assert told.startswith("## worse 0 ")
+    assert executed(steps, repository, given).startswith("## worse 0 ")
     assert (tmp_path / "summary.md").read_text(encoding="utf-8").startswith("## worse 0 ")
 
 

@@ -29,8 +29,7 @@ def test_the_page_shows_rates_and_what_is_refused(folder: Path) -> None:
 
 @pytest.mark.parametrize("option", ["--paper", "--markdown"])
 def test_it_has_no_figures(option: str, folder: Path) -> None:
-    done = CliRunner().invoke(app, ["report", str(folder), option])
-    assert str(done.exception).startswith(f"{option[2:]}: ")
+    assert str(CliRunner().invoke(app, ["report", str(folder), option]).exception).startswith(f"{option[2:]}: ")
 
 
 @in_browser
@@ -59,5 +58,4 @@ def test_a_rate_follows_from_the_fastest_round() -> None:
     ],
 )
 def test_rates_that_say_nothing_are_refused(facts: dict[str, object], why: str) -> None:
-    found = rate_of(batch_row("lemke", "packed", **facts))
-    assert found[3:] == [why, "–"]
+    assert rate_of(batch_row("lemke", "packed", **facts))[3:] == [why, "–"]

@@ -11,6 +11,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from frictionbench.commands.options import parse_length, split_names
+from frictionbench.reports.charts import speed_accuracy
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.drawing.style import looks, name_axes
@@ -133,14 +134,17 @@ def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:
 
 
 @pytest.mark.parametrize(("width", "columns", "font"), [(3.35, 2, "serif"), (85 / 25.4, 1, "sans"), (7.0, 3, "sans")])
-def test_titles_and_labels_lie_within_the_figure(tmp_path, monkeypatch, width, columns, font) -> None:
+def test_titles_and_labels_lie_within_the_figure_and_apart(run, tmp_path, monkeypatch, width, columns, font) -> None:
     def measure(figure: plt.Figure, *_, **__) -> None:
         texts = [text for ax in figure.axes[:3] for text in (ax.title, ax.xaxis.label, ax.yaxis.label)]
         assert all(figure.bbox.count_contains(text.get_window_extent().get_points()) == 2 for text in texts)
+        numbers = [text.get_window_extent() for text in (*figure.axes[0].texts, *figure.axes[0].get_xticklabels())]
+        assert all(box.count_overlaps(numbers) <= 1 for box in numbers)
 
     monkeypatch.setattr(plt.Figure, "savefig", measure)
+    [chart] = speed_accuracy.panels(run)
     labels = "factorisations over the fewest of any solver", "backward error of the answer"
-    panels = [Panel("sphere_pyramid[levels=3,noise=0.3]: 45 contacts", lambda ax: name_axes(ax, *labels))] * 3
+    panels = [Panel("sphere_pyramid[levels=3,noise=0.3]: 45 contacts", lambda ax: chart.draw(ax) or name_axes(ax, *labels))] * 3
     save_sheet(panels, {}, tmp_path / "sheet", columns, (width / columns, 0.75 * width / columns), 7, font)
 
 

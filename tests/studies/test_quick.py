@@ -76,8 +76,7 @@ def test_only_problems_with_all_three_starts_are_compared() -> None:
     assert "for 1 of 2 the interval of the ratio of sums is below 1" in account["answer"]
     assert "Of 4 problems with all three starts" in account["body"]
     made.loc[(made["variant"] == "nsgs") & (made["step"] == 2) & (made["start"] == "warm"), "verdict"] = "unsolved"
-    account = text("warm", {"solves": made})
-    assert "From the step before fewer problems are solved by nsgs." in account["body"]
+    assert "From the step before fewer problems are solved by nsgs." in text("warm", {"solves": made})["body"]
 
 
 def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None:

@@ -88,8 +88,7 @@ def test_leads_have_intervals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 @in_browser  # which enforces the security policy of the page's script
 def test_history_offers_its_solvers(site: Path, tmp_path: Path) -> None:
-    shown = browse(site, "--dump-dom")
-    assert '<option value="lemke">lemke</option>' in shown
+    assert '<option value="lemke">lemke</option>' in browse(site, "--dump-dom")
 
 
 @in_browser

@@ -36,7 +36,6 @@ def panels(run: Run) -> list[Panel]:
 
 def _tooltips(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
     """Return for each dot the solver, problem, accuracy and time, and the command that runs the cell again."""
-    answers = rows[rows["answered"]]
     return {
         run.looks[str(label)].tag: [
             f"{label}\n{scene_title(row.scene, row.parameters)}, step {row.step}, tolerance {row.tol:g}\n"
@@ -44,7 +43,7 @@ def _tooltips(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
             + rerun(Path("DIR"), row.key, row.variant, run.plugins)
             for row in of_label.itertuples()
         ]
-        for label, of_label in answers.groupby("label")
+        for label, of_label in rows[rows["answered"]].groupby("label")
     }
 
 
@@ -58,8 +57,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[floa
         medians = own.groupby("tol")[["time", "residual", "model_residual"]].median().sort_index(ascending=False)
         ax.plot(medians["time"], _shown(medians["residual"]), **look.line)
         if (own["model"] == "relaxation").any():
-            own_model = look.line | {"ls": ":", "mfc": "none", "lw": 0.8}
-            ax.plot(medians["time"], _shown(medians["model_residual"]), **own_model)
+            ax.plot(medians["time"], _shown(medians["model_residual"]), **look.line | {"ls": ":", "mfc": "none", "lw": 0.8})
     wrong = answers[answers["verdict"] == Verdict.WRONG]
     ring = 1.7 * mpl.rcParams["lines.markersize"]
     ax.plot(wrong["time"], _shown(wrong["residual"]), "o", ms=ring, mfc="none", mec=ALARM, zorder=4)
@@ -81,9 +79,9 @@ def _no_answers(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     if counts.empty:
         return
     ax.axhspan(WORST, STRIP, color=INK, alpha=0.07, lw=0)
-    ax.text(0.01, 0.95, "no answer", transform=ax.transAxes, va="center", fontsize="small", alpha=0.8)
+    ax.text(-0.03, 0.95, "none", transform=ax.transAxes, va="center", ha="right", fontsize="small")
     for i, (label, count) in enumerate(counts.items()):
-        x, colour = 0.25 + 0.75 * i / max(6, len(counts)), looks[str(label)].colour
+        x, colour = 0.02 + 0.98 * i / max(6, len(counts)), looks[str(label)].colour
         ax.text(x, 0.95, f"×{count}", transform=ax.transAxes, va="center", fontsize="small", weight="bold", color=colour)
 
 
@@ -95,6 +93,6 @@ CHART = Chart(
         "Verified residual against time, by class of problems. Lower is more accurate, left is faster. Dots are cells, each of "
         "a problem and a tolerance; a line joins the medians of a solver at its tolerances. A dotted line with hollow markers "
         "is the residual of a relaxation on its own model. "
-        '<span class="alarm">Red rings</span> are wrong claims; a strip at the top counts cells without an answer.'
+        '<span class="alarm">Red rings</span> are wrong claims; a strip at the top, none, counts cells without an answer.'
     ),
 )

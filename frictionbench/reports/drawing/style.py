@@ -129,11 +129,10 @@ def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:
     axis = _logarithmic(ax, which)
     low, high = axis.get_view_interval()
     if high < NARROW * low:  # widen it for two ticks or more
-        middle = np.sqrt(low * high)
-        low, high = middle / np.sqrt(NARROW), middle * np.sqrt(NARROW)
+        low, high = np.sqrt(low * high / NARROW), np.sqrt(low * high * NARROW)
         axis.set_view_interval(low, high, ignore=True)
     subs = (1.0,) if high > 150 * low else (1.0, 3.0) if high > 12 * low else (1.0, 2.0, 5.0)
-    axis.set_major_locator(LogLocator(subs=subs, numticks=7))
+    axis.set_major_locator(LogLocator(subs=subs, numticks=4 if which == "x" else 7))
     axis.set_major_formatter(FuncFormatter(lambda value, _: seconds(value)))
 
 
