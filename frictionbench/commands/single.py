@@ -157,10 +157,13 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
 
 
 def show_rerun(folder: Path, key: str, named: list[str]) -> None:
-    """Run the cell of a row again and print both rows; without a key print all that failed. Errors: as for rerun_row."""
+    """Run the cell of a row again and print both rows; without a key print all that failed. Errors: as for rerun_row,
+    and InputError naming a column that a row lacks."""
     if not key:
         store.read_manifest(folder)
         rows = [row for table in TABLES for row in store.rows(folder, table).values()]
+        for name in ("variant", "scene", "parameters", "tol", "verdict"):
+            require(all(name in row for row in rows), name, f"a row of {folder} has none")
         failed = [row for row in rows if row["verdict"] not in (*ACCEPTED, Verdict.SKIPPED)]
         how = "; add a key to run it again, and --shrink to reduce its problem" if failed else ""
         _show(f"{count(len(failed), 'row')} failed{how}", {_cell_name(row): row for row in failed})
@@ -207,8 +210,9 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
     for label, row in rows.items():
         times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
         work = ", ".join(f"{key} {value}" for key, value in counts(row.get("work")).items())
-        verdict = ending(row["verdict"], row["model"])
-        results = (verdict, _number(row.get("residual")), _time(_seconds(row, rank_by)), _number(row.get("model_residual")))
+        residuals = ["" if (size := row.get(name)) is None else number(size, 2) for name in ("residual", "model_residual")]
+        verdict = ending(row["verdict"], row.get("model", ""))
+        results = (verdict, residuals[0], _time(_seconds(row, rank_by)), residuals[1])
         cells = (label, row["variant"], *results, *times, (row.get("status") or "").lower(), work)
         lines.append(tuple(map(printable, cells)))
     header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")
@@ -218,10 +222,6 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
     for label, row in rows.items():
         if row.get("reason"):
             say(printable(f"{label} {row['variant']}: {row['reason']}"), "  ")
-
-
-def _number(value: float | None) -> str:
-    return "" if value is None else number(value, 2)
 
 
 def _time(value: float | None) -> str:

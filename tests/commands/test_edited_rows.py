@@ -57,8 +57,8 @@ COLUMNS = [{name: value} for name, values in VALUES.items() for value in values]
 @pytest.mark.parametrize("columns", COLUMNS, ids=str)
 def test_edited_solve_rows(finished, tmp_path, columns) -> None:
     folder, key = edited(finished, tmp_path, "solves", {}, **({"verdict": "unsolved"} | columns))
-    for options in ((), ("--shrink",)):
-        done = frictionbench("rerun", str(folder), key, *options)
+    for words in ((), (key,), (key, "--shrink")):
+        done = frictionbench("rerun", str(folder), *words)
         assert done.returncode in (0, 2), done
         assert len(done.stderr.strip().splitlines()) == (done.returncode == 2), done
         assert "\x1b" not in done.stdout + done.stderr
