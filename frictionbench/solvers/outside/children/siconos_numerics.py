@@ -41,7 +41,8 @@ def solved(
     dense: bool = True,
     **data: Array,
 ) -> dict[str, Any]:
-    """Solve a problem from `start`: the answer, the return code of the last call, the iterations and seconds of all calls.
+    """Solve a problem from `start`: the answer, the return code of the last call, whether the driver states an error above the
+    tolerance whatever its code (friction_2d), the iterations and seconds of all calls.
 
     Siconos divides its error by |q| or, in friction problems, by |r| if that is larger, which is known only afterwards. The
     driver is then called again from its own answer with a smaller tolerance, unless this answer is accurate enough: from such
@@ -74,12 +75,12 @@ def solved(
         code = driver(*arguments, options)
         seconds += perf_counter() - begun
         iterations += max(int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE]), 0)
-        larger = float(np.linalg.norm(r))
-        error = options.dparam[sn.SICONOS_DPARAM_RESIDU] * larger
-        if code or kind == "lcp" or not larger > size or error <= eps:
+        larger, error = float(np.linalg.norm(r)), options.dparam[sn.SICONOS_DPARAM_RESIDU]
+        if code or kind == "lcp" or not larger > size or error * larger <= eps:
             break
         size = 1.1 * larger
-    return {"r": r, "code": int(code), "iterations": iterations, "clock": seconds}
+    unsaid = kind == "friction_2d" and not error * size <= eps
+    return {"r": r, "code": int(code), "unsaid": bool(unsaid), "iterations": iterations, "clock": seconds}
 
 
 def problem_object(kind: str, data: dict[str, Array], *matrices: Any) -> Any:
@@ -112,19 +113,14 @@ def blocks(entries: Array, n: int, size: int) -> Any:
     return matrix
 
 
-def product(entries: Array, r: Array) -> Array:
-    """A square matrix of entries times r."""
-    row, column, value = entries.T
-    return np.bincount(row.astype(int), value * r[column.astype(int)], len(r))
-
-
 def call(kind: str, problem: Any, data: dict[str, Array], dense: bool, r: Array) -> tuple[Any, tuple[Any, ...]]:
     """The driver of a problem and its arguments; r is the guess and is overwritten by the answer."""
     if kind == "lcp":
         return sn.linearComplementarity_driver, (problem, r, np.zeros(len(r)))
     if kind == "global":
         return sn.gfc3d_driver, (problem, r, np.zeros(len(r)), np.zeros(len(data["q"])))
-    u = data["q"] + (data["W"] @ r if dense else product(data["W"], r))
+    W, u = data["W"], data["q"].copy()
+    u += W @ r if dense else np.bincount(W[:, 0].astype(int), W[:, 2] * r[W[:, 1].astype(int)], len(r))
     return sn.fc2d_driver if kind == "friction_2d" else sn.fc3d_driver, (problem, r, u)
 
 
