@@ -22,7 +22,7 @@ from frictionbench.problems.check import Array, counted, require
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.balance import delassus_parts
 from frictionbench.problems.forms.definite import FILE_ROUNDING, LARGEST_INPUT, require_semidefinite
-from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands, lowered, spread
+from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands
 from frictionbench.problems.forms.joints import require_consistent
 from frictionbench.problems.forms.lcp import LCP, content_hash, friction_rows, tangent_basis
 from frictionbench.problems.forms.mass import inverse_mass
@@ -222,10 +222,9 @@ class GivenDelassus(FrictionProblem):
         return self.q.reshape(-1, self.dimension)
 
     def _measured(self, mu: Array) -> Measures:
-        scale = delassus.block_scale(*self.blocks)
-        units, _ = self._units_at(lowered(self.q, mu) if len(mu) else self.q, scale)
+        scale, units, unlike = delassus.known_measures(*self.blocks, self.q, self.friction_bias, mu)
         units.setflags(write=False)
-        return self.q, scale, float(delassus.largest(self.q, self.dimension)), units, float(spread(units))
+        return self.q, scale, float(delassus.largest(self.q, self.dimension)), units, float(unlike)
 
     def _units_at(self, q: Array, scale: Array) -> tuple[Array, Index64]:
         return delassus_units(*self.blocks, q, scale, self.friction_bias)
@@ -274,4 +273,5 @@ def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:
 
 def require_problem(problem: object) -> None:
     """Errors: InputError naming `problem` if it is neither a friction problem nor an LCP."""
-    require(isinstance(problem, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {type(problem)}")
+    hint = "; its method problem() makes one" if hasattr(problem, "problem") else ""
+    require(isinstance(problem, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {type(problem)}{hint}")

@@ -13,13 +13,12 @@ import numpy as np
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import inlined, lean_loop, loop
 from frictionbench.problems.forms.delassus import (
-    block_scale,
+    known_measures,
     measures,
     write_act,
     write_contact_velocity,
     write_velocity,
 )
-from frictionbench.problems.forms.islands import delassus_units, spread
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import largest_with_floor
 from frictionbench.problems.rows import Index32, Index64
@@ -220,15 +219,11 @@ def _measured(packed):  # type: ignore[no-untyped-def]
         begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
         b_f = packed.friction_bias[begin:end]
         if mechanical(packed, k):
-            start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
-            own_q, own_scale, _, unit, unlike[k] = measures(start, column, J, m_start, m_column, m_value, free, bias, b_f, none)
+            own_q, own_scale, _, unit, unlike[k] = measures(*mechanics_of(packed, k), b_f, none)
         else:
             own_q = packed.q[at : at + (end - begin) * d].copy()
             at += len(own_q)
-            first, neighbours, block = known_blocks(packed, k)
-            own_scale = block_scale(first, neighbours, block)
-            unit, _ = delassus_units(first, neighbours, block, packed.q[at - len(own_q) : at], own_scale, b_f)
-            unlike[k] = spread(unit)
+            own_scale, unit, unlike[k] = known_measures(*known_blocks(packed, k), own_q, b_f, none)
         for i in range(end - begin):
             scale[begin + i], units[begin + i] = own_scale[i], unit[i]
             for a in range(d):

@@ -133,9 +133,9 @@ def test_verify_names_the_field_of_a_malformed_answer(given, field) -> None:
             fb.verify(what, given, 1e-8)
 
 
-@pytest.mark.parametrize("given", [None, 3, "stack", np.eye(2)])
+@pytest.mark.parametrize("given", [None, 3, "stack", np.eye(2), fb.scene("stack")])
 def test_what_is_no_problem_is_refused(given, tmp_path) -> None:
-    with pytest.raises(fb.InputError, match="problem: must be"):
+    with pytest.raises(fb.InputError, match="problem: must be.*" + r"its method problem\(\)" * hasattr(given, "problem")):
         fb.verify(given, fb.Answer(np.zeros((1, 2)), fb.Status.SOLVED), 1e-8)
     with pytest.raises(fb.InputError, match="problem: must be"):
         fb.save(given, tmp_path / "a.npz")

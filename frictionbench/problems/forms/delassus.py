@@ -10,7 +10,7 @@ from scipy import sparse
 
 from frictionbench.problems.check import set_read_only
 from frictionbench.problems.compiled import kernel, lean
-from frictionbench.problems.forms.islands import EPSILON, length, lowered, mechanical_units, spread
+from frictionbench.problems.forms.islands import EPSILON, delassus_units, length, lowered, mechanical_units, spread
 from frictionbench.problems.rows import Array, Index32, row_of_entry
 
 LOST = 1e-9  # relative to its terms: a smaller diagonal entry of W has cancelled; Mechanics._held_response then computes it
@@ -420,3 +420,11 @@ def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f, mu):
     s, none, low = mean_diagonal(diagonals), np.zeros(1, np.int32), lowered(q, mu) if len(mu) else q
     units = mechanical_units(start, column, J, m_start, m_column, m_value, none, none[:0], np.abs(free), bias, low, s, b_f)[0]
     return q, s, largest(q, d), units, spread(units)
+
+
+@kernel
+def known_measures(first, neighbours, block, q, b_f, mu):  # type: ignore[no-untyped-def]
+    """The mean diagonal, the units and the spread, as `measures`, for a problem of which only W, by blocks, and q are known."""
+    s, low = block_scale(first, neighbours, block), lowered(q, mu) if len(mu) else q
+    units, _ = delassus_units(first, neighbours, block, low, s, b_f)
+    return s, units, spread(units)

@@ -14,9 +14,8 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, loop, part
-from frictionbench.problems.forms.delassus import block_scale, write_contact_velocity, write_velocity
+from frictionbench.problems.forms.delassus import known_measures, write_contact_velocity, write_velocity
 from frictionbench.problems.forms.held import hold, hold_rounding, joint_inverse
-from frictionbench.problems.forms.islands import delassus_units
 from frictionbench.problems.packed import Packed, Q, known_blocks, law_of, mechanical, mechanics_of
 from frictionbench.problems.residual import TOL_SHARE, known_with_floor, largest_with_floor
 from frictionbench.problems.rows import Index64
@@ -147,8 +146,7 @@ def _solve(  # type: ignore[no-untyped-def]
 @kernel
 def _solve_known(first, neighbours, block, q, mu, b_f, r, tol, turns):  # type: ignore[no-untyped-def]
     """`_solve` for a problem of which only W and q are known."""
-    scale, by_contact = block_scale(first, neighbours, block), q.reshape(r.shape)
-    units, _ = delassus_units(first, neighbours, block, q, scale, b_f)
+    (scale, units, _), by_contact = known_measures(first, neighbours, block, q, b_f, np.zeros(0)), q.reshape(r.shape)
     rows = known_rows(first, neighbours, block, by_contact, mu, b_f, scale, units)
     sweeps, steps = _iterate(rows, r, new_work(len(rows.V), len(r)), TOL_SHARE * tol, turns)
     worst, floor = known_with_floor(first, neighbours, block, r, by_contact, scale, mu, b_f, units)

@@ -6,7 +6,7 @@ joints lock, and the tangents of contacts without friction. With the inverse X o
 
     W = J M^-1 J' - C' X C.
 
-scale and units are those of the problem (problems.operators.mechanical, problems.forms.islands), found here in the same pass.
+scale and units are those of the problem (problems.mechanics, problems.forms.islands), found here in the same pass.
 """
 
 from typing import NamedTuple

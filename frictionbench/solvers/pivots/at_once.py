@@ -11,8 +11,7 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.forms.delassus import block_scale, delassus, measures
-from frictionbench.problems.forms.islands import delassus_units, spread
+from frictionbench.problems.forms.delassus import delassus, known_measures, measures
 from frictionbench.problems.forms.lcp import impulse, tangent_basis
 from frictionbench.problems.residual import TOL_SHARE, known_with_floor, mechanical_with_floor
 from frictionbench.solvers.balanced import UNLIKE
@@ -59,12 +58,11 @@ def _mechanical(  # type: ignore[no-untyped-def]
 
 @kernel
 def _known(first, neighbours, block, q, mu, b_f, basis, guess, tol, pivots, until):  # type: ignore[no-untyped-def]
-    scale, by_contact = block_scale(first, neighbours, block), q.reshape(len(mu), 2)
-    units, _ = delassus_units(first, neighbours, block, q, scale, b_f)
-    if spread(units) > UNLIKE:
+    scale, units, unlike = known_measures(first, neighbours, block, q, b_f, np.zeros(0))
+    if unlike > UNLIKE:
         return np.zeros((0, 2)), np.inf, 0.0, 0, 0, 0
     r, counts = _solve(first, neighbours, block, q, (mu, b_f, scale, units), basis, guess, tol, pivots, until)
-    error, floor = known_with_floor(first, neighbours, block, r, by_contact, scale, mu, b_f, units)
+    error, floor = known_with_floor(first, neighbours, block, r, q.reshape(r.shape), scale, mu, b_f, units)
     return r, error, floor, *counts
 
 
