@@ -273,5 +273,5 @@ def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:
 
 def require_problem(problem: object) -> None:
     """Errors: InputError naming `problem` if it is neither a friction problem nor an LCP."""
-    hint = "; its method problem() makes one" if hasattr(problem, "problem") else ""
-    require(isinstance(problem, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {type(problem)}{hint}")
+    got = f"{type(problem)}" + "; its method problem() makes one" * hasattr(problem, "problem")
+    require(isinstance(problem, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {got}")

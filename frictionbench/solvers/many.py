@@ -212,9 +212,9 @@ def _solve_alone(answers: Answers, k: int, problem: FrictionProblem, spec: str, 
     contacts = slice(answers.first[k], answers.first[k + 1])
     guess = None if start is None else start[contacts].reshape(-1, problem.dimension)
     answer: Any = solve(problem, spec, tol=answers.tol, limit=limit, start=guess)
-    answers.impulse[contacts] = answer.impulse.ravel()
+    answers.impulse[contacts] = np.ravel(answer.impulse)
     answers.status[k] = answer.status
-    answers.residual[k], answers.floor[k] = residual_with_floor(problem, answer.impulse)
+    answers.residual[k], answers.floor[k] = residual_with_floor(problem, answers[k])
     for name, value in answer.work.items():
         answers.work.setdefault(name, np.zeros(len(answers), np.int64))[k] = value
 
