@@ -121,7 +121,7 @@ def _stacked(folder: Path, manifest: dict[str, Any], rank_by: RankBy) -> pd.Data
         solves.assign(
             table="solve",
             seconds=[times.min(initial=np.inf) for times in totals],
-            disturbed=solves["disturbed"].fillna(False).astype(bool) & few,
+            disturbed=solves["disturbed"].isin([True]) & few,
         ),
         simulations.rename(columns={"worst_residual": "residual", "scheme": "phase"}).assign(
             table="simulation",
@@ -192,7 +192,7 @@ def repeats(*steps: Any) -> np.ndarray:
 def _typed(rows: pd.DataFrame) -> pd.DataFrame:
     texts = {name: rows[name].fillna("").astype(str) if name in rows else "" for name in TEXTS}
     numbers = {name: pd.to_numeric(rows[name], errors="coerce").astype(float) for name in NUMBERS}
-    disturbed = rows["disturbed"].fillna(False).astype(bool) if "disturbed" in rows else False
+    disturbed = rows["disturbed"].isin([True]) if "disturbed" in rows else False
     table = pd.DataFrame({"key": rows["key"].fillna("").astype(str), **texts, **numbers, "disturbed": disturbed})
     return table.assign(seconds=table["seconds"].where(table["seconds"].between(0, np.inf, "neither"))).set_index("key")
 

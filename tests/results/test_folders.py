@@ -80,7 +80,7 @@ def test_unrepresentable_values_are_dropped(tmp_path) -> None:
     [
         (lambda table: table.drop_columns(["verdict"]), "column verdict is missing"),
         (lambda table: table.set_column(0, "key", pa.array([1] * len(table))), "column key is int64"),
-        (lambda table: _with("key", table, None), "column key holds nan"),
+        (lambda table: _with("key", table, None), "column key holds (nan|None)"),
         (lambda table: _with("tol", table, float("inf")), "column tol holds inf"),
         (lambda table: _with("dimension", table, 7), "column dimension holds 7"),
         (lambda table: pa.table([pa.nulls(400_000, f.type) for f in SCHEMA], schema=SCHEMA), "values; the limit is"),
