@@ -3,8 +3,8 @@
 flips      cells measured in both runs with different verdicts, ordered as in problems.verdicts
 gone       cells measured before but not now: cells skipped for any reason, and cells without a row
 added      cells measured now but not before that fail
-work       deterministic counters that changed, summed per solver over the cells that both runs solved. Failures within
-           simulations and batches are summed over all cells whose verdict is not worse
+work       deterministic counters that changed, summed per solver and kind of cell over those that both runs solved. Failures
+           within simulations and batches are summed over all cells whose verdict is not worse
 untimed    cells, per solver, that had times before but have none now
 times      per solver, over the same cells: see results.times
 """
@@ -176,10 +176,11 @@ def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -
 
 def work(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
     """Yield the counters whose sum over a solver's cells changed, or that only one run has. The tables have the same cells.
-
-    If a count of failures has grown in some cells, only these are summed, so that fewer failures in others do not offset it."""
+    Cold and warm solves, simulations and batches have sums of their own, so that no long one hides the others. If a count of
+    failures has grown in some cells, only these are summed, so that fewer failures in others do not offset it."""
     same = after[after["verdict"].map(RANK) <= before["verdict"].map(RANK)]
-    for variant, keys in same.groupby(same["variant"]).groups.items():
+    place = (", " + same["table"]).replace(", solve", "").mask(same["start"] == "warm", ", warm")
+    for (variant, where), keys in same.groupby([same["variant"], place]).groups.items():
         counts = [_counts(before.loc[key], after.loc[key]) for key in keys]
         for name in sorted({name for pair in counts for side in pair for name in side}):
             pairs = [(old.get(name), new.get(name)) for old, new in counts if name in old or name in new]
@@ -188,11 +189,11 @@ def work(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
             lost, fresh = [old for old, new in pairs if new is None], [new for old, new in pairs if old is None]
             sums = sum(old for old, _ in both), sum(new for _, new in both)
             if sums[0] != sums[1]:
-                yield Growth(str(variant), name, *sums, len(both), 1.0 if name in FAILURES else GROWTH)
+                yield Growth(str(variant), name + where, *sums, len(both), 1.0 if name in FAILURES else GROWTH)
             if lost:
-                yield Growth(str(variant), name, sum(filter(None, lost)), None, len(lost), GROWTH)
+                yield Growth(str(variant), name + where, sum(filter(None, lost)), None, len(lost), GROWTH)
             if fresh and name not in FAILURES:
-                yield Growth(str(variant), name, None, sum(filter(None, fresh)), len(fresh), GROWTH)
+                yield Growth(str(variant), name + where, None, sum(filter(None, fresh)), len(fresh), GROWTH)
 
 
 def _counts(before: pd.Series, after: pd.Series) -> tuple[dict[str, int], dict[str, int]]:

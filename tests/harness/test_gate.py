@@ -56,8 +56,8 @@ def test_times_that_are_gone_are_a_regression(tmp_path: Path) -> None:
     assert alerts(before, after, Limits(times=False)) == {}
 
 
-def test_more_failures_within_a_simulation(tmp_path: Path) -> None:
-    """Two of 160 steps are wrong, then 117; or the motion ends earlier, with the same verdict."""
+def test_more_failures_within_a_simulation_or_batch(tmp_path: Path) -> None:
+    """Two of 160 steps are wrong, then 117; or the motion ends earlier, with the same verdict; or half a batch fails."""
     rows = {
         name: simulation_row("a", verdict="wrong", steps=160, steps_done=done, problems=160, unsolved=unsolved)
         for name, done, unsolved in (("before", 160, 2), ("worse", 160, 117), ("shorter", 80, 2))
@@ -65,23 +65,23 @@ def test_more_failures_within_a_simulation(tmp_path: Path) -> None:
     folders = {name: write_folder(tmp_path / name, [solve_row("a", "p")], [row]) for name, row in rows.items()}
     accept(folders["before"], tmp_path / "made.tsv")
     for old in (folders["before"], tmp_path / "made.tsv"):
-        assert alerts(old, folders["worse"]) == {"unsolved_problems": (2, 117)}
-        assert alerts(old, folders["shorter"]) == {"steps_not_done": (0, 80)}
+        assert alerts(old, folders["worse"]) == {"unsolved_problems, simulation": (2, 117)}
+        assert alerts(old, folders["shorter"]) == {"steps_not_done, simulation": (0, 80)}
         assert alerts(old, folders["before"]) == {}
+    batches = [batch_row("a", "packed", verdict="unsolved", residual=1.0, verified=share) for share in (0.99, 0.5)]
+    pair = [write_folder(tmp_path / f"{k}", [], None, [row]) for k, row in enumerate(batches)]
+    assert alerts(*pair) == {"unsolved_problems, batch": (1, 50)}
 
 
-def test_more_work_within_a_simulation(tmp_path: Path) -> None:
-    """Every step of a motion is solved, with a tenth more sweeps in all."""
-    works = ('{"sweeps": 1000}', '{"sweeps": 1100}')
-    rows = [simulation_row("a", steps=160, steps_done=160, problems=160, unsolved=0, work=work) for work in works]
-    before, after = (write_folder(tmp_path / str(k), [solve_row("a", "p")], [row]) for k, row in enumerate(rows))
-    assert alerts(before, after) == {"sweeps": (1000, 1100)}
+def test_work_is_added_by_the_kind_of_cell(tmp_path: Path) -> None:
+    """A tenth more sweeps in a long motion; and many times those of a solve without its start, which a motion would hide."""
 
+    def folder(warm: int, motion: int) -> Path:
+        solves = [solve_row("a", "p", start=start, key=start, work=f'{{"sweeps": {warm}}}') for start in ("cold", "warm")]
+        return write_folder(tmp_path / f"{warm} {motion}", solves, [simulation_row("a", work=f'{{"sweeps": {motion}}}')])
 
-def test_more_failures_within_a_batch(tmp_path: Path) -> None:
-    rows = [batch_row("a", "packed", verdict="unsolved", residual=1.0, verified=share) for share in (0.99, 0.5)]
-    folders = [write_folder(tmp_path / f"{i}", [], None, [row]) for i, row in enumerate(rows)]
-    assert alerts(*folders) == {"unsolved_problems": (1, 50)}
+    assert alerts(before := folder(5, 10000), folder(5, 11000)) == {"sweeps, simulation": (10000, 11000)}
+    assert alerts(before, folder(290, 10000)) == {"sweeps": (5, 290), "sweeps, warm": (5, 290)}
 
 
 def test_fewer_failures_make_up_for_none(tmp_path: Path) -> None:
@@ -92,10 +92,10 @@ def test_fewer_failures_make_up_for_none(tmp_path: Path) -> None:
         rows = [simulation_row("a", key=f"{i}", verdict=verdict, unsolved=n, **facts) for i, (verdict, n) in enumerate(motions)]
         return write_folder(tmp_path / name, [solve_row("a", "p")], rows)
 
-    before = folder("before", ("unsolved", 90), ("wrong", 2))
-    assert alerts(before, folder("other", ("unsolved", 2), ("wrong", 90))) == {"unsolved_problems": (2, 90)}
-    assert alerts(before, folder("missing", ("unsolved", 90), ("unsolved", 60))) == {"unsolved_problems": (2, 60)}
-    assert alerts(before, folder("stopped", ("unsolved", 90), ("timeout", None))) == {"unsolved_problems": (2, None)}
+    before, counter = folder("before", ("unsolved", 90), ("wrong", 2)), "unsolved_problems, simulation"
+    assert alerts(before, folder("other", ("unsolved", 2), ("wrong", 90))) == {counter: (2, 90)}
+    assert alerts(before, folder("missing", ("unsolved", 90), ("unsolved", 60))) == {counter: (2, 60)}
+    assert alerts(before, folder("stopped", ("unsolved", 90), ("timeout", None))) == {counter: (2, None)}
 
 
 def test_the_repeats_are_of_the_runs_own_problems() -> None:
