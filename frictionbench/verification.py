@@ -16,8 +16,8 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
 
     problem: the problem solved; for an LCP the answer must have z. answer: as `solve` returns it; its status counts only as a
     claim. tol: the bound on the residual, a relative contact velocity, > 0. solver: the name of the solver, with settings if
-    any. An answer to the convex relaxation, with a polygonal cone or with regularised contacts is then also measured on that
-    model, and may be "relaxed". Without it the answer is judged only on the exact problem.
+    any; by default answer.solver. An answer to the convex relaxation, with a polygonal cone or with regularised contacts is
+    also measured on that model, and may be "relaxed". If neither names a solver, it is judged only on the exact problem.
 
     Returns a frozen Finding: verdict, reason, residual, model_residual, floor, fclib_error and energy_defect; `help` of
     its type describes them with units.
@@ -25,12 +25,12 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
-    >>> found = fb.verify(problem, fb.solve(problem, "nsgs", tol=1e-6), tol=1e-6, solver="nsgs")
+    >>> found = fb.verify(problem, fb.solve(problem, "nsgs", tol=1e-6), tol=1e-6)
     >>> found.verdict.value, found.residual <= 1e-6
     ('solved', True)
     """
     tol = tolerance(tol)
-    info, _ = find(COULOMB_SOLVER if solver is None else solver)
+    info, _ = find((getattr(answer, "solver", None) or COULOMB_SOLVER) if solver is None else solver)
     require_problem(problem)
     require(isinstance(answer, Answer), "answer", f"must be an Answer, got {type(answer)}; fb.residual takes impulses")
     try:

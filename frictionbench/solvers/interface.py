@@ -322,7 +322,7 @@ _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 
 def solve(
     problem: FrictionProblem | LCP,
-    spec: str | None = None,
+    solver: str | None = None,
     *,
     tol: float = 1e-8,
     limit: int | None = None,
@@ -332,7 +332,7 @@ def solve(
     """Prepare and solve one problem with one solver, in this process.
 
     problem: a FrictionProblem of nc contacts of dimension d, or a bare LCP for solvers of LCPs.
-    spec: a solver's name, with settings in brackets if any: "lemke", "nsgs[relaxation=1.3]". See `available`. Without one
+    solver: its name, with settings in brackets if any: "lemke", "nsgs[relaxation=1.3]". See `available`. Without one
         hybrid solves a FrictionProblem, which is fast and exact on most, and lemke a bare LCP; the answer's `solver` names it.
     tol: the requested residual, dimensionless, > 0: the largest defect of the solver's model at a contact, as a velocity over
         the contact's unit, the largest closing speed in its island (problems.residual). For a bare LCP max|min(z, w)| over
@@ -360,7 +360,7 @@ def solve(
     'hybrid'
     """
     require_problem(problem)
-    spec = ("lemke" if isinstance(problem, LCP) else "hybrid") if spec is None else spec
+    spec = ("lemke" if isinstance(problem, LCP) else "hybrid") if solver is None else solver
     info, instance = find(spec)
     tol, limit = tolerance(tol), work_limit(limit)
     if reason := info.missing or info.refuses(problem):

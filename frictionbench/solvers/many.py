@@ -82,7 +82,7 @@ class Answers:
 
 def solve_many(
     problems: Batch | Iterable[FrictionProblem],
-    spec: str = "hybrid",
+    solver: str = "hybrid",
     *,
     tol: float = 1e-8,
     limit: int | None = None,
@@ -92,7 +92,7 @@ def solve_many(
     """Solve many friction problems with one solver: the same impulses as by `solve`, to the last bit, in less time for each.
 
     problems: FrictionProblems of any sizes, or a Batch of them, which is already packed.
-    spec, tol, limit: as in `solve`. workers: the number of threads, among which the problems are divided.
+    solver, tol, limit: as in `solve`. workers: the number of threads, among which the problems are divided.
     start: guesses of the impulses, N s: an array (nc, d) for each problem, Answers, or their flat `impulse`. A solver without
         warm start ignores them.
 
@@ -112,7 +112,7 @@ def solve_many(
     >>> warm.work["pivots"].tolist(), min(answers.work["pivots"].tolist()) > 0
     ([0, 0, 0], True)
     """
-    info, instance = find(spec)
+    info, instance = find(solver)
     tol, limit = tolerance(tol), work_limit(limit)
     workers = count("workers", workers)
     batch = problems if isinstance(problems, Batch) else Batch(problems)
@@ -131,7 +131,7 @@ def solve_many(
             answers.status[k] = Status.ROUNDING
     for k in np.flatnonzero(answers.status != Status.SOLVED).tolist():
         if answers.status[k] is None:
-            _solve_alone(answers, k, batch.problems[k], spec, limit, begin)
+            _solve_alone(answers, k, batch.problems[k], solver, limit, begin)
         elif why_lost(info, batch.problems[k], answers.status[k], tol):
             answers.status[k] = Status.INFEASIBLE
     return answers

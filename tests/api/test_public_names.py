@@ -110,7 +110,7 @@ def test_verify_answer() -> None:
     bad = fb.verify(problem, fb.Answer(0.9 * answer.impulse, fb.Status.SOLVED), 1e-8)
     assert (bad.verdict, bad.reason[:21]) == (fb.Verdict.WRONG, "claimed solved within")
     assert repr(bad).startswith("Finding(wrong, residual ")
-    assert fb.verify(problem, fb.solve(problem, "apgd"), 1e-4, solver="apgd").model_residual <= 1e-4
+    assert fb.verify(problem, fb.solve(problem, solver="apgd"), 1e-4).model_residual <= 1e-4
     assert fb.verify(problem.lcp(), fb.solve(problem.lcp(), "lemke"), 1e-8).verdict == fb.Verdict.SOLVED
     with pytest.raises(fb.InputError, match="tol"):
         fb.verify(problem, answer, 0.0)

@@ -71,7 +71,7 @@ def test_arguments_are_checked():
     for name, values in (invalid | {"problem": [np.eye(2)]}).items():
         for value in values:
             with pytest.raises(InputError, match=rf"^{name}: "):
-                solve(**{"problem": block(), "spec": "apgd", name: value})
+                solve(**{"problem": block(), "solver": "apgd", name: value})
 
 
 def test_an_answer_is_required(monkeypatch):

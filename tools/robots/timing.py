@@ -126,7 +126,7 @@ def _step(model: Any, engine: Any, problem: FrictionProblem, start: Any) -> Time
 
     calls, solved = [], True
     for tol, is_warm in WAYS:
-        call = partial(fb.solve, spec="hybrid", tol=tol, start=start if is_warm else None)
+        call = partial(fb.solve, solver="hybrid", tol=tol, start=start if is_warm else None)
         calls.append(_times(call, problem.fresh))
         solved = solved and fb.residual(problem, call(problem).impulse) <= tol
     fields = {name: getattr(problem, name) for name in ("free_velocity", "bias", "friction", "friction_bias", "joint_bias")}
@@ -137,7 +137,7 @@ def _step(model: Any, engine: Any, problem: FrictionProblem, start: Any) -> Time
 
 def _other(problem: FrictionProblem) -> float:
     """Return the time of OTHER in µs; NaN if it is not installed, refuses the problem or has no answer within 1e-6."""
-    call = partial(fb.solve, spec=OTHER, tol=1e-6, time_limit=1.0)
+    call = partial(fb.solve, solver=OTHER, tol=1e-6, time_limit=1.0)
     try:
         solved = fb.residual(problem, call(problem.fresh()).impulse) <= 1e-6
     except InputError:

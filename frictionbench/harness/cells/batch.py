@@ -93,7 +93,7 @@ def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], start_impulses:
     """Return the call that solves copies of these problems, to be timed; work done once, such as packing, is done here."""
     problems = tuple(map(duplicate, problems))
     start = start_impulses if cell.start == WARM else None
-    many = partial(solve_many, spec=cell.variant, tol=cell.tol, start=start)
+    many = partial(solve_many, solver=cell.variant, tol=cell.tol, start=start)
     if cell.way == "packed":
         return partial(many, Batch(problems))
     if cell.way == "list":
