@@ -106,7 +106,7 @@ def write_page(out: Path) -> Path:
             texts.append(text(name, summary))
             for figure, panels in summary.figures.items():
                 stem = subfolder(out, FIGURES) / f"{name}_{figure}"
-                save_sheet(panels, dict(summary.looks), stem, 2, PANEL, 8, paper="white")
+                save_sheet(panels, dict(summary.looks), stem, min(2, len(panels)), PANEL, 8, paper="white")
     write_text(out / "studies.md", _environment().get_template("page.md").render(studies=texts))
     return out / "studies.md"
 

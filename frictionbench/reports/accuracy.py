@@ -140,25 +140,20 @@ def overall(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
 def _completed(times: pd.DataFrame, name: str) -> pd.DataFrame:
     parts = [times]
     for _, group in times.groupby(["start", "host"], sort=False):
-        facts = group.groupby("problem_id", sort=False).agg(
-            limit=("limit", "max"), stratum=("stratum", "first"), scene=("scene", "first"), dimension=("dimension", "first")
-        )
+        first = dict.fromkeys(("stratum", "scene", "dimension"), "first")
+        facts = group.groupby("problem_id", sort=False).agg({"limit": "max"} | first)
         models = group.groupby("label")["model"].first()
         pairs = pd.MultiIndex.from_product([facts.index, group["label"].unique()], names=["problem_id", "label"])
         lacking = pairs.difference(pd.MultiIndex.from_frame(group[["problem_id", "label"]])).to_frame(index=False)
-        lacking = lacking.join(facts, on="problem_id").assign(
-            reached=False, unjudgeable=False, skipped=True, model=lacking["label"].map(models)
-        )
-        parts.append(lacking.assign(charged=lacking["limit"]))
+        lacking = lacking.join(facts, on="problem_id").assign(model=lacking["label"].map(models))
+        parts.append(lacking.assign(reached=False, unjudgeable=False, skipped=True, charged=lacking["limit"]))
     return pd.concat([part for part in parts if len(part)] or parts, ignore_index=True).assign(problem_class=name)
 
 
 def profiles(times: pd.DataFrame, cost: str = "charged", *, relative: bool = True) -> dict[str, Profile]:
     """Return the profile of each label. times: one of `overall`. relative: whether costs are divided by the problem's least."""
-    least = (
-        times[times["reached"]].groupby("problem_id")[cost].min() if relative else pd.Series(1.0, times["problem_id"].unique())
-    )
-    spent = (times[cost] / times["problem_id"].map(least)).where(times["reached"], np.inf)
+    spent = times[cost].where(times["reached"], np.inf)
+    spent = (spent / spent.groupby(times["problem_id"]).transform("min")).fillna(np.inf) if relative else spent
     table = pd.DataFrame({"label": times["label"], "cost": spent, "weight": weights(times, ["label"])})
     parts = table.sort_values("cost", kind="stable").groupby("label", sort=False)
     return {str(label): Profile(of_label["cost"].to_numpy(), of_label["weight"].to_numpy()) for label, of_label in parts}

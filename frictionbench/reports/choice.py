@@ -25,11 +25,11 @@ SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a 
 DRAWS = 1000  # bootstrap samples: 25 of them lie beyond each end of an interval
 MEDIANS = 32  # resampled medians of the repeats of a cell; each sample uses one of them
 RIVALS = 4  # solvers after the first with which it is compared in each sample
-TOO_FEW = 5  # problems, by n_eff, up to which the bootstrap gives no meaningful interval
+TOO_FEW = 5.5  # problems, by n_eff, below which the bootstrap gives no meaningful interval
 CHARGES = (1, 2, 10)  # time limits charged for a problem not solved: PAR1, PAR2 and PAR10
 LISTED = 8  # solvers listed for a kind of problem
 GLOSS = {
-    "too few to rank": f"the weights leave {TOO_FEW} problems or fewer, of which resampling gives no meaningful interval",
+    "too few to rank": f"the weights leave fewer than {TOO_FEW} effective problems, too few for an interval by resampling",
     "no clear winner": "the 95 % interval of the lead includes 1.00: other scenes, problems or repeats could reverse the order",
 }
 
@@ -159,7 +159,7 @@ def choose(
     facts = facts.sort_values(["mean", "reached"], ascending=[True, False], kind="stable")
     ranked = [label for label in facts.index if has_mean[label]]
     interval = None
-    if accuracy.effective(weight.to_numpy()) >= TOO_FEW + 0.5 and ranked:
+    if accuracy.effective(weight.to_numpy()) >= TOO_FEW and ranked:
         interval = lead_interval(own, charged[ranked[: 1 + RIVALS]], problem)
     return Choice(
         [Place(label=str(label), **facts.loc[label].to_dict()) for label in facts.index],

@@ -59,6 +59,8 @@ def cited(solver: str) -> list[str]:
     return [entry.key for entry in references() if solver in entry.solvers]
 
 
-def bibliography(solvers: Collection[str]) -> str:
-    """Return the entries of these solvers, and those with the keyword ALWAYS."""
-    return "\n".join(entry.text for entry in references() if entry.solvers & {ALWAYS, *solvers})
+def bibliography(solvers: Collection[str], revision: str) -> str:
+    """Return the entries of these solvers, and those with the keyword ALWAYS. revision: a note in the entry of this package."""
+    entries = "\n".join(entry.text for entry in references() if entry.solvers & {ALWAYS, *solvers})
+    note = escaped(re.sub(r"[^\w.+ -]", "?", revision))  # without braces, which BibTeX counts
+    return entries.replace("howpublished = {Python package}", f"howpublished = {{Python package}}, note = {{{note}}}")

@@ -76,7 +76,8 @@ def view(run: Run) -> Values:
         "solved": {"verdicts": tables.solvability(run), "reasons": tables.reasons(run)},
         "maps": _maps(run),
         "recorded": recorded_problems(run),
-        "classes": _classes(run, simulated),
+        "classes": tables.problem_classes(run).to_dict("records"),
+        "simulated": simulated,
         "simulated_only": [row for scene, rows in simulated.items() if scene not in scenes for row in rows],
         "sheets": _sheets(run),
         "claims": claims.head(MOST_CLAIMS),
@@ -102,7 +103,6 @@ def _head(run: Run, rankings: Records) -> Values:
         "disturbed": disturbed(run),
         "exclusions": tables.exclusions(run),
         "oversubscribed": tables.workers_on_all_cores(run.manifest),
-        "gaps": tables.gaps(run),
         "other_law": int((run.rows["claimed"] & (run.rows["verdict"] == Verdict.RELAXED)).sum()),
         "headline": {by: headline({by: kinds_first, **kinds}, target) for by, kinds_first in kinds.items()},
         "reliability": tables.sentences(run),
@@ -156,15 +156,6 @@ def _maps(run: Run) -> Values:
     smallest = robustness.smallest(failed).to_dict("records")
     changes = {one.spec.name: robustness.changes(one) for one in cells if one.spec.constant}
     return {"robustness": robustness.robustness(cells), "changes": changes, "failed": len(failed), "smallest": smallest}
-
-
-def _classes(run: Run, simulated: dict[str, Records]) -> Records:
-    """Return the classes of problems. facts: the row of tables.problem_classes."""
-    scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
-    return [
-        {"facts": facts, "simulations": simulated.get(scene_of[facts["problem_class"]], [])}
-        for facts in tables.problem_classes(run).to_dict("records")
-    ]
 
 
 def _sheets(run: Run) -> Records:

@@ -20,7 +20,7 @@ from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import ESCAPED, bibliography, escaped
 from frictionbench.reports.printed import REFERENCES, Table, printed
 from frictionbench.reports.run import PORTFOLIO, Run
-from frictionbench.reports.tables import setting
+from frictionbench.reports.tables import asked, revision, setting
 from frictionbench.results.files import ResultsError, read_text, subfolder, write_text
 
 LARGEST_CAPTIONS = 2**20  # bytes of a file of captions: room for about a thousand
@@ -52,7 +52,7 @@ def write_paper(folder: Path, run: Run, figures: Iterable[str] | None = None, wi
     captions = {table.name: table.caption for table in made} | captions
     write_text(paper / "captions.tex", captions_file(captions, f"{setting(run)} {disturbed(run, leads=False)}".rstrip(), paper))
     solvers = [*run.rows["solver"], *run.simulations["solver"], *run.portfolios.values()]
-    write_text(paper / "references.bib", bibliography(set(", ".join(solvers).split(", "))))
+    write_text(paper / "references.bib", bibliography(set(", ".join(solvers).split(", ")), revision(run.manifest)))
     return paper
 
 
@@ -60,7 +60,9 @@ def chart_names(run: Run, names: Sequence[str] | None = None) -> Sequence[str]:
     """Check the names of charts, None for all, and return them. Errors: ResultsError naming one that the run lacks."""
     if missing := [name for name in names or () if name not in CHARTS or not CHARTS[name].panels(run)]:
         there = [name for name, chart in CHARTS.items() if chart.panels(run)]
-        raise ResultsError(f"figures: there is no {missing[0]} of these results; there are {', '.join(there)}")
+        raise ResultsError(
+            f"figures: there is no figure {missing[0]} (tables are always written); there are {', '.join(there)}"
+        )
     return names or [*CHARTS]
 
 
@@ -75,7 +77,7 @@ def _save_chart(chart: Chart, run: Run, paper: Path, width: float, font: str) ->
             text = f"{one.title.rstrip('.')}. {one.note} {caption}"
             figures.append((f"{chart.name}_{one.name}", text, one.panels, one.handles))
     for stem, text, panels, handles in figures:
-        columns = 1 if len(panels) == 1 else max(1, min(MOST_COLUMNS, int(width / NARROWEST)))
+        columns = max(1, min(MOST_COLUMNS, len(panels), int(width / NARROWEST)))
         height = ASPECT * width / columns
         room = TALLEST - legend_size([plain(name) for name in run.looks], width, FONT)[1]
         rows = max(1, min(-(-len(panels) // columns), int(room / height + SHRUNK)))
@@ -98,7 +100,7 @@ def _caption(chart: Chart, run: Run) -> str:
     title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
     sentences = Markup(chart.caption).striptags().replace(". ", ".\n").splitlines()
     printed_ones = (sentence for sentence in sentences if not sentence.startswith(ON_PAGE_ONLY))
-    return f"{title}. {' '.join(printed_ones)}".removeprefix(". ")
+    return f"{title}. {' '.join(printed_ones)}{f' {asked(run)}' * chart.ranked}".removeprefix(". ")
 
 
 def restricted(run: Run, what: str, names: Collection[str]) -> Run:
@@ -109,7 +111,7 @@ def restricted(run: Run, what: str, names: Collection[str]) -> Run:
     if missing := [name for name in names if name not in there]:
         raise ResultsError(f"{what}: {missing[0]} is not in this run; there are {'; '.join(sorted(there))}")
     settings = dict(run.manifest["settings"])
-    settings["suite"] = f"{settings.get('suite', 'unnamed')} with the {what} {', '.join(names)} only"
+    settings["suite"] = f"{settings.get('suite', 'unnamed')}; only {what} {', '.join(names)}"
     kept = {name: table[named[name].isin(list(names)).any(axis=1)] for name, table in tables.items()}
     return replace(run, manifest=run.manifest | {"settings": settings}, **kept)
 
@@ -140,8 +142,10 @@ def captions_file(captions: Mapping[str, str], setting: str, paper: Path) -> str
     named = {key: text for text, key in re.findall(line, earlier, re.MULTILINE) if key.partition("@")[2] in there}
     lines = [
         r"% \input{captions}, then \caption{\benchcaption{times}} and, in the text, on what it was made: \benchsetting{times}",
-        r"\newcommand{\benchcaption}[1]{\csname benchcaption@#1\endcsname}",
-        r"\newcommand{\benchsetting}[1]{\csname benchsetting@#1\endcsname}",
+        r"\newcommand{\benchcaption}[1]{\benchtext{benchcaption@#1}{#1}}",
+        r"\newcommand{\benchsetting}[1]{\benchtext{benchsetting@#1}{#1}}",
+        r"\newcommand{\benchtext}[2]{\ifcsname #1\endcsname\csname #1\endcsname\else"
+        r"\PackageError{frictionbench}{captions.tex has no #2}{It has the names of the figures and tables beside it.}\fi}",
     ]
     for name, caption in captions.items():
         for key, text in ((f"benchcaption@{name}", caption), (f"benchsetting@{name}", setting)):

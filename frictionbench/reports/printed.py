@@ -89,7 +89,7 @@ def _times(run: Run) -> list[Table]:
         columns.append([seconds(rows[i]["mean"], 3) for *_, rows in ranking])
     caption = (
         "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
-        f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved or not run charged the time limit."
+        f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved or not run charged the time limit. {tables.asked(run)}"
     )
     if "law" in facts:
         caption += " Law: what is solved in place of Coulomb's law; a mean is then given only if every problem is solved."
@@ -150,14 +150,18 @@ def _range(row: dict[str, float], what: str) -> str:
 
 
 def _solvers(run: Run) -> list[Table]:
-    both = pd.concat([run.rows[["solver", "model"]], run.simulations[["solver"]]]).drop_duplicates("solver").fillna("")
+    """The solvers with their models and references and, if there are outside ones, the versions of the libraries."""
+    columns = ["solver", "model", "version"]
+    both = pd.concat([table.reindex(columns=columns) for table in (run.rows, run.simulations)]).fillna("")
+    own = run.manifest.get("versions", {}).get("frictionbench")
     rows = [
         [name + PORTFOLIO * (name in run.portfolios), MODELS.get(model, model), ", ".join(sorted(cited(name))) or "–"]
-        for name, model in both.sort_values("solver").itertuples(index=False)
+        + ["–" if version in ("", own) else str(version)] * bool(run.outside)
+        for name, model, version in both.groupby("solver", as_index=False).max().itertuples(index=False)
     ]
     caption = "Solvers, the model that each solves (LCP: in space with a polygon in place of the cone), and references."
     caption += "".join(f" {name}* is a portfolio, which may run {members}." for name, members in run.portfolios.items())
-    return [Table("solvers", caption, ["solver", "solves", REFERENCES], rows)]
+    return [Table("solvers", caption, ["solver", "solves", REFERENCES, *["version"] * bool(run.outside)], rows)]
 
 
 TABLES: tuple[Callable[[Run], list[Table]], ...] = (*(_choice, _solvability, _times, _percentiles, _problems, _solvers),)

@@ -18,6 +18,7 @@ from frictionbench.results.conventions import ENDINGS, count, endings
 from frictionbench.results.hardness import hardness
 
 CLOCK_MARGIN = 0.1  # relative difference of a library's clock from solve_time that the overhead of a call does not explain
+LISTED = 20  # values of an option that are named
 ALL, NONE = "all", "none of these"
 
 
@@ -45,13 +46,13 @@ def reasons(run: Run) -> pd.DataFrame:
 
 
 def problem_classes(run: Run) -> pd.DataFrame:
-    """Return a row per class, grouped by scene and ordered by size: the numbers of problems and of those not ranked, the
-    ranges of contacts and unknowns, and the largest condition number."""
+    """Return a row per class, grouped by scene and ordered by size: the scene, the numbers of problems and of those not ranked,
+    the ranges of contacts and unknowns, and the largest condition number."""
     problems = run.rows.sort_values("size").drop_duplicates("problem_id").sort_index()
-    order = {scene: i for i, scene in enumerate(problems["scene"].unique())}
-    problems = problems.assign(order=problems["scene"].map(order), left_out=problems[list(EXCLUSIONS)].any(axis=1))
+    problems = problems.assign(order=pd.factorize(problems["scene"])[0], left_out=problems[list(EXCLUSIONS)].any(axis=1))
     problems = problems.sort_values(["order", "size"], kind="stable")
     table = problems.groupby("problem_class", sort=False).agg(
+        scene=("scene", "first"),
         problems=("problem", lambda names: int((names != "").sum())),
         left_out=("left_out", "sum"),
         dimension=("dimension", "max"),
@@ -81,16 +82,6 @@ def ranking(summaries: dict[float, pd.DataFrame], problem_class: str) -> list[tu
     """Return the labels of a class, the best at the tightest target first, each with its row at each target."""
     ranked = {target: best_first(table, problem_class) for target, table in summaries.items()}
     return [(label, [table.loc[label].to_dict() for table in ranked.values()]) for label in ranked[min(ranked)].index]
-
-
-def gaps(run: Run) -> int:
-    """Return the number of pairs of a problem and a variant without a row, as in a run that has not finished.
-
-    Pairs are counted for each dimension and start, because a plan may have different solvers in the plane and in space, and
-    some problems have no warm start.
-    """
-    pairs = run.ranked.drop_duplicates(["problem_id", "variant", "start"]).groupby(["dimension", "start"])
-    return sum(rows["problem_id"].nunique() * rows["variant"].nunique() - len(rows) for _, rows in pairs)
 
 
 def clocks(run: Run) -> pd.DataFrame:
@@ -193,15 +184,33 @@ def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
 
 
 def setting(run: Run) -> str:
-    """Return a sentence on the suite, its problems and the machine of a run."""
-    settings, machine, versions = (run.manifest.get(name, {}) for name in ("settings", "machine", "versions"))
-    code = f"{run.manifest.get('release', '')} revision {versions.get('frictionbench')}".strip()
-    facts = [f"Suite {settings.get('suite', 'unnamed')}", f"frictionbench {code}"]
+    """Return a sentence on the suite, the options that replace parts of it, its problems and the machine of a run."""
+    settings, machine, options = run.manifest["settings"], run.manifest.get("machine", {}), replaced(run.manifest)
+    facts = [f"Suite {settings.get('suite', 'unnamed')}", f"run with {options}" if options else "", revision(run.manifest)]
     facts += [count(run.ranked["problem_id"].nunique(), "ranked problem"), count(run.ranked["variant"].nunique(), "solver")]
     processor = f"{machine.get('processor')}, {count(machine.get('cores'), 'core')}"
-    facts += [f"time limit {settings.get('time_limit')} s", processor]
     finished = str(run.manifest.get("finished", ""))[:10]  # the day
-    return f"{', '.join(facts)}; {f'finished {finished}' if finished else 'not finished'}."
+    facts += [f"time limit {settings.get('time_limit')} s", processor, f"finished {finished}" if finished else "not finished"]
+    return "; ".join(filter(None, facts)) + "."
+
+
+def revision(manifest: dict[str, Any]) -> str:
+    """Return the release and the revision of the code of a run."""
+    return f"frictionbench {manifest.get('release', '')} revision {manifest.get('versions', {}).get('frictionbench')}"
+
+
+def replaced(manifest: dict[str, Any]) -> str:
+    """Return the options by which a run replaced parts of its suite, with their values; empty if it is the whole suite."""
+    given = {name: manifest.get("options", {}).get(name) for name in ("scene", "solver", "tol", "time_limit", "data")}
+    lists = {name: value if isinstance(value, list) else [value] for name, value in given.items() if value is not None}
+    texts = {name: ", ".join(map(str, each)) if len(each) <= LISTED else f"{len(each)} values" for name, each in lists.items()}
+    return "; ".join(f"{name.replace('_', ' ')} {text}" for name, text in texts.items())
+
+
+def asked(run: Run) -> str:
+    """Return a sentence on the tolerances of a run, which need not have each target among them."""
+    tolerances = sorted(run.manifest["settings"].get("tolerances", []), reverse=True)
+    return f"Tolerances asked for: {', '.join(map(residual, tolerances))}; a time to a target is the least that reaches it."
 
 
 def exclusions(run: Run) -> str:

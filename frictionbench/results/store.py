@@ -239,7 +239,7 @@ class _Source:
 
 
 # The types of the entries that are read from a manifest, and from its settings.
-_FACTS: dict[str, Any] = {"machine": dict[str, Any], "loaded": dict[str, dict[str, str]]}
+_FACTS: dict[str, Any] = {"machine": dict[str, Any], "options": dict[str, Any], "loaded": dict[str, dict[str, str]]}
 _FACTS |= dict.fromkeys(("versions", "solvers", "content"), dict[str, str])
 _SETTINGS: dict[str, Any] = {"tolerances": list[float], "plugins": list[_Plugin], "sources": list[_Source]}
 

@@ -32,23 +32,31 @@ latex = pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is
 @pytest.fixture
 def run(tmp_path) -> Run:
     rows = [solve_row(name, p, tol) for name in ("lemke", "nsgs", "ccp[backend=osqp]") for p in "pqr" for tol in (1e-4, 1e-8)]
-    rows += [unanswered_row("siconos[method=global_friction_3d_admm]", p, "timeout") for p in "pqr"]
+    siconos = "siconos[method=global_friction_3d_admm]"
+    rows += [unanswered_row(siconos, p, "timeout", version="4.5.0") for p in "pqr"]
     rows += [solve_row(EVIL, p, solve_time=2.0) for p in "pqr"]
     for row in rows:
         row["solver"] = row["variant"].partition("[")[0]
-    return read_run(write_folder(tmp_path / "run", rows, [simulation_row("lemke")], machine={"processor": EVIL}))
+    facts = {"machine": {"processor": EVIL}, "release": "1.0", "versions": {"frictionbench": "a}"}}
+    facts["options"] = {"suite": "made", "scene": ["stack[blocks=5]"], "solver": ["lemke", "nsgs"], "time_limit": 2.0}
+    return read_run(write_folder(tmp_path / "run", rows, [simulation_row("lemke")], **facts))
 
 
 def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.reports.paper.CHARTS", {})
     paper = write_paper(tmp_path, run)
-    times, verdicts = ((paper / f"{name}.tex").read_text() for name in ("times", "solvability"))
+    names = "times", "solvability", "solvers", "captions"
+    times, verdicts, solvers, captions = ((paper / f"{name}.tex").read_text() for name in names)
     assert r"solver & " + " & ".join(rf"to \ensuremath{{10^{{-{k}}}}} & mean" for k in (4, 6, 8)) + r" \\" in times
     assert r"lemke & 3/3 & 3 ms & 3/3 & 3 ms & 3/3 & 3 ms \\" in times
     assert r"{@{}lrrrr@{}}" in verdicts
     assert r"solver & cells & claimed & solved & timeout \\" in verdicts
-    assert r"{@{}lll@{}}" in (paper / "solvers.tex").read_text()
-    assert r"\cite{CottlePangStone1992, Lemke1965, Murty1988}" in (paper / "solvers.tex").read_text()
+    assert r"{@{}lllr@{}}" in solvers
+    assert r"\cite{CottlePangStone1992, Lemke1965, Murty1988} & -- \\" in solvers
+    assert r"\cite{AcaryBremondHuber2018, Siconos} & 4.5.0 \\" in solvers
+    assert r"Tolerances asked for: \ensuremath{10^{-4}}, \ensuremath{10^{-8}}; a time to" in captions
+    assert captions.count("Suite made; run with scene stack{[}blocks=5{]}; solver lemke, nsgs; time limit 2.0; ") == 6
+    assert "note = {frictionbench 1.0 revision a?}" in (paper / "references.bib").read_text()
     assert booktabs(Table("t", "", ["", REFERENCES], [["", ", ".join(["Lemke1965"] * 9)]])).startswith("% one column")
     for letters, first in ((20, "% one column"), (60, "% both columns")):
         assert booktabs(Table("t", "", ["a", "b"], [["x" * letters, "y" * letters]])).startswith(first)
@@ -85,13 +93,6 @@ def test_chosen_solvers(run) -> None:
     assert split_names("a, b[x=1,y=2],c, n < 100, d, n from 1000") == ["a", "b[x=1,y=2]", "c, n < 100", "d, n from 1000"]
 
 
-def test_widths_with_units() -> None:
-    assert list(map(parse_length, ("85mm", "8.5cm", "3.35in", "3.35"))) == pytest.approx([85 / 25.4, 85 / 25.4, 3.35, 3.35])
-    for text in ("85", "wide", "3 ft", "..in"):
-        with pytest.raises(Exception, match="is not a length"):
-            parse_length(text)
-
-
 def test_every_solver_has_its_references() -> None:  # but for the plug-ins that other tests load
     assert [name for name, info in available().items() if info.ours and not cited(name)] == []
     assert {solver for entry in references() for solver in entry.solvers} - set(available()) == {"all"}
@@ -107,7 +108,7 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     kept = re.findall(r".*bench\w+@speed_accuracy.*", (paper / "captions.tex").read_text())
     assert [re.findall(r"continued \((\d of \d)", line) for line in kept] == [[], [], ["2 of 3"], [], ["3 of 3"], []]
     few = restricted(many, "scenes", ["scene_3"])
-    assert setting(few).startswith("Suite made with the scenes scene_3 only, frictionbench ")
+    assert setting(few).startswith("Suite made; only scenes scene_3; frictionbench ")
     wide = (write_paper(tmp_path, few, ["profiles"], 7.0) / "captions.tex").read_text()  # of another setting, beside the first
     assert set(kept) < set(wide.splitlines())
     with (paper / "captions.tex").open("a") as file:  # of somebody else
@@ -124,10 +125,20 @@ def test_figures_fit_the_page(run, tmp_path) -> None:
     assert ((many.folder / "report.html").exists(), done.stderr) == (False, "figures: 1 done\n")
 
 
+def widths(paper) -> list[float]:
+    return [float(re.search(r'width="([\d.]+)pt"', file.read_text())[1]) for file in paper.glob("*.svg")]
+
+
 def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:
+    assert list(map(parse_length, ("85mm", "8.5cm", "3.35in", "3.35"))) == pytest.approx([85 / 25.4, 85 / 25.4, 3.35, 3.35])
+    for text in ("85", "wide", "3 ft", "..in"):
+        with pytest.raises(Exception, match="is not a length"):
+            parse_length(text)
     paper = write_paper(tmp_path, run, ["profiles", "speed_accuracy", "energy"], 85 / 25.4)
-    widths = [float(re.search(r'width="([\d.]+)pt"', file.read_text())[1]) for file in paper.glob("*.svg")]
-    assert widths == pytest.approx([72 * 85 / 25.4] * max(3, len(widths)), abs=0.5)
+    assert widths(paper) == pytest.approx([72 * 85 / 25.4] * max(3, len(widths(paper))), abs=0.5)
+    few = read_run(write_folder(tmp_path / "few", [solve_row("lemke", scene, scene=scene) for scene in "abcdefghijklm"]))
+    for shown in (few, restricted(few, "scenes", ["a", "b"])):  # of 13 panels, the last of which is alone in its part; of two
+        assert {*widths(write_paper(tmp_path / "few", shown, ["speed_accuracy"], 6.4))} == {72 * 6.4}
     many = read_run(write_folder(tmp_path / "m", [solve_row(f"{k:040}", "p", t) for k in range(12) for t in (1e-4, 1e-8)]))
     text = (write_paper(tmp_path, many, ["profiles"], 80 / 25.4) / "profiles.svg").read_text()
     assert float(re.search(r'height="([\d.]+)pt"', text)[1]) <= 72 * 5.65  # the page has 7.6 inches, for the caption as well
@@ -163,7 +174,7 @@ def compile_latex(folder, name, *commands) -> str:
 def test_the_document_shown_compiles(run, tmp_path, options) -> None:
     page = (ROOT / "docs/figures.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```latex\n(.*?)```", page, re.DOTALL)
-    (width,) = re.findall(r"--paper.* --width (\d+mm)", page)
+    width, *_ = re.findall(r"--paper.* --width (\d+mm)", page)
     paper = write_paper(tmp_path, run, ["profiles"], parse_length(width))
     preamble, _, body = shown.partition("\\begin{figure}")
     text = [rf"\documentclass[{options}]{{article}}", preamble, r"\begin{document}", r"\begin{figure}" + body]
@@ -172,6 +183,11 @@ def test_the_document_shown_compiles(run, tmp_path, options) -> None:
     assert "Float too large" not in log
     assert [line for line in re.findall(r"Overfull \\hbox.*", log) if float(re.search(r"([\d.]+)pt", line)[1]) > 1] == []
     assert b"/Type3" not in (paper / "shown.pdf").read_bytes()
+    mistyped = (paper / "shown.tex").read_text().replace(r"\benchcaption{profiles}", r"\benchcaption{profile}")
+    (paper / "mistyped.tex").write_text(mistyped, encoding="utf-8")
+    with pytest.raises(AssertionError):
+        compile_latex(paper, "mistyped", "pdflatex")
+    assert "frictionbench Error: captions.tex has no profile." in (paper / "mistyped.log").read_text(encoding="latin-1")
 
 
 def test_the_figure_of_the_page(tmp_path, monkeypatch) -> None:

@@ -18,7 +18,7 @@ from frictionbench.reports.page import view, write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.printed import printed
 from frictionbench.reports.run import Run, annotate, annotate_simulations, outcomes, read_run
-from frictionbench.reports.tables import gaps, hard_shares, reliabilities, sentences
+from frictionbench.reports.tables import hard_shares, reliabilities, sentences
 from frictionbench.reports.templates import environment
 from frictionbench.results.conventions import ENDINGS
 from frictionbench.results.histories import ConvergenceHistory, write_histories
@@ -56,6 +56,8 @@ def test_least_time_within_target():
     found = {target: accuracy.times_to(rows, target).iloc[0] for target in accuracy.TARGETS}
     assert [row["charged"] for row in found.values()] == [1.0, 2.0, 2.0]
     assert found[1e-8][["form_time", "setup_time", "solve_time"]].tolist() == [0.2, 0.3, 1.5]
+    claim = annotated(solve_row("a", "p", 1e-8, verdict="wrong", residual=1e-5))  # counts at its accuracy
+    assert [accuracy.times_to(claim, target)["reached"].item() for target in (1e-4, 1e-6)] == [True, False]
 
 
 @pytest.mark.parametrize(
@@ -78,11 +80,6 @@ def test_unsolved_is_charged_at_limit(miss):
     assert summary["solve"] == 0.1
 
 
-def test_wrong_claim_counts_at_its_accuracy():
-    rows = annotated(solve_row("a", "p", 1e-8, verdict="wrong", residual=1e-5))
-    assert [accuracy.times_to(rows, target)["reached"].item() for target in (1e-4, 1e-6)] == [True, False]
-
-
 def test_skipped_class_has_no_value():
     rows = annotated(solve_row("a", "p"), unanswered_row("b", "p", "skipped"), unanswered_row("c", "p", "crashed"))
     assert accuracy.times_to(rows, 1e-8)["label"].tolist() == ["a", "c"]
@@ -90,15 +87,12 @@ def test_skipped_class_has_no_value():
     assert (some["skipped"].tolist(), some["charged"].notna().all()) == ([False, True], True)
 
 
-def test_trivial_problems_are_excluded():
+def test_problems_that_are_not_ranked_are_counted():
     run = run_of(solve_row("a", "p"), solve_row("a", "q", trivial=True), solve_row("a", "r", verdict="wrong", trivial=True))
     assert run.summaries[1e-8]["problems"].tolist() == [1, 1]
     row = tables.solvability(run).iloc[0]
     assert (row["cells"], row["left_out"], row["solved"], row["wrong"]) == (1, 2, 1, 0)
     assert view(run)["claims"]["problem"].tolist() == ["r"]
-
-
-def test_problems_that_are_not_ranked_are_counted():
     run = run_of(solve_row("a", "p"), solve_row("a", "q", contacts=None), unanswered_row("a", "", "skipped", contacts=None))
     assert tables.exclusions(run) == "Left out of all rankings: 1 that cannot be read or made, 1 given as an LCP."
     assert run.ranked["problem"].tolist() == ["p"]
@@ -202,9 +196,8 @@ def test_untrusted_text_is_escaped(tmp_path):
     row = solve_row("a", "p") | dict.fromkeys(texts, markup) | {"verdict": "wrong", "start": "warm"}
     simulation = simulation_row("a") | dict.fromkeys(("scene", "parameters", "variant", "scheme", "reason", "key"), markup)
     manifest = {"machine": {markup: markup}, markup: {markup: [markup]}}
-    path = write_report(
-        write_folder(tmp_path, [row | {"parameters": markup}, row | {"key": "b", "scene": "c"}], [simulation], **manifest)
-    )
+    rows = [row | {"parameters": markup}, row | {"key": "b", "scene": "c"}]
+    path = write_report(write_folder(tmp_path, rows, [simulation], **manifest))
     page = Page(path)
     assert_only_our_script_runs(path, page)
     assert page.handlers == []
@@ -404,18 +397,11 @@ ROWS = [
 
 
 def test_shares_by_label(tmp_path) -> None:
-    (found,) = hard_shares(read_run(write_folder(tmp_path, ROWS)))
+    rows = [*ROWS, *(solve_row(name, "d", step=3, dimension=3, **HEAVY) for name in ("one", "four"))]
+    found, space = hard_shares(read_run(write_folder(tmp_path, rows)))
+    assert (space.where, space.problems["all"], set(space.table["label"])) == ("in space", 1, {"one", "four"})
     assert found.problems == {"all": 3, "masses": 2, "large": 1, "none of these": 1}
     table = found.table.set_index("label")
     assert list(table.index) == ["one", "two"]  # a solver that was skipped everywhere has no share
     assert table.loc["one"].to_list() == [1, 1, 1, 1]
     assert table.loc["two"].to_list() == pytest.approx([1 / 3, 1 / 2, 1, 0])
-
-
-def test_plane_and_space_have_a_table_each(tmp_path) -> None:
-    """Solvers of the plane alone leave no gap in space, nor does a start that only some problems have."""
-    rows = [*ROWS, *(solve_row(name, "d", step=3, dimension=3, **HEAVY) for name in ("one", "four"))]
-    run = read_run(write_folder(tmp_path, [*rows, solve_row("one", "b", key="warm", start="warm", step=1, **HEAVY, **LARGE)]))
-    plane, space = hard_shares(run)
-    assert [(one.where, one.problems["all"]) for one in (plane, space)] == [("in the plane", 3), ("in space", 1)]
-    assert (set(space.table["label"]), gaps(run)) == ({"one", "four"}, 2)  # three has a row of one planar problem of three

@@ -66,7 +66,6 @@ def read_options(path: Path, solvers: list[str] | None = None) -> RunOptions:
         raise
     except (ValueError, RecursionError) as error:
         raise InputError(f"config: {path}: {error}") from None
-    require(isinstance(stored, dict), "config", f"{path}: options: not a table")
     names = [field.name for field in fields(RunOptions)]
     for name in stored:
         known = f"{path}: unknown option {name!r}{near(name, names)}; known are {', '.join(names)}"

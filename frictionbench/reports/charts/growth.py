@@ -51,13 +51,10 @@ def exponent(contacts: Array, time: Array) -> tuple[float, float]:
 
 def _exponents(curves: dict[str, pd.DataFrame]) -> dict[str, str]:
     """Return the exponents, as text, of the labels that solve enough sizes, the smallest first."""
-    slopes = {}
-    for label, curve in curves.items():
-        complete = curve[curve["all"] & (curve.index > 0)]
-        slope, error = exponent(complete.index.to_numpy(dtype=float), complete["mean"].to_numpy())
-        if np.isfinite(slope):
-            slopes[label] = slope, error
-    return {label: f"n^{slope:.1f} ± {error:.1f}" for label, (slope, error) in sorted(slopes.items(), key=lambda one: one[1])}
+    solved = {label: curve.loc[curve["all"] & (curve.index > 0), "mean"] for label, curve in curves.items()}
+    slopes = [(*exponent(mean.index.to_numpy(dtype=float), mean.to_numpy()), label) for label, mean in solved.items()]
+    known = sorted(one for one in slopes if np.isfinite(one[0]))
+    return {label: f"n^{slope:.1f} ± {error:.1f}" for slope, error, label in known}
 
 
 def _draw(ax: Axes, curves: dict[str, pd.DataFrame], looks: dict[str, Look], ends: tuple[float, float], up: str) -> None:

@@ -40,7 +40,6 @@ def save_sheet(
 
     size: of one panel, inches. font: points. paper: the colour of the background. handles: legend entries besides the labels.
     """
-    columns = max(1, min(columns, len(panels)))
     rows = -(-len(panels) // columns)
     width = columns * size[0]
     named_family, face = FAMILIES[family]
