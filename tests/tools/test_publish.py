@@ -118,10 +118,10 @@ def test_a_manifest_that_no_summary_can_quote_is_refused(tmp_path: Path) -> None
 
 
 def test_problems_that_are_missing_are_told(tmp_path: Path) -> None:
-    folder = run(tmp_path / "run", versions={"frictionbench": "1.0-dirty-1"})
+    folder = run(tmp_path / "run", versions={"frictionbench": "1.0-dirty-1"}, options={"suite": "made", "tol": "1e-4"})
     (folder / "problems" / f"{PROBLEM.hash}.npz").unlink()
     (path,) = publish([folder], None, tmp_path / "summaries")
-    assert {what for what, holds, _ in read(path)["checks"] if not holds} == {"problems", "version"}
+    assert {what for what, holds, _ in read(path)["checks"] if not holds} == {"problems", "version", "whole suite"}
 
 
 EDITS = {

@@ -1,4 +1,4 @@
-"""Published summaries of runs: one JSON file per run, a text of about ten kilobytes.
+"""Published summaries of runs: one JSON file per run, a text of 50 to 700 kilobytes for a suite.
 
     format       1
     name         SUITE-VERSION-MACHINE-DATE, the name of the file
@@ -201,10 +201,12 @@ def held(folder: Path, names: set[str]) -> tuple[bool, str]:
 def _checks(run: Run, facts: pd.DataFrame, version: str) -> list[list[Any]]:
     idle = float((facts["trivial"] | facts["idle"]).mean()) if len(facts) else 0.0
     crowded = tables.workers_on_all_cores(run.manifest)
+    options = tables.replaced(run.manifest)
     checks = [
         ("tables", True, "All columns are those of the schema."),
         ("problems", *held(run.folder, set(run.rows["problem"]) - {""})),
         ("version", "dirty" not in version, f"The code is {version}{', a changed checkout' * ('dirty' in version)}."),
+        ("whole suite", not options, f"Options that replace parts of the suite: {options or 'none'}."),
         ("friction at work", idle <= 0.5, f"{100 * idle:.0f} % of the problems are trivial or idle and not ranked."),
         ("timing noise", True, choice.disturbed(run) or "No cell waited for its core."),
         ("cores", not crowded, "Workers had all cores." if crowded else "A core was left free, or there was one worker."),
