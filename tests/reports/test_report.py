@@ -176,7 +176,7 @@ def test_page_is_complete_and_self_contained(tmp_path):
         ([unanswered_row("a", "p", "skipped", size=None, contacts=None, dimension=None, condition=None)], []),
         ([solve_row("a", "p", residual=float("inf"), verdict="unsolved")], []),
         ([solve_row("a", "p")], [simulation_row("a", energies=[1.0, float("inf"), float("nan")])]),
-        ([solve_row("a", "p")], [simulation_row("a", times=[float("nan")] * 3)]),
+        ([solve_row("a", "p", disturbed=True)], [simulation_row("a", times=[float("nan")] * 3)]),
     ],
     ids=["nothing", "simulations alone", "trivial", "skipped", "no residual", "one solver", "no finite time"],
 )
@@ -186,6 +186,7 @@ def test_partial_run_page(tmp_path, solves, simulations):
     page = Page(write_report(tmp_path))
     assert "has not finished" in page.text
     assert "Known limitations" in page.text
+    assert ("Most times are disturbed" in page.text) == any(row.get("disturbed") is True for row in solves)
     assert ("No answer is claimed as solved yet" in page.text) == (not any(row["claimed"] for row in solves))
     assert write_paper(tmp_path, read_run(tmp_path)).is_dir()
 
