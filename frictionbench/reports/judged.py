@@ -116,7 +116,7 @@ class Judged:
         text = f"Contacts that should stick {how} {slip} of the velocity that they would have without impulses, "
         several = f"in the median of {len(held)} of {len(self.touching)} steps; at up to {largest}, " * (len(held) > 1)
         text += f"{several}in {fastest.file}."
-        if not creeps:
+        if not creeps or WORSE_THAN_NONE in self.doubts:
             return text
         soft = middle.notes.get("softness of contacts", 0.0)
         if soft * middle.free_velocity > SOFT * speeds[0]:
