@@ -152,7 +152,8 @@ def of_another_version(stored: cells.Cells, before: cells.Cells, after: cells.Ce
             is_tested = any(one.is_relative_to(ENVIRONMENT) or not path.resolve().is_relative_to(ENVIRONMENT) for one in around)
             if name not in then:
                 return f"{variant} loads no {name} there, as for the baseline; {GIVE_BASELINE}"
-            if name in known and place in after.places.get(variant, {}).values() and path.is_absolute() and is_tested:
+            is_new = path.is_absolute() and is_tested if name != executable.COMMAND else not path.is_absolute()
+            if name in known and place in after.places.get(variant, {}).values() and is_new:
                 return f"both versions run the current {name}, not the baseline's; {GIVE_BASELINE}, or --no-times"
     return ""
 

@@ -200,7 +200,7 @@ def initial_content(plan: Plan) -> dict[str, Any]:
     for source in (plugin.source for plugin in plan.plugins):
         loaded[source] = {quoted(path.name): quoted(str(path)) for path in plugins.files(source)}
         if executable.is_command(source):
-            loaded[source]["command"] = f"{VERSION}{executable.command_hash(source)}"
+            loaded[source][executable.COMMAND] = f"{VERSION}{executable.command_hash(source)}"
     content = files | {place: place_hash(place) for known in loaded.values() for place in known.values()}
     return {"loaded": loaded, "content": {place: digest for place, digest in sorted(content.items()) if digest}}
 

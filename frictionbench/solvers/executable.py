@@ -27,7 +27,7 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.rows import row_of_entry
 from frictionbench.solvers.interface import Answer, Status, solver
 
-PREFIX = "exec:"
+PREFIX, COMMAND = "exec:", "command"  # of a source; name of its command among the contents that a run records
 FILES = ("{problem}", "{answer}")
 ENDED = {"solved": Status.SOLVED, "limit": Status.WORK_LIMIT, "stalled": Status.STALLED, "failed": Status.FAILED}
 LARGEST_ANSWER = 2**26  # bytes of an answer

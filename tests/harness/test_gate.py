@@ -178,6 +178,11 @@ def test_times_of_another_version_pass_nothing(tmp_path: Path) -> None:
     assert "both versions run the current wrapper.py" in of_another_version(stored, changed, changed, [Path("/here")])
     assert of_another_version(stored, changed, changed, [Path("/elsewhere")]) == ""
     assert of_another_version(stored, stored, changed, [Path("/here")]) == ""
+    exact, fast = (
+        replace(stored, loaded={"a": {"command": digest}}, places={"a": {"command": f"version:{digest}"}}) for digest in "12"
+    )
+    assert "both versions run the current command" in of_another_version(exact, fast, fast, [])
+    assert of_another_version(exact, exact, fast, []) == ""  # a script of the repository that holds the command
 
 
 @pytest.mark.parametrize(("place", "verdict"), [("first", "timeout"), ("body", "crashed")])
