@@ -113,8 +113,9 @@ def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dic
     A, B, w, owners = (np.concatenate(each) for each in zip(*parts, strict=True))
     stop = -np.linalg.lstsq(B @ (problem.inverse_mass @ A.T), w, rcond=RANK_TOL)[0]
     free, between = null_space(A.T, rcond=RANK_TOL), [tuple(np.flatnonzero(rows.any(axis=0)).tolist()) for rows in J]
-    change = np.einsum("cdv,cd->v", J, exact)
-    rounding = RANK_TOL * np.sqrt(change @ (problem.inverse_mass @ change))  # differences of smaller net impulses mean nothing
+    change, v = np.einsum("cdv,cd->v", J, exact), problem.free_velocity
+    largest = max(change @ (problem.inverse_mass @ change), v @ (problem.mass @ v))
+    rounding = RANK_TOL * np.sqrt(largest)  # differences of smaller net impulses mean nothing
     nets_by_velocities = {}
     pressing = np.flatnonzero(J[:, 0].any(axis=1))  # dry friction of a joint has no normal
     for velocities in dict.fromkeys(between[i] for i in pressing):

@@ -208,6 +208,8 @@ def test_hyperstatic_contacts_are_marked(tmp_path) -> None:
     assert _shown(net._replace(engine=[-1e-20, 1.0]))["engine"] == "0, 1"
     idle = box(contacts=2).replace(tangent=[[1.0, 0.0], [0.0, 0.0]])  # the second contact bears only what rounding leaves
     assert _net_impulses(idle, np.array([[1.0, 0.0], [0.0, 0.0]]), np.array([[1.0, 0.0], [1e-39, 0.0]]))["1"].difference < 1e-12
+    apart = _net_impulses(box().replace(bias=[1.0]), np.array([[1e-15, 0.0]]), np.zeros((1, 2)))["0 to 1"]
+    assert apart.difference < 1e-5  # and of an engine that leaves it
     dry = box(contacts=2).replace(normal=[[0.0, 1.0], [0.0, 0.0]])  # the second is dry friction of a joint
     assert [*_net_impulses(dry, np.ones((2, 2)), np.ones((2, 2)))] == ["0 to 1"]
     assert "In 1 of 1 the forces of single contacts are not determined (hyperstatic)" in Judged([one], pd.DataFrame()).forces
