@@ -117,9 +117,9 @@ def step(
     before: the previous step, for a warm start by pairs of geoms and by joints.
 
     If the solver fails, `status` says so, and its impulses are used nevertheless, or zero if they are not finite.
-    Errors: InputError naming model without joints, data where the simulation has diverged, contact where its surface moves,
-    dof_dampingpoly where Euler has nonlinear damping, integrator where it is unknown or implicit's mass is indefinite, or what
-    `solve` refuses.
+    Errors: InputError naming model without joints, data of another model or where the simulation has diverged, contact where
+    its surface moves, dof_dampingpoly where Euler has nonlinear damping, integrator where it is unknown or implicit's mass is
+    indefinite, or what `solve` refuses.
     """
     import mujoco as mj
 
@@ -168,6 +168,7 @@ def steps(model: Any, data: Any, count: int, solver: str = "hybrid", tol: float 
 
 
 def _stage(mj: Any, model: Any, data: Any) -> _Stage:
+    engine.require_pair(mj, model, data)
     implicit = model.opt.integrator in engine.known(mj)[1:]
     usable = model.opt.integrator in (*engine.known(mj), mj.mjtIntegrator.mjINT_RK4)
     require(usable, "integrator", "must be Euler, RK4, implicit or implicitfast")

@@ -235,6 +235,10 @@ def test_unusable_models_and_states() -> None:
     data.qvel[0] = 1.1e10
     with pytest.raises(fb.InputError, match="data: MuJoCo would reset it: the simulation has diverged"):
         fb.mujoco.step(model, data)
+    for named, given in ("model", (data, model)), ("data", (model, made(CHAIN.format(integrator="Euler"))[1])):
+        for call in (fb.mujoco.step, fb.capture.mujoco):
+            with pytest.raises(fb.InputError, match=f"{named}: must be a mujoco.Mj"):
+                call(*given)
     with pytest.raises(fb.InputError, match="model: has no joints"):
         fb.mujoco.step(*made("<mujoco/>"))
     model, data = made(CHAIN.format(integrator="implicit"))

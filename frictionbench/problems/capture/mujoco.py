@@ -41,11 +41,13 @@ def mujoco(model: Any, data: Any) -> EngineStep:
     Returns an EngineStep. The bias is the gap divided by the step, negative if bodies penetrate. The notes state the shares of
     torsional and rolling friction, of the softness of contacts and equalities, and of everything that no constraint explains,
     such as unsymmetric implicit terms of the integrator.
-    Errors: InputError naming model without joints; integrator other than Euler, implicit and implicitfast; contact for moving
-    surfaces and flexes without friction; data that has diverged; step if the engine's next velocity differs from the problem's.
+    Errors: InputError naming model without joints; data of another model, or that has diverged; integrator other than Euler,
+    implicit and implicitfast; contact for moving surfaces and flexes without friction; step if the engine's next velocity
+    differs from the problem's.
     """
     import mujoco as mj
 
+    require_pair(mj, model, data)
     require(model.opt.integrator in known(mj), "integrator", "must be Euler, implicit or implicitfast")
     h = float(model.opt.timestep)
     after = mj.MjData(model)
@@ -82,6 +84,13 @@ def kinds_of(mj: Any, data: Any) -> Kinds:
     limit = (kind == int(at.mjCNSTR_LIMIT_JOINT)) | (kind == int(at.mjCNSTR_LIMIT_TENDON))
     dry = (kind == int(at.mjCNSTR_FRICTION_DOF)) | (kind == int(at.mjCNSTR_FRICTION_TENDON))
     return Kinds(data.contact.efc_address >= 0, limit, dry, kind == int(at.mjCNSTR_EQUALITY))
+
+
+def require_pair(mj: Any, model: Any, data: Any) -> None:
+    """Check the types, and that data belongs to this model: MuJoCo itself would access memory beyond data's arrays."""
+    require(isinstance(model, mj.MjModel), "model", f"must be a mujoco.MjModel, got {type(model)}")
+    own = isinstance(data, mj.MjData) and data.signature == model.signature
+    require(own, "data", f"must be a mujoco.MjData of this model, got {type(data)}")
 
 
 def known(mj: Any) -> tuple[Any, ...]:
