@@ -29,12 +29,11 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
     >>> found.verdict.value, found.residual <= 1e-6
     ('solved', True)
     """
-    tol = tolerance(tol)
-    info, _ = find((getattr(answer, "solver", None) or COULOMB_SOLVER) if solver is None else solver)
     require_problem(problem)
     require(isinstance(answer, Answer), "answer", f"must be an Answer, got {type(answer)}; fb.residual takes impulses")
+    info, _ = find((answer.solver or COULOMB_SOLVER) if solver is None else solver)
     try:
         answer = checked_copy(answer)
     except AnswerError as error:
         raise InputError(f"answer: {error}") from None
-    return verifier.verify(problem, answer, info.model, tol, quiet=bool(info.needs))
+    return verifier.verify(problem, answer, info.model, tolerance(tol), quiet=bool(info.needs))

@@ -45,13 +45,8 @@ class Reference(NamedTuple):
 def references() -> tuple[Reference, ...]:
     """All references, in the order of the file."""
     text = Path(__file__).with_name("references.bib").read_text(encoding="utf-8")
-    entries = []
-    for entry in re.findall(r"^@\w+\{.*?^\}\n", text, flags=re.MULTILINE | re.DOTALL):
-        key, named = re.match(r"@\w+\{([^,]+),", entry), re.search(r"keywords = \{(.*?)\}", entry)
-        assert key is not None, entry
-        assert named is not None, entry
-        entries.append(Reference(key[1], frozenset(named[1].split(", ")), entry))
-    return tuple(entries)
+    entries = re.finditer(r"^@\w+\{([^,]+),.*?keywords = \{(.*?)\}\n\}\n", text, flags=re.MULTILINE | re.DOTALL)
+    return tuple(Reference(entry[1], frozenset(entry[2].split(", ")), entry[0]) for entry in entries)
 
 
 def cited(solver: str) -> list[str]:
@@ -63,4 +58,4 @@ def bibliography(solvers: Collection[str], revision: str) -> str:
     """Return the entries of these solvers, and those with the keyword ALWAYS. revision: a note in the entry of this package."""
     entries = "\n".join(entry.text for entry in references() if entry.solvers & {ALWAYS, *solvers})
     note = escaped(re.sub(r"[^\w.+ -]", "?", revision))  # without braces, which BibTeX counts
-    return entries.replace("howpublished = {Python package}", f"howpublished = {{Python package}}, note = {{{note}}}")
+    return entries.replace("REVISION", note)

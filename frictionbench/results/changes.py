@@ -58,22 +58,16 @@ class Flip:
 
 @dataclass(frozen=True)
 class Growth:
-    """A change in the sum of a counter over a solver's cells. limit: the largest ratio that does not count as growth.
-
-    before, after: None for a run whose cells lack the counter, or have a value that is not a count.
-    """
+    """A change in the sum of a counter over a solver's cells. limit: the largest ratio that does not count as growth. before,
+    after: None for a run whose cells lack the counter, or have a value that is not a count."""
 
     variant: str
-    counter: str
+    name: str
     before: int | None
     after: int | None
     cells: int
     limit: float
     kind: ClassVar[str] = "work"
-
-    @property
-    def name(self) -> str:
-        return self.counter
 
     @property
     def ratio(self) -> float:
