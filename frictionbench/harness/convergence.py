@@ -84,8 +84,10 @@ def record_histories(
     for outcome in progress.follow("convergence histories", pool, tasks):
         name, variant, _ = outcome.task.arguments
         if not outcome.failure:
-            with suppress(ValueError, TypeError, LookupError):
-                histories.append(_history(problems[name], variant, outcome.value))
+            with suppress(ValueError, TypeError, LookupError):  # the reply may be anything from a plug-in
+                facts = {fact: problems[name][fact] for fact in ("scene", "parameters", "step", "contacts")}
+                curve = {part: outcome.value[part] for part in ("units", "residuals")}
+                histories.append(parsed(facts | curve | {"variant": variant}, ConvergenceHistory, CONVERGENCE))
     write_histories(
         folder, sorted(histories, key=lambda history: (history.scene, history.parameters, str(history.step), history.variant))
     )
@@ -102,10 +104,3 @@ def chosen(records: Iterable[Record]) -> list[Record]:
     for record in sorted(real, key=lambda record: -record["contacts"]):
         by_scene.setdefault(record["scene"], record)
     return list(by_scene.values())[:MOST_PROBLEMS]
-
-
-def _history(record: Record, variant: str, reply: Any) -> ConvergenceHistory:
-    """Check a worker's reply, which may be anything from a plug-in. Errors: LookupError, TypeError or ValueError."""
-    facts = {name: record[name] for name in ("scene", "parameters", "step", "contacts")}
-    curve = {name: reply[name] for name in ("units", "residuals")}
-    return parsed(facts | curve | {"variant": variant}, ConvergenceHistory, CONVERGENCE)

@@ -34,8 +34,9 @@ from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, ti
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import ANOTHER_OUTCOME, COLD, ROBOT_STEP, RankBy, json_object
+from frictionbench.results.files import read_parsed
 from frictionbench.results.histories import ConvergenceHistory, read_histories
-from frictionbench.results.maps import GridPoint, maps_of, read_thresholds
+from frictionbench.results.maps import GridPoint, maps_of, thresholds_file
 from frictionbench.results.store import read_manifest, read_table
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods are faster below, sparse ones above
@@ -144,7 +145,7 @@ def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None
     simulations = annotate_simulations(read_table(folder, "simulations"))
     where = zip(simulations["scene"], simulations["scheme"], simulations["parameters"], strict=True)
     mapped = np.array([simulation in loops for simulation in where], dtype=bool)
-    thresholds = {spec.name: read_thresholds(folder, spec) for spec in specs}
+    thresholds = {spec.name: read_parsed(thresholds_file(folder, spec), dict[str, list[GridPoint]], {}) for spec in specs}
     solves = annotate(read_table(folder, "solves"))
     both = simulations[~mapped], simulations[mapped]
     return Run(manifest, solves, *both, read_histories(folder), thresholds, folder, budget=budget).ranked_by(rank_by)

@@ -22,7 +22,7 @@ from pydantic import Field, NonNegativeInt
 
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import DEFAULT_SCHEME, first_phase, number
-from frictionbench.results.files import parsed, read_parsed
+from frictionbench.results.files import parsed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -139,13 +139,8 @@ def maps_of(manifest: Mapping[str, Any]) -> list[Map]:
 
 
 def thresholds_file(folder: Path, spec: Map) -> Path:
-    """The file that holds the traced thresholds of a map."""
+    """The file that holds the points on each threshold of a map by its name, if any was traced."""
     return folder / "maps" / f"{spec.name}.json"
-
-
-def read_thresholds(folder: Path, spec: Map) -> dict[str, list[GridPoint]]:
-    """Read the points on each threshold by its name; empty if none was traced. Errors: ResultsError if the file is damaged."""
-    return read_parsed(thresholds_file(folder, spec), dict[str, list[GridPoint]], {})
 
 
 def at_grid_points(rows: "pd.DataFrame", spec: Map) -> "pd.DataFrame":
