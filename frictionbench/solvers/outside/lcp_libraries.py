@@ -1,7 +1,7 @@
 """The friction LCP by libraries of LCPs: Drake's two solvers, PATH through GAMSPy, and QuantEcon's Lemke method.
 
-All receive a dense, scaled M and q (solvers.pivots.dense_lcp, for pivoting methods in the plane solvers.outside.planar_lcp);
-PATH also the mixed problem in velocities and impulses.
+They receive a dense, scaled M and q (solvers.pivots.dense_lcp, for pivoting methods in the plane solvers.outside.planar_lcp),
+Drake's UnrevisedLemke one that is not scaled row by row, and PATH also the mixed problem in velocities and impulses.
 """
 
 import io
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.outside.mixed_lcp import Mixed, mixed_lcp
@@ -22,65 +22,66 @@ from frictionbench.solvers.pivots.dense_lcp import DenseLCP
 
 lcp_library = partial(solver, family="pivoting", model="lcp", dimension=(2, 3))  # registers an adapter
 _DRAKE = {"moby": "MobyLcpSolver", "unrevised": "UnrevisedLemkeSolver"}
+_SMALL = 1e-4  # the size of q for Drake, whose tolerances are absolute
 _SILENT = ("crash_iterations", "major_iterations", "minor_iterations", "initial_point_statistics", "final_point_statistics")
 _PATH = "default", "tuned", "velocities"
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 
-def perturbed(lcp: DenseLCP, size: float) -> DenseLCP:
-    """The LCP with random numbers, below size and 10 size in the residual's units, added to q against ties in ratio tests."""
-    if not size:
-        return lcp
-    most = size * np.minimum(1.0, 10 / lcp.scaled.unit[1])
-    return lcp._replace(q=lcp.q + most * np.random.default_rng(0).random(len(lcp.q)))
-
-
-@lcp_library("drake", needs=("drake",), variants=("method=moby", "method=unrevised", "method=unrevised,perturbation=1e-10"))
+@lcp_library("drake", needs=("drake",), variants=("method=moby", "method=unrevised"))
 class Drake:
     """Drake's solvers of LCPs: MobyLcp or UnrevisedLemke. (outside)
 
-    method: moby or unrevised. perturbation: the size of random numbers that are added to q, which is of size 1.
-    Work: none is reported.
+    method: moby or unrevised. Work: none is reported.
 
     Licence: BSD-3-Clause; the wheel bundles proprietary libraries that none of these solvers calls.
-    Form: the friction LCP's M, dense and scaled, and q, in the plane with three unknowns a contact. Setup: a
+    Form: the friction LCP's M, dense, and q: for MobyLcp scaled row by row and in the plane with three unknowns a contact, for
+        UnrevisedLemke with four, in one unit of impulses and one of velocities, whose ties are exact. Setup: a
         MathematicalProgram with that one constraint. Solve: a new solver object, as a reused one starts from its last basis,
         and its Solve.
     Clock: none.
-    Settings: its defaults; there are no options. perturbation=1e-10 gives it q + 1e-10 rand, less for slow contacts, without
-        ties; of these its ratio test takes one not yet taken in this basis, or fails, `frictionbench solve
-        'stack[blocks=50,friction=0.05,push=1]' --solver 'drake[method=unrevised]' --solver
-        'drake[method=unrevised,perturbation=1e-10]'`. Success is claimed where it holds of q.
+    Settings: its defaults; there are no options. Their tolerances are absolute: they find ties, and fail less often, with q of
+        size 1e-4.
     Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
-    Flaws: with large mass ratios UnrevisedLemke fails and MobyLcp, whose retries solve with M + lambda I, lambda up to 1e-4 at
-        least (SolveLcpLemkeRegularized), reports success for inexact answers, `frictionbench solve
-        'stack[blocks=5,mass_ratio=1e4,push=1]' --solver 'drake[method=unrevised]' --solver 'drake[method=moby]'`.
+    Flaws: of ties UnrevisedLemke takes one not yet taken in this basis, or fails, `frictionbench solve 'pyramid[rows=6]'
+        --solver 'drake[method=unrevised]'`. MobyLcp, whose retries solve with M + lambda I, lambda up to 1e-4 at least
+        (SolveLcpLemkeRegularized), reports success for inexact answers, `frictionbench solve 'stack[blocks=8,mass_ratio=1e4]'
+        --solver 'drake[method=moby]'`.
     Reference: Tedrake and others, Drake; Dai and Drumwright, "Computing the Principal Pivoting Transform" (UnrevisedLemke).
     """
 
     method: str = "moby"
-    perturbation: float = 0.0
 
-    def __post_init__(self) -> None:
-        require(0 <= self.perturbation < 1, "perturbation", f"must be at least 0 and less than 1, got {self.perturbation!r}")
+    def form(self, problem: FrictionProblem | LCP) -> tuple[Any, ...]:
+        """The LCP, M and q for Drake, and the unit of z."""
+        if self.method == "moby":
+            scaled = smallest_lcp(problem)
+            return scaled, scaled.M, _SMALL * scaled.q, 1 / _SMALL
+        lcp = problem if isinstance(problem, LCP) else problem.lcp()
+        M, q, k = lcp.dense.copy(), lcp.q.copy(), lcp.size - lcp.contacts[0]  # k impulses, then sliding speeds
+        mass = 2.0 ** -round(np.log2(M[:k].trace() / k)) if M[:k].trace() > 0 else 1.0  # the unit of impulses
+        M[:k, :k] *= mass
+        q[k:] /= mass
+        size = _SMALL / (np.abs(q).max(initial=0.0) or 1.0)
+        return lcp, M, size * q, np.where(np.arange(len(q)) < k, mass, 1.0) / size
 
-    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
-        return perturbed(smallest_lcp(problem), self.perturbation)
+    def setup(self, form: tuple[Any, ...]) -> tuple[Any, ...]:
+        lcp, M, q, unit = form
+        program = import_module("pydrake.solvers").MathematicalProgram()
+        z = program.NewContinuousVariables(len(q))
+        program.AddLinearComplementarityConstraint(M, q, z)
+        return lcp, unit, program, z
 
-    def setup(self, lcp: DenseLCP) -> tuple[DenseLCP, Any, Any]:
-        drake: Any = import_module("pydrake.solvers")
-        program = drake.MathematicalProgram()
-        z = program.NewContinuousVariables(len(lcp.q))
-        program.AddLinearComplementarityConstraint(lcp.M, lcp.q, z)
-        return lcp, program, z
-
-    def solve(self, prepared: tuple[DenseLCP, Any, Any], tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        drake: Any = import_module("pydrake.solvers")
-        lcp, program, z = prepared
-        result = getattr(drake, _DRAKE[self.method])().Solve(program, None, None)
-        y = result.GetSolution(z)
-        status = lcp.status(y, tol) if result.is_success() else Status.FAILED
-        return lcp.scaled.answer(y, status, result.get_solution_result().name)
+    def solve(self, prepared: tuple[Any, ...], tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        lcp, unit, program, unknowns = prepared
+        result = getattr(import_module("pydrake.solvers"), _DRAKE[self.method])().Solve(program, None, None)
+        z, detail = unit * result.GetSolution(unknowns), result.get_solution_result().name
+        status = Status.SOLVED if result.is_success() else Status.FAILED
+        return (
+            lcp.scaled.answer(z, status, detail)
+            if self.method == "moby"
+            else Answer(lcp.impulse(z), status, z=z, detail=detail)
+        )
 
 
 @lcp_library("path", needs=("gamspy",), remote=True, variants=tuple(f"settings={name}" for name in _PATH))

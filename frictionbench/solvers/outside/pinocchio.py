@@ -2,9 +2,9 @@
 
 Licence: BSD-2-Clause by the text that it ships.
 Form: the dimensionless Delassus matrix, of which it reads a triangle, with three rows a contact, (t1, t2, n); the second
-    tangent of a planar one is decoupled. Its diagonal is 1, for ADMM 4. It is dense, and sparse for ADMM above 60 contacts if
-    less than half full. Setup: the operator, and the coefficients of friction in point contact models that are kept for each
-    number of contacts. Solve: its solve, and reading the impulses.
+    tangent of a planar one is decoupled. Its diagonal is 1, for ADMM 2, in the plane where bodies are known 4. It is dense, and
+    sparse for ADMM above 60 contacts if less than half full. Setup: the operator, and the coefficients of friction in point
+    contact models that are kept for each number of contacts. Solve: its solve, and reading the impulses.
 Clock: the solver's getElapsedTime, with measure_timings on.
 Charged: on some problems it takes several times the iterations of a call by hand, which gives it W in units of kg and asks
     tol/10 of impulses and velocities as they are, and on others a fraction.
@@ -15,7 +15,7 @@ Settings: ADMM's defaults have no Anderson acceleration, anderson_capacity = 0, 
     over_relaxation is 1; tuned is 1.3, `frictionbench solve 'wedge[friction=0.2]' --solver 'pinocchio[method=pgs]' --solver
     'pinocchio[method=pgs,settings=tuned]'`.
 Tolerance: absolute feasibility and complementarity of eps/10 for ADMM and eps/100 for PGS, whose criterion is weaker still,
-    eps as in solvers.outside.scaled_delassus; relative tolerances are off.
+    not less than 1e-14, eps as in solvers.outside.scaled_delassus; relative tolerances are off.
 Flaws: ADMM without acceleration does not converge in 20 000 iterations with large mass ratios, `frictionbench solve
     'stack[blocks=5,mass_ratio=1e6,push=1]' --solver 'pinocchio[method=admm]'`. PGS stops at once and reports success on some
     problems, with and without friction, `frictionbench solve wedge --solver 'pinocchio[method=pgs]'`, `frictionbench solve
@@ -37,9 +37,10 @@ from frictionbench.solvers.outside import STOPPING_MARGIN
 from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, entries, scaled_delassus
 
 _MARGINS = {"admm": STOPPING_MARGIN, "pgs": 10 * STOPPING_MARGIN}
-# The diagonal of W^. ADMM's mu_prox and its updates of rho depend on units: with 1 it takes 1.4 times as many iterations, the
-# geometric mean of 16 problems of the suites' families, and with 30 three more of them are not solved. Sweeps do not depend.
-_SIZES = {"admm": 4.0, "pgs": 1.0}
+# The diagonal of W^ in the plane where the mechanics are known, and elsewhere. ADMM's mu_prox and its updates of rho depend on
+# units: tuned it takes 247 iterations on 31 planar problems with 4 and 306 with 2, on 18 recorded ones 280 and 161.
+_SIZES = {"admm": (4.0, 2.0), "pgs": (1.0, 1.0)}
+_LEAST = 1e-14  # of tolerances, for rounding
 _DENSE = 60  # contacts up to which ADMM's dense operator is the faster one
 _VARIANTS = tuple(f"method={each}{more}" for each in ("admm", "admm,law=ccp", "pgs") for more in ("", ",settings=tuned"))
 _TUNED: dict[str, dict[str, float]] = {
@@ -91,7 +92,8 @@ class Pinocchio:
         """The scaling, and W^ dense or sparse."""
         n = problem.contacts
         dense = self.method == "pgs" or n <= _DENSE or 2 * len(problem.blocks.neighbours) > n**2
-        scaled = scaled_delassus(problem, TANGENTS_FIRST, matrix=dense, size=_SIZES[self.method])
+        size = _SIZES[self.method][problem.dimension == 3 or not problem.mechanical]
+        scaled = scaled_delassus(problem, TANGENTS_FIRST, matrix=dense, size=size)
         if dense:
             return scaled, scaled.W.T
         row, column, value = entries(*problem.blocks, scaled.E, TANGENTS_FIRST).T
@@ -113,7 +115,8 @@ class Pinocchio:
         name = self.method.upper()
         settings, result = getattr(pin, f"{name}SolverSettings")(), getattr(pin, f"{name}SolverResult")()
         settings.solve_ncp, settings.max_iterations = self.law == "ncp", limit or 20_000
-        settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = scaled.share * tol / _MARGINS[self.method]
+        accuracy = max(scaled.share * tol / _MARGINS[self.method], _LEAST)
+        settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = accuracy
         settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
         settings.measure_timings = True
         for option, value in (_TUNED[self.method] if self.settings == "tuned" else {}).items():

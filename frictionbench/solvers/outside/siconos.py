@@ -52,7 +52,6 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.rows import row_of_entry
 from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside.children.child import child
-from frictionbench.solvers.outside.lcp_libraries import perturbed
 from frictionbench.solvers.outside.planar_lcp import smallest_lcp
 from frictionbench.solvers.outside.scaled_delassus import PLANE, SPACE, ScaledDelassus, entries, scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
@@ -124,8 +123,8 @@ class Siconos:
         kind = next(kind for kind in ("lcp", "friction_2d", "friction_3d", "global") if self.method.startswith(kind))
         given: DenseLCP | ScaledDelassus
         if isinstance(problem, LCP) or kind == "lcp":
-            form = dense_lcp if "newton" in self.method else smallest_lcp
-            given = perturbed(form(problem), 1e-10 if self.settings == "tuned" else 0.0)
+            lcp = dense_lcp(problem) if "newton" in self.method else smallest_lcp(problem)
+            given = perturbed(lcp) if self.settings == "tuned" else lcp
             message: dict[str, Any] = {"M": given.M, "q": given.q}
         else:
             nc = problem.contacts
@@ -160,6 +159,12 @@ class Siconos:
             status = given.status(found["r"], tol)
         scaled = given.scaled if isinstance(given, DenseLCP) else given
         return scaled.answer(found["r"], status, detail, found["clock"], iterations=found["iterations"])
+
+
+def perturbed(lcp: DenseLCP) -> DenseLCP:
+    """The LCP with random numbers, below 1e-10 and 1e-9 in the residual's units, added to q against ties in ratio tests."""
+    most = 1e-10 * np.minimum(1.0, 10 / lcp.scaled.unit[1])
+    return lcp._replace(q=lcp.q + most * np.random.default_rng(0).random(len(lcp.q)))
 
 
 def global_form(problem: FrictionProblem, given: ScaledDelassus) -> dict[str, Array]:

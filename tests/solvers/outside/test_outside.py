@@ -21,9 +21,9 @@ from frictionbench.results import store
 from frictionbench.solvers import Status, available, find, plugins, solve
 from frictionbench.solvers.needs import LICENSED, installed_version
 from frictionbench.solvers.outside.children.child import Child, DiedError
-from frictionbench.solvers.outside.lcp_libraries import perturbed
 from frictionbench.solvers.outside.mujoco import MuJoCo
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
+from frictionbench.solvers.outside.siconos import perturbed
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 from tests.helpers.friction_problems import block, installed, nothing, own_residual, spatial, with_joints
 from tests.helpers.paths import HELPERS, ROOT
@@ -95,6 +95,7 @@ def test_a_prepared_problem_is_solved_again_after_others(spec) -> None:
         ("siconos[method=friction_3d_prox]", "sphere_pyramid[levels=3,noise=0.3]"),
         ("siconos[method=global_friction_3d_ipm]", "sphere_pyramid[levels=2,noise=0.3]"),
         ("casadi[settings=tuned]", "stack[blocks=5,mass_ratio=1e4,push=1]"),
+        ("drake[method=unrevised]", "stack[blocks=8,mass_ratio=100]"),
         ("proxsuite[matrices=sparse,settings=tuned]", "stack[blocks=3,mass_ratio=1e5]"),
         *((f"{name}[settings=tuned]", "random_bodies[contacts=8,seed=1]") for name in ("clarabel", "ccp_cone")),
         *(("pinocchio[method=admm,settings=tuned]", f"stack[blocks={blocks},push=1]") for blocks in (10, 60)),
@@ -177,7 +178,7 @@ def test_share_of_the_dense_lcp_bounds_every_contacts_residual() -> None:
 
 def test_a_claim_for_a_perturbed_q_holds_of_the_given_one() -> None:
     lcp = dense_lcp(scene("stack", blocks=2, push=1.0).problem())
-    nudged, y = perturbed(lcp, 1e-10), solve(lcp.scaled.problem, "lemke").z / lcp.scaled.stretch
+    nudged, y = perturbed(lcp), solve(lcp.scaled.problem, "lemke").z / lcp.scaled.stretch
     ends = [given.status(z, 1e-8) for given in (lcp, nudged) for z in (y, y + 1e-3)]
     assert ends == [Status.SOLVED, Status.SOLVED, Status.SOLVED, Status.STALLED]
 
