@@ -105,6 +105,7 @@ def test_recipe(name, printed) -> None:
 
 QUICK = [  # what make quick checks of the package, and of its tests those that take in what is new
     *("ruff check frictionbench", "ruff format --check frictionbench", "mypy frictionbench"),
+    "pytest --numprocesses=0 tests/harness/test_contract.py -k counts_its_work",
     "pytest --numprocesses=0 tests/problems tests/solvers -k 'test_every_solver and jacobi or test_interface and scipy_nnls "
     "or test_scenes and brick or test_schemes and (brick or ball or tower) or test_rotation and midpoint or every_parameter'",
 ]
