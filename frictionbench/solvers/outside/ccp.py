@@ -47,7 +47,7 @@ class CCP:
         tuned is sigma_init 200, by default 20, and factorization_method 1, the Schur complement, `frictionbench solve
         'stack[blocks=150,push=1]' --solver 'ccp[backend=qpalm]' --solver 'ccp[backend=qpalm,settings=tuned]'`.
     Tolerance: eps is tol in the units of the scaled program. highs and hipo both feasibilities eps/10, no less than 1e-10, and
-        hipo a gap of eps^2, no less than 1e-12, its least. qpalm eps_abs = eps/3. Relative tolerances are 0.
+        hipo a gap of eps^2, no less than 1e-12, its least. qpalm eps_abs = eps/10. Relative tolerances are 0.
     Flaws: HiGHS' least feasibility of 1e-10 leaves the residual of some answers at a few times 1e-8, and HiPO's least gap some
         at 1e-6, `frictionbench solve 'stack[blocks=3]' --solver 'ccp[backend=hipo]'`.
     Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Huangfu and Hall 2018 (HiGHS); Hermans, Themelis and
@@ -82,7 +82,7 @@ class CCP:
         settings: dict[str, Any] = {
             "highs": highs | {"qp_iteration_limit": limit or 100_000},
             "hipo": highs | {"solver": "hipo", "ipm_optimality_tolerance": gap, "ipm_iteration_limit": limit or 500},
-            "qpalm": {"eps_abs": eps / 3, "eps_rel": 0.0, "max_iter": limit or 10_000},
+            "qpalm": {"eps_abs": accuracy, "eps_rel": 0.0, "max_iter": limit or 10_000},
         }[self.backend]
         settings |= _TUNED[self.backend] if self.settings == "tuned" else {}
         with warnings.catch_warnings():

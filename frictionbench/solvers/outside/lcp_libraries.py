@@ -28,33 +28,33 @@ _PATH = "default", "tuned", "velocities"
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 
-@lcp_library("drake", needs=("drake",), variants=("method=moby", "method=unrevised"))
+@lcp_library("drake", needs=("drake",), variants=("method=moby", "method=unrevised", "method=unrevised,unknowns=4"))
 class Drake:
     """Drake's solvers of LCPs: MobyLcp or UnrevisedLemke. (outside)
 
-    method: moby or unrevised. Work: none is reported.
+    method: moby or unrevised. unknowns: 3 or 4 per contact in the plane. Work: none is reported.
 
     Licence: BSD-3-Clause; the wheel bundles proprietary libraries that none of these solvers calls.
-    Form: the friction LCP's M, dense, and q: for MobyLcp scaled row by row and in the plane with three unknowns a contact, for
-        UnrevisedLemke with four, in one unit of impulses and one of velocities, whose ties are exact. Setup: a
-        MathematicalProgram with that one constraint. Solve: a new solver object, as a reused one starts from its last basis,
-        and its Solve.
+    Form: the friction LCP's M, dense, and q, scaled row by row, in the plane with three unknowns a contact; with unknowns=4 in
+        one unit of impulses and one of velocities, whose ties are exact, in the plane with four. Setup: a MathematicalProgram
+        with that one constraint. Solve: a new solver object, as a reused one starts from its last basis, and its Solve.
     Clock: none.
     Settings: its defaults; there are no options. Their tolerances are absolute: they find ties, and fail less often, with q of
-        size 1e-4.
+        size 1e-4. UnrevisedLemke solves some problems in one form only, `frictionbench solve 'stack[blocks=8,mass_ratio=100]'
+        --solver 'drake[method=unrevised]' --solver 'drake[method=unrevised,unknowns=4]'`.
     Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
-    Flaws: of ties UnrevisedLemke takes one not yet taken in this basis, or fails, `frictionbench solve 'pyramid[rows=6]'
-        --solver 'drake[method=unrevised]'`. MobyLcp, whose retries solve with M + lambda I, lambda up to 1e-4 at least
-        (SolveLcpLemkeRegularized), reports success for inexact answers, `frictionbench solve 'stack[blocks=8,mass_ratio=1e4]'
-        --solver 'drake[method=moby]'`.
+    Flaws: of ties UnrevisedLemke takes one not yet taken in this basis, or fails, as in this example. MobyLcp, whose retries
+        solve with M + lambda I, lambda up to 1e-4 at least (SolveLcpLemkeRegularized), reports success for inexact answers,
+        `frictionbench solve 'stack[blocks=8,mass_ratio=1e4]' --solver 'drake[method=moby]'`.
     Reference: Tedrake and others, Drake; Dai and Drumwright, "Computing the Principal Pivoting Transform" (UnrevisedLemke).
     """
 
     method: str = "moby"
+    unknowns: int = 3
 
     def form(self, problem: FrictionProblem | LCP) -> tuple[Any, ...]:
         """The LCP, M and q for Drake, and the unit of z."""
-        if self.method == "moby":
+        if self.unknowns == 3:
             scaled = smallest_lcp(problem)
             return scaled, scaled.M, _SMALL * scaled.q, 1 / _SMALL
         lcp = problem if isinstance(problem, LCP) else problem.lcp()
@@ -78,9 +78,7 @@ class Drake:
         z, detail = unit * result.GetSolution(unknowns), result.get_solution_result().name
         status = Status.SOLVED if result.is_success() else Status.FAILED
         return (
-            lcp.scaled.answer(z, status, detail)
-            if self.method == "moby"
-            else Answer(lcp.impulse(z), status, z=z, detail=detail)
+            lcp.scaled.answer(z, status, detail) if self.unknowns == 3 else Answer(lcp.impulse(z), status, z=z, detail=detail)
         )
 
 

@@ -95,7 +95,7 @@ def test_a_prepared_problem_is_solved_again_after_others(spec) -> None:
         ("siconos[method=friction_3d_prox]", "sphere_pyramid[levels=3,noise=0.3]"),
         ("siconos[method=global_friction_3d_ipm]", "sphere_pyramid[levels=2,noise=0.3]"),
         ("casadi[settings=tuned]", "stack[blocks=5,mass_ratio=1e4,push=1]"),
-        ("drake[method=unrevised]", "stack[blocks=8,mass_ratio=100]"),
+        ("drake[method=unrevised,unknowns=4]", "stack[blocks=8,mass_ratio=100]"),
         ("proxsuite[matrices=sparse,settings=tuned]", "stack[blocks=3,mass_ratio=1e5]"),
         *((f"{name}[settings=tuned]", "random_bodies[contacts=8,seed=1]") for name in ("clarabel", "ccp_cone")),
         *(("pinocchio[method=admm,settings=tuned]", f"stack[blocks={blocks},push=1]") for blocks in (10, 60)),
