@@ -117,7 +117,8 @@ class Judged:
         several = f"in the median of {len(held)} of {len(self.touching)} steps; at up to {largest}, " * (len(held) > 1)
         text += f"{several}in {fastest.file}."
         if not creeps or WORSE_THAN_NONE in self.doubts:
-            return text
+            jerks = sum((one.known("creep") or 0.0) > CREEP * one.free_velocity for one in held)
+            return text + f" In {jerks} of them they creep by more than {rough_percent(CREEP)} of it." * (jerks > 1 > creeps)
         soft = middle.notes.get("softness of contacts", 0.0)
         if soft * middle.free_velocity > SOFT * speeds[0]:
             where = "In the median step the" if len(held) > 1 else "The"

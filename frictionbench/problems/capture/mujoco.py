@@ -47,7 +47,7 @@ def mujoco(model: Any, data: Any) -> EngineStep:
     """
     import mujoco as mj
 
-    require_pair(mj, model, data)
+    require_usable(mj, model, data)
     require(model.opt.integrator in known(mj), "integrator", "must be Euler, implicit or implicitfast")
     h = float(model.opt.timestep)
     after = mj.MjData(model)
@@ -86,11 +86,13 @@ def kinds_of(mj: Any, data: Any) -> Kinds:
     return Kinds(data.contact.efc_address >= 0, limit, dry, kind == int(at.mjCNSTR_EQUALITY))
 
 
-def require_pair(mj: Any, model: Any, data: Any) -> None:
-    """Check the types, and that data belongs to this model: MuJoCo itself would access memory beyond data's arrays."""
+def require_usable(mj: Any, model: Any, data: Any) -> None:
+    """Check that data belongs to this model, or MuJoCo would access memory beyond its arrays, and that it has not diverged."""
     require(isinstance(model, mj.MjModel), "model", f"must be a mujoco.MjModel, got {type(model)}")
     own = isinstance(data, mj.MjData) and data.signature == model.signature
-    require(own, "data", f"must be a mujoco.MjData of this model, got {type(data)}")
+    require(own, "data", "must be a mujoco.MjData that was made for this model")
+    within = np.abs(np.concatenate([data.qpos, data.qvel])) <= mj.mjMAXVAL
+    require(bool(within.all()), "data", "MuJoCo would reset it: the simulation has diverged")
 
 
 def known(mj: Any) -> tuple[Any, ...]:

@@ -148,6 +148,9 @@ def test_steps_without_contacts_and_unusable_ones() -> None:
     model.opt.integrator = mj.mjtIntegrator.mjINT_RK4
     with pytest.raises(fb.InputError, match="integrator: must be Euler, implicit or implicitfast"):
         capture.mujoco(model, data)
+    data.qpos[0] = np.nan
+    with pytest.raises(fb.InputError, match="data: MuJoCo would reset it"):
+        capture.mujoco(model, data)
 
 
 def test_a_gap_of_rounding_is_none() -> None:
