@@ -1,7 +1,7 @@
 """The friction LCP by libraries of LCPs: Drake's two solvers, PATH through GAMSPy, and QuantEcon's Lemke method.
 
-They receive a dense, scaled M and q (solvers.pivots.dense_lcp, for pivoting methods in the plane solvers.outside.planar_lcp),
-Drake's UnrevisedLemke one that is not scaled row by row, and PATH also the mixed problem in velocities and impulses.
+All receive a dense, scaled M and q (solvers.pivots.dense_lcp, for pivoting methods in the plane solvers.outside.planar_lcp);
+a variant of Drake one that is not scaled row by row, and PATH also the mixed problem in velocities and impulses.
 """
 
 import io
